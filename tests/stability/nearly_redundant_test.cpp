@@ -11,6 +11,8 @@
 #include <Eigen/LU>
 
 #include <lockstep/analysis.h>
+#include <lockstep/forces.h>
+#include <lockstep/joints.h>
 #include <lockstep/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/simulation.h>
@@ -60,9 +62,10 @@ struct Model {
   Vec3 turned(const Vec3& v) const { return rotation(frame.q) * v; }
 
   void begin(NearlyRedundant choice, const std::string& solver) {
-    dynamics = std::make_unique<Dynamics>(
-        system, builtin_registry().solvers.make(solver, Params{}, &builtin_registry(), "solver"),
-        DynamicsOptions{.formulation = Formulation::omega});
+    RunSettings settings;
+    settings.solver = {solver};
+    dynamics = std::make_unique<Dynamics>(system, make_solver(settings, builtin_registry()),
+                                          DynamicsOptions{Formulation::omega, {}});
     start = system.start();
     near = decide_nearly_redundant(system, *dynamics, start, choice);
     start = system.start();
@@ -92,8 +95,7 @@ std::unique_ptr<Model> door(const Frame& frame, bool both) {
   m.frame = frame;
   m.system.set_gravity(m.turned({0, kSideways, -9.81}));
   const Vec3 J = kMass / 12 * Vec3(0.04 * 0.04 + 4, 0.9 * 0.9 + 4, 0.9 * 0.9 + 0.04 * 0.04);
-  MassProperties mass;
-  mass.mass = kMass, mass.inertia = J.asDiagonal();
+  const MassProperties mass{kMass, Vec3::Zero(), J.asDiagonal()};
   Body& body = m.system.add_body("door", mass, m.at({0.45, 0, 1}));
   body.start.v = m.turned({0, 0.45, 0}), body.start.w = {0, 0, 1};
   m.system.add<Revolute>("low", body, m.system.ground(), m.at({0, 0, 0.2}));
@@ -107,8 +109,7 @@ std::unique_ptr<Model> four_bar(const Frame& frame, double tilt) {
   Model& m = *out;
   m.frame = frame;
   const auto rod = [&](const char* name, const Vec3& a, const Vec3& b) -> Body& {
-    const Pose place{frame.x, frame.q};
-    return m.system.add_body(name, shapes::rod(1, place * a, place * b));
+    return m.system.add_body(name, shapes::rod(1, m.at(a).x, m.at(b).x));
   };
   Body& crank = rod("crank", {0, 0, 0}, {0, 0.1, 0});
   Body& coupler = rod("coupler", {0, 0.1, 0}, {0.3, 0.2, 0});
@@ -138,14 +139,18 @@ VecX carried(const Evaluation& e) {
   return Jt.fullPivLu().solve(e.force().cast<Real>()).cast<double>();
 }
 
+/// How far two motions are apart, m and in turns since their starts, seen from their frames.
 double distance(const System& a, const State& at, const Frame& frame, const System& b, const State& other) {
   double most = 0;
-  const Pose back = inverse(Pose{frame.x, frame.q});
+  const Mat3 F = rotation(frame.q);
   for (const Body& body : a.bodies()) {
     if (body.fixed) continue;
-    const Pose ours = back * body_pose(body, at), theirs = body_pose(b.body(body.name), other);
-    keep_worst(most, (ours.x - theirs.x).norm());
-    keep_worst(most, (rotation(ours.q) - rotation(theirs.q)).norm());
+    const Body& same = b.body(body.name);
+    const Pose ours = body_pose(body, at), theirs = body_pose(same, other);
+    const Mat3 turn = rotation(ours.q) * rotation(body.home.q).transpose(),
+               other_turn = rotation(theirs.q) * rotation(same.home.q).transpose();
+    keep_worst(most, (F.transpose() * (ours.x - frame.x) - theirs.x).norm());
+    keep_worst(most, (F.transpose() * turn * F - other_turn).norm());
   }
   return most;
 }

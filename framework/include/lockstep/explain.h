@@ -73,7 +73,7 @@ struct LinkAccount {
 LOCKSTEP_API LinkAccount account_of(Dynamics&, const State&, const Lock&);
 
 /// What a force does at a state.
-struct ForceAccount {
+struct ForceEffect {
   std::string name,              ///< of the force
       type;                      ///< of the force
   bool acts = true;              ///< whether it is switched on
@@ -85,6 +85,6 @@ struct ForceAccount {
 };
 
 /// The account of a force at a state in the slots' own coordinates. Throws what Dynamics::evaluate throws.
-LOCKSTEP_API ForceAccount account_of(Dynamics&, const State&, const Force&);
+LOCKSTEP_API ForceEffect account_of(Dynamics&, const State&, const Force&);
 
 }  // namespace lockstep

@@ -141,14 +141,14 @@ void System::check_absent_row(const Inputs& in, const Lock& link, int k, const R
     throw ModelError("link '" + link.name() + "', row " + link.row_name(k) +
                          ": was left out at the start, since it nearly depended on others, and is violated by " +
                          text::brief(x) + " (limit " + text::brief(limit) + ") at t = " + text::number(in.t) +
-                         " s; set " nearly_redundant " of " run " to " held ", or build it otherwise",
+                         " s; set \"nearly_redundant\" of \"run\" to \"held\", or build it otherwise",
                      {.thing = thing_of(link), .t = in.t});
   }
   const double x = std::max({std::abs(all.C(k)), std::abs(all.Ct(k)), std::abs(all.Qhat(k))});
   if (plane_ && x > 1e-8 * std::max(1.0, length_))
     throw ModelError("link '" + link.name() + "', row " + link.row_name(k) + ": asks for a motion out of the plane (" +
                          text::brief(x) + ") at t = " + text::number(in.t) +
-                         " s, and the scene is planar; set " planar " to " off "",
+                         " s, and the scene is planar; set \"planar\" to \"off\"",
                      {.thing = thing_of(link), .t = in.t});
 }
 

@@ -167,10 +167,10 @@ LinkAccount account_of(Dynamics& dynamics, const State& state, const Lock& link)
   return out;
 }
 
-ForceAccount account_of(Dynamics& dynamics, const State& state, const Force& force) {
+ForceEffect account_of(Dynamics& dynamics, const State& state, const Force& force) {
   const System& system = dynamics.system();
   const Solution& v = dynamics.evaluate(state);
-  ForceAccount out;
+  ForceEffect out;
   out.name = force.name(), out.type = std::string(force.type());
   for (const ForceLaw& own : force.laws()) out.laws.push_back(account(own.what, *own.law, own.unit, state.t));
   for (const Marker* marker : force.markers())

@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Cholesky>
+
 #include <lockstep/analysis.h>
 #include <lockstep/error.h>
 #include "framework/dynamics/solvers/graph.h"
@@ -130,11 +132,11 @@ void leave_out(System& system, const std::vector<OwnRow>& rows) {
   for (const OwnRow& row : rows) system.leave_out(*row.link, system.left_out(*row.link) | 1U << row.own);
 }
 
-void take_back(System& system) {
+void take_back(System& system, bool held) {
   system.setup();
   for (const auto& link : system.links())
     if (system.left_out(*link) != 0) system.leave_out(*link, 0);
-  system.hold_down_to(0);
+  if (held) system.hold_down_to(0);
 }
 
 /// C of a row, in lengths.
@@ -266,7 +268,7 @@ void try_out(System& system, Dynamics& dynamics, const State& state, std::vector
       if (f.free.possible) f.told.violation = std::max(f.told.violation, trial.along(row, gone));
     f.told.in_passing = !(f.told.violation < kPersists * system.length());
   }
-  take_back(system);
+  take_back(system, false);
 }
 
 }  // namespace
@@ -275,7 +277,7 @@ std::vector<NearDependency> decide_nearly_redundant(System& system, Dynamics& dy
                                                     NearlyRedundant choice) {
   State state = given;
   dynamics.to_slots(state);
-  take_back(system);
+  take_back(system, dynamics.gather(state).rows().held != 0);
   std::vector<NearDependency> told;
   if (!has_loops(system, state.modes)) return told;
   const RowTable table = dynamics.gather(state).rows();
@@ -292,10 +294,12 @@ std::vector<NearDependency> decide_nearly_redundant(System& system, Dynamics& dy
     any = any || decided;
     told.push_back(f.told);
   }
+  system.setup();
   if (!any || choice == NearlyRedundant::free) return told;
   const Choice exact = exactly_dependent(system, table);
   leave_out(system, exact.gone);
   system.hold_down_to(exact.smallest);
+  system.setup();
   for (NearDependency& d : told)
     if (!d.in_passing) {  // the first tells them all
       d.left_out = names_of(exact.gone);

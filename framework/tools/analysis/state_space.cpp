@@ -335,9 +335,9 @@ StateSpace linearize(Dynamics& dynamics, const State& given, const std::vector<L
   for (const LinearInput& input : inputs)
     for (InputColumn& column : columns_of(input, Actuator(system, input), m, r, response, outputs, out.accuracy))
       columns.push_back(std::move(column));
-  std::ranges::stable_partition(columns, [](const InputColumn& c) { return c.of == InputColumn::Of::state; });
+  std::ranges::stable_partition(columns, [](const InputColumn& one) { return one.of == InputColumn::Of::state; });
   const Eigen::Index driven =
-      std::ranges::count_if(columns, [](const InputColumn& c) { return c.of == InputColumn::Of::state; });
+      std::ranges::count_if(columns, [](const InputColumn& one) { return one.of == InputColumn::Of::state; });
   const Eigen::Index n = 2 * f + driven, n_in = static_cast<Eigen::Index>(columns.size()) - driven;
   out.A = MatX::Zero(n, n);
   out.A.block(0, f, f, f).setIdentity();

@@ -40,7 +40,7 @@ Json json(const LawAccount& l) {
   return {{"what", l.what}, {"unit", l.unit}, {"value", l.value}, {"rate", l.rate}, {"second", l.second}};
 }
 
-Json json(const ForceAccount& a) {
+Json json(const ForceEffect& a) {
   Json on = Json::array(), laws = Json::array();
   for (const Contribution& c : a.on)
     on.push_back({{"body", c.what}, {"force", json(c.force)}, {"moment", json(c.moment)}});
@@ -120,7 +120,7 @@ void print(const std::vector<LawAccount>& laws) {
                l.unit.empty() ? "" : " ", l.unit, numbers(l.rate), numbers(l.second));
 }
 
-void print(const ForceAccount& a) {
+void print(const ForceEffect& a) {
   fmt::print("force '{}', {}{}\n", a.name, a.type, a.acts ? "" : ": switched off");
   for (const Contribution& c : a.on)
     fmt::print(
