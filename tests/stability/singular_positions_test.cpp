@@ -407,14 +407,15 @@ TEST_CASE("a flat position is passed from any distance at any tolerance", "[stab
 TEST_CASE("methods with plain stages pass a flat position rightly, or it is told", "[stability][integrators]") {
   struct Plain {
     const char* method;
-    double step;
+    double step, error;  // its own, of that step
   };
-  for (const Plain& plain : {Plain{"rk4", 1e-2}, Plain{"rattle2", 1e-2}, Plain{"rattle4", 1e-2},
-                             Plain{"generalized_alpha", 1e-2}, Plain{"radau5", 0}, Plain{"semi_implicit_euler", 1e-3}})
+  for (const Plain& plain :
+       {Plain{"rk4", 1e-2, 1e-4}, Plain{"rattle2", 1e-2, 1e-4}, Plain{"rattle4", 1e-2, 1e-4},
+        Plain{"generalized_alpha", 1e-2, 1e-4}, Plain{"radau5", 0, 1e-4}, Plain{"semi_implicit_euler", 1e-3, 1e-3}})
     for (const double before : {0.3, 1e-2, 1e-3}) {
       const Passage p = pass(plain.method, 1e-8, plain.step, before);
       CAPTURE(plain.method, before, p.ended, p.watched, p.error, p.steps);
-      CHECK((!p.ended || p.watched || p.error < 1e-4));
+      CHECK((!p.ended || p.watched || p.error < plain.error));
     }
 }
 

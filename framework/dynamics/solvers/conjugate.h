@@ -26,13 +26,8 @@ class ConjugateGradients {
   void size(int n_rows) {
     for (VecX* v : {&r_, &z_, &p_, &q_, &way_, &best_way_, &back_}) v->setZero(n_rows);
   }
-  /// Sets what is solved for: `eps`: E relative to S; `spread`: mass of the lightest body over that of the heaviest; `held`:
-  /// the least singular value of rows that are to be held (KktPattern::held).
-  void set(double eps, double spread, double held = 0) {
-    left_ = eps / (kShare * spread);
-    if (held > 0) left_ = std::max(left_, eps / (kShare * spread * held * held));
-    longest_ = 1 + std::max(left_, 1.0);
-  }
+  /// Sets what is solved for: `eps`: E relative to S; `spread`: mass of the lightest body over that of the heaviest.
+  void set(double eps, double spread) { left_ = eps / (kShare * spread), longest_ = 1 + std::max(left_, 1.0); }
   /// Whether bodies differ so much in mass that corrections alone do not suffice.
   bool needed() const { return left_ > kSlow; }
   /// From the present solution: residual(r) writes its residual, solve(r, z) z, step(p, length) moves the solution by

@@ -67,7 +67,6 @@ class SchurFactorization final : public Factorization {
   std::array<double, 3> largest_{}, floors_{};  // scale and residual floor by kind
   PivotWatch watch_;
   ConjugateGradients gradients_;
-  double held_ = 0;                  // KktPattern::held
   std::vector<std::size_t> places_;  // of the rows in x
   double worst_ = 0, before_ = 0;  // relative residual, and that before the last correction
   int worst_row_ = -1;
@@ -93,7 +92,6 @@ SchurFactorization::SchurFactorization(const KktPattern& pattern)
   size(pattern);
   watch_.begin(pattern.m);
   gradients_.size(pattern.m);
-  held_ = pattern.held;
   for_each_row([&](int, std::size_t at, int) { places_.push_back(at); });
 }
 
@@ -129,7 +127,7 @@ void SchurFactorization::read_masses(const Kkt& kkt) {
     for (int i = 0; i < (plane_ ? 1 : 3); ++i)
       if (double& J = M[schur::Spatial::I[i][i]]; J == 0) J = 1e30 * M[0];
   }
-  gradients_.set(z_.eps, lightest / heaviest, held_);
+  gradients_.set(z_.eps, lightest / heaviest);
   masses_known_ = true;
 }
 

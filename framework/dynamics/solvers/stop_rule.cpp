@@ -47,7 +47,7 @@ VecX pivot_floors(const Kkt& kkt, double eps) {
 }
 
 void StopRule::analyse(const KktPattern& pattern, double eps) {
-  eps_ = eps, held_ = pattern.held;
+  eps_ = eps;
   for (VecX* v : {&r_f_, &size_n_, &da_, &zero_}) v->setZero(pattern.n);
   for (VecX* v : {&r_c_, &scale_, &S_, &dl_}) v->setZero(pattern.m);
   gradients_.size(pattern.m);
@@ -116,7 +116,7 @@ bool StopRule::differ_in_mass(const Kkt& kkt) {
   for_each_mass(kkt.pattern, [&](int, int, std::size_t at) {
     lightest = std::min(lightest, kkt.M[at]), heaviest = std::max(heaviest, kkt.M[at]);
   });
-  gradients_.set(eps_, lightest / heaviest, held_);
+  gradients_.set(eps_, lightest / heaviest);
   return gradients_.needed();
 }
 

@@ -203,7 +203,7 @@ class StopRule {
   VecX r_f_, r_c_, scale_, size_n_, S_, da_, dl_, zero_;
   ConjugateGradients gradients_;
   std::array<double, 3> largest_scale_{}, floors_{};  // one per RowKind
-  double eps_ = 0.0, held_ = 0.0;
+  double eps_ = 0.0;
   double energy_f_ = 0.0;                             // largest a_f . M a_f of a slot
   double largest_ = 0.0, before_ = 0.0;
   int worst_row_ = -1;
