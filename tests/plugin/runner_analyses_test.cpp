@@ -196,12 +196,11 @@ TEST_CASE("runner: explain sums up what acts on a body", "[plugin][runner]") {
 }
 
 TEST_CASE("runner: explain gives the laws and powers of a force", "[plugin][runner]") {
-  const std::string scene = "force_by_law.json";
-  std::ofstream(scene) << R"({"lockstep": 1,
+  const std::string scene = "'" + scene_file("force_by_law", R"(
     "bodies": [{"name": "m", "particle": 2, "velocity": [3, 0, 0]}],
     "forces": [{"name": "push", "type": "applied_force", "p": "m", "direction": [2, 0, 0],
                 "law": {"type": "sine", "amplitude": 5, "omega": 4}}],
-    "run": {"until": 1}})";
+    "run": {"until": 1})") + "'";
   const Json j = json_of("explain " + scene + " push --at 0.3 --json");
   const double s = std::sin(1.2), c = std::cos(1.2);
   REQUIRE(j["laws"].size() == 1);
@@ -227,7 +226,12 @@ TEST_CASE("runner: rows that nearly depend are told, and held where that is aske
   CHECK(free["nearly_redundant"][0]["decided"] == "free");
   CHECK(free["nearly_redundant"][0]["left_out"].size() == 5);
   CHECK(free["nearly_redundant"][0]["singular_value"].get<double>() < 1e-6);
-  const Json held = json_of("check " + door + " --nearly-redundant held --json");
+  const auto after_warnings = [](const std::string& words) {  // that assembly took the start velocities away
+    const std::string text = call(words).text;
+    REQUIRE(text.find('{') != std::string::npos);
+    return Json::parse(text.substr(text.find('{')));
+  };
+  const Json held = after_warnings("check " + door + " --nearly-redundant held --json");
   CHECK(held["freedoms"] == 0);
   CHECK(held["nearly_redundant"][0]["decided"] == "held");
   for (const std::string solver : {"schur", "block", "sparse", "dense"}) {
@@ -237,8 +241,8 @@ TEST_CASE("runner: rows that nearly depend are told, and held where that is aske
     CHECK(turned["steps"].get<long>() < 200);
     CHECK(std::abs(turned["columns"][0]["final"].get<double>() - 1) < 1e-6);  // turns on at 1 rad/s
     CHECK(turned["nearly_redundant"].size() == 1);
-    const Json still = json_of("run " + door + " --no-picture --record door_held.csv --json --nearly-redundant held --solver " +
-                               solver);
+    const Json still = after_warnings(
+        "run " + door + " --no-picture --record door_held.csv --json --nearly-redundant held --solver " + solver);
     CHECK(std::abs(still["columns"][0]["final"].get<double>()) < 1e-6);
   }
   CHECK(contains(call("run " + door + " --no-picture --record door_free.csv").text, "free, high.x, high.y"));

@@ -14,7 +14,7 @@ void KktAssembler::lay_out_direct(const RowTable& rows) {
   KktPattern& p = kkt_.pattern;
   p = {};
   const int n = system_.n_slots();
-  p.rows = &rows, p.held = rows.held;
+  p.rows = &rows;
   p.n = 6 * n, p.m = rows.n_rows;
   p.width.assign(static_cast<std::size_t>(n), 6);
   kkt_.masses.clear();
@@ -37,7 +37,6 @@ void KktAssembler::lay_out(const RowTable& rows, bool direct) {
         "or set \"planar\" to \"off\"");
   KktPattern& p = kkt_.pattern;
   p = {};
-  p.held = rows.held;
   const int n = system_.n_slots();
   masses_.clear();
   for (int k = 0; k < n; ++k) {

@@ -56,9 +56,9 @@ class LOCKSTEP_API Reacting {
 
 /// A law that a force reads.
 struct ForceLaw {
-  std::string what,          ///< "torque", "law", "laws_x": as its key
-      unit;                  ///< of its value: "N m"
-  LawPtr<MotionLaw> law{};   ///< not null
+  std::string what,         ///< "torque", "law", "laws_x": as its key
+      unit;                 ///< of its value: "N m"
+  LawPtr<MotionLaw> law{};  ///< not null
 };
 
 /// An applied force. A class of force has to define type(), markers(), setup() and apply(); all else has a default or

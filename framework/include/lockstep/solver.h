@@ -44,9 +44,6 @@ struct KktPattern {
   const RowTable* rows = nullptr;
   int n_slots() const { return static_cast<int>(width.size()); }  ///< moving slots
   Plane plane;                                                    ///< of `rows`
-  /// The singular value, of rows of length 1, down to which directions are solved for although proximal terms are larger;
-  /// 0: those that are not smaller than they are.
-  double held = 0;
   std::vector<int> width,                                         ///< of each slot: number of its unknowns
       first;                                                      ///< of each slot: the first of its unknowns
   std::vector<std::size_t> M;  ///< of each slot: offset of its width x width block in Kkt::M

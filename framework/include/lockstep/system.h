@@ -157,8 +157,8 @@ class LOCKSTEP_API System {
     const std::size_t k = static_cast<std::size_t>(link.number());
     return link.number() >= 0 && k < left_out_.size() ? left_out_[k] : 0U;
   }
-  /// The singular value, of rows of length 1, down to which directions hold that the proximal terms would take for
-  /// redundant; 0: none does. Only where no row depends on others exactly.
+  /// Says that rows hold which nearly depend on others, with the least singular value of rows of length 1; 0: none do. The
+  /// accelerations are then found by DenseSolver, whichever solver was given. Only where no row depends on others exactly.
   void hold_down_to(double singular_value) { held_ = singular_value, ready_ = false; }
   /// After setup in a plane: whether rows or forces have lever arms along its normal. The motion is exact all the same,
   /// since links hold all bodies in the plane, but their moments about axes in the plane are left out.
