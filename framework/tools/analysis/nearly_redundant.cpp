@@ -39,7 +39,7 @@ struct Choice {
 
 /// Rows on common loops of which some nearly depend on others, and what to do with them. All that depend go, exactly or
 /// nearly: those that do exactly here do so nearly when it has moved.
-struct Found {
+struct NearSet {
   NearDependency told;
   Choice free;
 };
@@ -55,7 +55,7 @@ bool has_laws(const Lock& link) {
   return link.jointed() == nullptr || link.jointed()->has_laws() || link.unilateral() != nullptr;
 }
 
-VecX row_of(const System& system, const RowTable& table, const RowEntry& e, int k) {
+VecX jacobian_of(const System& system, const RowTable& table, const RowEntry& e, int k) {
   VecX out = VecX::Zero(6 * system.n_slots());
   for (int i = 0; i < e.slots.n; ++i) {
     const std::array<double, 6> r = table.block(e).J(i, k);
@@ -102,7 +102,7 @@ class Selection {
   OwnRow own_row(int row) const {
     const RowEntry& e = entry(row);
     const int k = rows_.number(row) - e.first_row;
-    return {&link(row), e.own[static_cast<std::size_t>(k)], rows_.length(row), row_of(system_, table_, e, k)};
+    return {&link(row), e.own[static_cast<std::size_t>(k)], rows_.length(row), jacobian_of(system_, table_, e, k)};
   }
 
   int best(double limit, const std::vector<bool>& stays) const {
@@ -223,10 +223,10 @@ void for_each_loop(const System& system, const RowTable& table, Visit&& visit) {
   }
 }
 
-std::vector<Found> nearly_dependent(const System& system, const RowTable& table) {
-  std::vector<Found> all;
+std::vector<NearSet> nearly_dependent(const System& system, const RowTable& table) {
+  std::vector<NearSet> all;
   for_each_loop(system, table, [&](const LoopRows& rows, const Dependencies& found) {
-    Found one;
+    NearSet one;
     for (const DependentRows& set : found.sets) {
       if (set.nearly == 0) continue;
       for (const int row : set.rows) one.told.rows.push_back(name_of_row(system, table, rows.number(row)));
@@ -257,13 +257,13 @@ std::vector<std::string> names_of(const std::vector<OwnRow>& rows) {
 }
 
 /// Which of them nearly depend in this position only: without them, what they held leads away from them.
-void try_out(System& system, Dynamics& dynamics, const State& state, std::vector<Found>& all) {
+void try_out(System& system, Dynamics& dynamics, const State& state, std::vector<NearSet>& all) {
   std::vector<OwnRow> gone;
-  for (const Found& f : all)
+  for (const NearSet& f : all)
     if (f.free.possible) gone.insert(gone.end(), f.free.gone.begin(), f.free.gone.end());
   leave_out(system, gone);
   Trial trial(system, dynamics, state);
-  for (Found& f : all) {
+  for (NearSet& f : all) {
     for (const OwnRow& row : f.free.gone)
       if (f.free.possible) f.told.violation = std::max(f.told.violation, trial.along(row, gone));
     f.told.in_passing = !(f.told.violation < kPersists * system.length());
@@ -281,11 +281,11 @@ std::vector<NearDependency> decide_nearly_redundant(System& system, Dynamics& dy
   std::vector<NearDependency> told;
   if (!has_loops(system, state.modes)) return told;
   const RowTable table = dynamics.gather(state).rows();
-  std::vector<Found> all = nearly_dependent(system, table);
+  std::vector<NearSet> all = nearly_dependent(system, table);
   if (all.empty()) return told;
   try_out(system, dynamics, state, all);
   bool any = false;
-  for (Found& f : all) {
+  for (NearSet& f : all) {
     const bool decided = f.free.possible && !f.told.in_passing;
     if (decided && choice == NearlyRedundant::free) {
       leave_out(system, f.free.gone);
