@@ -195,6 +195,60 @@ TEST_CASE("runner: explain sums up what acts on a body", "[plugin][runner]") {
   CHECK(contains(unknown.text, "did you mean \"coupler\"?"));
 }
 
+TEST_CASE("runner: explain gives the laws and powers of a force", "[plugin][runner]") {
+  const std::string scene = "'" + scene_file("force_by_law", R"(
+    "bodies": [{"name": "m", "particle": 2, "velocity": [3, 0, 0]}],
+    "forces": [{"name": "push", "type": "applied_force", "p": "m", "direction": [2, 0, 0],
+                "law": {"type": "sine", "amplitude": 5, "omega": 4}}],
+    "run": {"until": 1})") + "'";
+  const Json j = json_of("explain " + scene + " push --at 0.3 --json");
+  const double s = std::sin(1.2), c = std::cos(1.2);
+  REQUIRE(j["laws"].size() == 1);
+  CHECK(j["laws"][0]["what"] == "law");
+  CHECK(j["laws"][0]["unit"] == "N");
+  CHECK(std::abs(j["laws"][0]["value"][0].get<double>() - 5 * s) < 1e-12);
+  CHECK(std::abs(j["laws"][0]["rate"][0].get<double>() - 20 * c) < 1e-12);
+  CHECK(std::abs(j["laws"][0]["second"][0].get<double>() + 80 * s) < 1e-11);
+  CHECK(std::abs(j["on"][0]["force"][0].get<double>() - 5 * s) < 1e-12);
+  const double v = 3 + 5.0 / 2 / 4 * (1 - c);  // m v' = 5 sin 4t
+  CHECK(std::abs(j["supply"].get<double>() - 5 * s * v) < 1e-5);
+  const Called words = call("explain " + scene + " push --at 0.3");
+  CHECK(words.exit == 0);
+  CHECK(contains(words.text, "force 'push', applied_force"));
+  CHECK(contains(words.text, "law: value 4.66"));
+}
+
+TEST_CASE("runner: rows that nearly depend are told, and held where that is asked for", "[plugin][runner]") {
+  const std::string door = "'" + std::string(paths::kSource) + "/tests/stability/scenes/door.json'";
+  const Json free = json_of("check " + door + " --json");
+  CHECK(free["freedoms"] == 1);
+  REQUIRE(free["nearly_redundant"].size() == 1);
+  CHECK(free["nearly_redundant"][0]["decided"] == "free");
+  CHECK(free["nearly_redundant"][0]["left_out"].size() == 5);
+  CHECK(free["nearly_redundant"][0]["singular_value"].get<double>() < 1e-6);
+  const auto after_warnings = [](const std::string& words) {  // that assembly took the start velocities away
+    const std::string text = call(words).text;
+    REQUIRE(text.find('{') != std::string::npos);
+    return Json::parse(text.substr(text.find('{')));
+  };
+  const Json held = after_warnings("check " + door + " --nearly-redundant held --json");
+  CHECK(held["freedoms"] == 0);
+  CHECK(held["nearly_redundant"][0]["decided"] == "held");
+  for (const std::string solver : {"schur", "block", "sparse", "dense"}) {
+    const Json turned = json_of("run " + door + " --no-picture --record door_free.csv --json --solver " + solver);
+    CAPTURE(solver);
+    CHECK(turned["status"] == "ok");
+    CHECK(turned["steps"].get<long>() < 200);
+    CHECK(std::abs(turned["columns"][0]["final"].get<double>() - 1) < 1e-6);  // turns on at 1 rad/s
+    CHECK(turned["nearly_redundant"].size() == 1);
+    const Json still = after_warnings(
+        "run " + door + " --no-picture --record door_held.csv --json --nearly-redundant held --solver " + solver);
+    CHECK(std::abs(still["columns"][0]["final"].get<double>()) < 1e-6);
+  }
+  CHECK(contains(call("run " + door + " --no-picture --record door_free.csv").text, "free, high.x, high.y"));
+  CHECK(contains(call("check " + door + " --nearly-redundant held").text, "held"));
+}
+
 TEST_CASE("runner: assemble --branches finds elbow up and elbow down", "[plugin][runner]") {
   const Json j = json_of("assemble " + sample("four_bar") + " --branches 100 --json");
   CHECK(j["branches"].size() == 2);

@@ -60,6 +60,29 @@ TEST_CASE("a run that passes a singular position with plain stages says so, and 
   CHECK(result["doubts"].size() == 1);
 }
 
+TEST_CASE("a sweep says which of its runs passed a singular position with plain stages", "[runner]") {
+  for (const std::string lanes : {"", " --lanes off"}) {
+    const Called swept =
+        call("sweep " + kSlider + " --vary run.step=1e-3,2e-3 --integrator rk4 --until 0.3 --record swept.csv" + lanes);
+    INFO(swept.text);
+    std::ifstream file(kRunnerFolder + "/swept.csv");
+    std::string row;
+    std::getline(file, row);
+    for (int k = 0; k < 2; ++k) {
+      REQUIRE(std::getline(file, row));
+      INFO(row);
+      CHECK(contains(row, "; passed 1 singular position with plain stages, from t = 0.127"));
+    }
+    const Called sure = call("sweep " + kSlider + " --vary run.tolerance=1e-6,1e-8 --record swept.csv" + lanes);
+    INFO(sure.text);
+    std::ifstream other(kRunnerFolder + "/swept.csv");
+    for (int k = 0; k < 3; ++k) {
+      REQUIRE(std::getline(other, row));
+      CHECK_FALSE(contains(row, "passed"));
+    }
+  }
+}
+
 TEST_CASE("a run that cares for its singular positions is not refused", "[runner]") {
   const Called r = call("run " + kSlider + " --strict --no-picture --record sure.csv");
   INFO(r.text);

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <spdlog/fmt/fmt.h>
+
 #include <lockstep/assembly.h>
 #include <lockstep/registry.h>
 #include <lockstep/scene.h>
@@ -332,6 +334,89 @@ TEST_CASE("a watch finds nothing where no position is singular", "[stability][an
           hinge("A1", "crank_1", "ground", 1.1, 0) + ", " + hinge("B1", "coupler", "crank_1", 1.1, 0.6),
       true);
   CHECK(watch(text, "rk4", 1e-3, 4, 4).empty());
+}
+
+namespace {
+
+/// What becomes of cranks that turn at 1 rad/s and begin `before` rad from where they lie flat, after 1 s.
+struct Passage {
+  bool ended = false, watched = false;
+  double error = HUGE_VAL;  ///< of the crank's angle, rad: it turns on at one rate
+  long steps = 0;
+};
+
+Passage pass(const std::string& method, double tolerance, double step, double before) {
+  const double x = 0.3 * std::cos(before), y = -0.3 * std::sin(before);
+  const auto exact = [](double v) { return fmt::format("{:.17g}", v); };
+  const auto rod_to = [&](const char* name, double from, double to_x) {
+    return fmt::format(
+        R"({{"name": "{}", "rod": {{"mass": 1, "axial_inertia": 1e-4, "from": [{}, 0, 0], "to": [{}, {}, 0]}}}})", name,
+        exact(from), exact(to_x), exact(y));
+  };
+  const auto hinge_at = [&](const char* name, const char* p, const char* s, double at_x, double at_y) {
+    return fmt::format(R"({{"name": "{}", "type": "revolute", "p": "{}", "s": "{}", "at": [{}, {}, 0]}})", name, p, s,
+                       exact(at_x), exact(at_y));
+  };
+  const std::string coupler = fmt::format(
+      R"({{"name": "coupler", "rod": {{"mass": 1, "axial_inertia": 1e-4, "from": [{0}, {1}, 0], "to": [{2}, {1}, 0]}}}})",
+      exact(x), exact(y), exact(1.1 + x));
+  Model model(scene(coupler + ", " + rod_to("crank_0", 0, x) + ", " + rod_to("crank_1", 1.1, 1.1 + x),
+                    hinge_at("A0", "crank_0", "ground", 0, 0) + ", " + hinge_at("B0", "coupler", "crank_0", x, y) +
+                        ", " + hinge_at("A1", "crank_1", "ground", 1.1, 0) + ", " +
+                        hinge_at("B1", "coupler", "crank_1", 1.1 + x, y),
+                    true));
+  assemble(model.dynamics, model.state, {{"A0", Axis::rz, 1.0}, {"A1", Axis::rz, 1.0}});
+  RunSettings run;
+  run.integrator = {method}, run.step = step, run.tolerance = {tolerance, 1e-2 * tolerance};
+  StepLoop loop(model.dynamics, make_integrator(run, builtin_registry()),
+                {.step = step, .tolerance = run.tolerance, .max_steps = 20000});
+  SingularWatch singular(model.m.system);
+  loop.add_observer(singular);
+  Passage out;
+  try {
+    loop.set_state(model.state);
+    loop.run_until(1);
+    out.ended = true;
+  } catch (const Error&) {
+  }
+  out.watched = !singular.passed().empty();
+  out.steps = loop.report().steps;
+  State end = loop.state();
+  model.dynamics.to_slots(end);
+  const Quat turned =
+      conjugate(model.m.system.body("crank_0").home.q) * body_pose(model.m.system.body("crank_0"), end).q;
+  out.error = std::abs(2 * std::atan2(turned.vec()[2], turned.w) - 1);
+  return out;
+}
+
+}  // namespace
+
+// From afar and from a millionth of a radian before the position, at tolerances to the edge of round-off.
+TEST_CASE("a flat position is passed from any distance at any tolerance", "[stability][integrators]") {
+  for (const char* method : {"dopri5", "dop853"})
+    for (const double before : {0.3, 1e-2, 1e-4, 1e-6})
+      for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10, 1e-12}) {
+        const Passage p = pass(method, tolerance, 0, before);
+        CAPTURE(method, before, tolerance, p.ended, p.error, p.steps);
+        CHECK(p.ended);
+        CHECK(p.error < 20 * tolerance + 1e-9);
+        CHECK(p.steps < 500);
+      }
+}
+
+TEST_CASE("methods with plain stages pass a flat position rightly, or it is told", "[stability][integrators]") {
+  struct Plain {
+    const char* method;
+    double step, error;  // its own, of that step
+  };
+  for (const Plain& plain :
+       {Plain{"rk4", 1e-2, 1e-4}, Plain{"rattle2", 1e-2, 1e-4}, Plain{"rattle4", 1e-2, 1e-4},
+        Plain{"generalized_alpha", 1e-2, 1e-4}, Plain{"radau5", 0, 1e-4}, Plain{"semi_implicit_euler", 1e-3, 1e-3}})
+    for (const double before : {0.3, 1e-2, 1e-3}) {
+      const Passage p = pass(plain.method, 1e-8, plain.step, before);
+      CAPTURE(plain.method, before, p.ended, p.watched, p.error, p.steps);
+      CHECK((!p.ended || p.watched || p.error < plain.error));
+    }
 }
 
 }  // namespace singular_positions_test

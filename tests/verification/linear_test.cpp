@@ -302,27 +302,116 @@ TEST_CASE("modes, sparse: equal modes are found with all their copies", "[verifi
   }
 }
 
-TEST_CASE("modes, sparse: dampers are refused", "[verification][modes][linear]") {
-  System sys;
-  build_hanging(sys, {}, false);
-  CHECK(says(message_of<SolveError>([&] { modes_of(sys, {.count = 4, .dense_limit = 0}); }), {"dampers"}));
+namespace {
+
+/// Masses on a line between two walls, with springs and dampers alike: M = m 1, D = c A, K = k A, and A has the values
+/// 2 - 2 cos(j pi/(n + 1)).
+void build_line(System& sys, int n, double m, double c, double k) {
+  const auto at = [&](int i) -> Marker& {
+    const std::string name = "m" + std::to_string(i);
+    if (i == 0 || i == n + 1) return sys.add_marker_at(name, sys.ground(), pose_at({1.0 * i, 0, 0}));
+    Body& body = sys.add_body("b" + std::to_string(i), MassProperties{m, Vec3::Zero(), Vec3(1, 1, 1).asDiagonal()},
+                              {Vec3(i, 0, 0), {}});
+    sys.add<Prismatic>("P" + std::to_string(i), body, sys.ground(), pose_at({1.0 * i, 0, 0}, Vec3::UnitX()));
+    return sys.add_marker_at(name, body, pose_at({1.0 * i, 0, 0}));
+  };
+  Marker* before = &at(0);
+  for (int i = 1; i <= n + 1; ++i) {
+    Marker& next = at(i);
+    sys.add<SpringDamper>("s" + std::to_string(i), *before, next, {.stiffness = k, .damping = c, .free_length = 1});
+    before = &next;
+  }
+}
+
+}  // namespace
+
+TEST_CASE("modes, sparse: a damped line of masses has the modes of its closed form", "[verification][modes][linear]") {
+  const double m = 2, k = 5e3;
+  for (const double c : {1.0, 30.0, 4000.0}) {  // the last so much that high modes creep
+    const int n = 240, count = 12;
+    System sys;
+    build_line(sys, n, m, c, k);
+    Dynamics dynamics = dynamics_of(sys);
+    const Modes found = find_modes(dynamics, sys.start(), {.count = count, .dense_limit = 0});
+    std::vector<Complex> truth;
+    for (int j = 1; j <= n; ++j) {
+      const double a = 2 - 2 * std::cos(j * kPi / (n + 1));
+      const Complex root = std::sqrt(Complex(c * a * c * a - 4 * m * k * a));
+      for (const double sign : {1.0, -1.0}) {
+        const Complex l = (-c * a + sign * root) / (2 * m);
+        if (l.imag() >= 0) truth.push_back(l);
+      }
+    }
+    std::ranges::sort(truth, {}, [](Complex l) { return std::abs(l); });
+    REQUIRE(found.modes.size() == static_cast<std::size_t>(count));
+    CHECK_FALSE(found.complete);
+    for (int i = 0; i < count; ++i) {
+      const Complex ours = found.modes[static_cast<std::size_t>(i)].value;
+      double off = HUGE_VAL;
+      for (const Complex l : truth) off = std::min(off, std::abs(ours - l) / std::abs(l));
+      CAPTURE(c, i, ours.real(), ours.imag());
+      CHECK(off < 1e-8);
+      CHECK(std::abs(ours) == Approx(std::abs(truth[static_cast<std::size_t>(i)])).epsilon(1e-8));
+    }
+  }
+}
+
+// Rotors that hang on arms with universal joints, turned by drives, and tied to one another by springs with dampers:
+// gyroscopic terms and damping.
+TEST_CASE("modes, sparse: with spin and dampers as the dense solution", "[verification][modes][linear]") {
+  System sys({.gravity = {0, 0, -9.81}});
+  const int n = 60, count = 15;
+  Marker* before = nullptr;
+  for (int i = 0; i < n; ++i) {
+    const std::string number = std::to_string(i);
+    const double x = 0.5 * i;
+    Body& arm = sys.add_body("arm" + number, MassProperties{0.1, Vec3::Zero(), Vec3(1e-3, 1e-3, 1e-3).asDiagonal()},
+                             {Vec3(x, 0, -0.1), {}});
+    Body& rotor = sys.add_body("rotor" + number, MassProperties{1.0, Vec3::Zero(), Vec3(0.01, 0.01, 0.02).asDiagonal()},
+                               {Vec3(x, 0, -0.2), {}});
+    rotor.start.w = {0, 0, 40};
+    sys.add<Universal>("A" + number, arm, sys.ground(), pose_at({x, 0, 0}));
+    sys.add<Revolute>("R" + number, rotor, arm, pose_at({x, 0, -0.2})).drive(Axis::rz, laws::law([](auto t) {
+                                                                               return 40.0 * t;
+                                                                             }));
+    Marker& tip = sys.add_marker_at("tip" + number, arm, pose_at({x, 0, -0.2}));
+    if (before != nullptr)
+      sys.add<SpringDamper>("s" + number, *before, tip, {.stiffness = 20, .damping = 0.3, .free_length = 0.5});
+    before = &tip;
+  }
+  Dynamics dynamics = dynamics_of(sys);
+  const LinearMotionOptions still{.spin = Vec3::Zero()};
+  const Modes dense = find_modes(dynamics, sys.start(), {.motion = still});
+  const Modes sparse = find_modes(dynamics, sys.start(), {.motion = still, .count = count, .dense_limit = 0});
+  REQUIRE(dense.freedoms == 2 * n);
+  REQUIRE(sparse.modes.size() == static_cast<std::size_t>(count));
+  for (std::size_t k = 0; k < sparse.modes.size(); ++k) {
+    const Complex ours = sparse.modes[k].value, theirs = dense.modes[k].value;
+    CAPTURE(k, ours.real(), ours.imag(), theirs.real(), theirs.imag());
+    CHECK(sparse.modes[k].kind == dense.modes[k].kind);
+    CHECK(std::abs(ours - theirs) <= 1e-7 * std::abs(theirs) + dense.modes[k].bound + sparse.modes[k].bound);
+  }
 }
 
 namespace {
 
-/// Two rods that hang from hinges, the upper one driven or free, a damper at the lower one. A law drives it, or pushes
-/// the free end.
+enum class By { push, drive, speed };
+
+/// Two rods that hang from hinges, the upper one driven or free, a damper at the lower one. A law drives it, is its speed,
+/// or pushes the free end.
 struct DoubleRod {
   System sys{{.gravity = {0, -9.81, 0}}};
-  DoubleRod(bool driven, const LawPtr<MotionLaw>& law) {
+  DoubleRod(By by, const LawPtr<MotionLaw>& law) {
     const MassProperties rod{1.0, Vec3::Zero(), Vec3(0.08, 0.01, 0.085).asDiagonal()};
     Body& one = sys.add_body("one", rod, {Vec3(0, -0.5, 0), {}});
     Body& two = sys.add_body("two", rod, {Vec3(0, -1.5, 0), {}});
     Revolute& A = sys.add<Revolute>("A", one, sys.ground(), pose_at(Vec3::Zero()));
     sys.add<Revolute>("B", two, one, pose_at(Vec3(0, -1, 0)));
     Marker& end = sys.add_marker_at("end", two, pose_at(Vec3(0, -2, 0)));
-    if (driven)
+    if (by == By::drive)
       A.drive(Axis::rz, law);
+    else if (by == By::speed)
+      A.drive_speed(Axis::rz, law);
     else
       sys.add(
           std::make_unique<AppliedForce>("push", end, AppliedForce::Options{.law = law, .direction = Vec3::UnitX()}));
@@ -350,11 +439,11 @@ VecX linear_run(const StateSpace& s, U&& u, double until, int steps) {
 }  // namespace
 
 TEST_CASE("linear equations: eigenvalues of A are those of the modes", "[verification][linear]") {
-  for (const bool driven : {false, true}) {
-    DoubleRod rods(driven, laws::constant(0));
+  for (const By by : {By::push, By::drive, By::speed}) {
+    DoubleRod rods(by, laws::constant(0));
     Dynamics dynamics = dynamics_of(rods.sys);
     const StateSpace s = linearize(dynamics, rods.sys.start(), {}, {});
-    CHECK(s.states.size() == (driven ? 2 : 4));
+    CHECK(s.states.size() == (by == By::push ? 4 : 2));
     check_same(dense::eigenvalues(s.A), modes_of(rods.sys).eigenvalues(), 1e-11);
   }
 }
@@ -367,27 +456,36 @@ TEST_CASE("linear equations: the response to a push and to a drive is that of a 
   const std::vector<std::string> names = {
       "two.x", "end.vx", "B.angle_z", "two.ax", "A.force_on_p_world_x", "two.omega_world_z"};
   const double until = 1.3;
-  for (const bool driven : {false, true}) {
+  for (const By by : {By::push, By::drive, By::speed}) {
     const auto input = std::make_shared<InputLaw>();
-    DoubleRod rods(driven, input);
+    DoubleRod rods(by, input);
     std::vector<Channel> channels;
     for (const std::string& name : names) channels.push_back(make_channel(rods.sys, name));
     Dynamics dynamics = dynamics_of(rods.sys);
-    const StateSpace s = linearize(dynamics, rods.sys.start(), {{"u", driven ? "rad" : "N", input}}, channels);
+    const StateSpace s = linearize(dynamics, rods.sys.start(),
+                                   {{"u",
+                                     by == By::push    ? "N"
+                                     : by == By::drive ? "rad"
+                                                       : "rad/s",
+                                     input}},
+                                   channels);
     CHECK(s.accuracy <= 1e-8);
-    REQUIRE(s.inputs.size() == (driven ? 3 : 1));
+    REQUIRE(s.inputs.size() == (by == By::push ? 1 : by == By::drive ? 3 : 2));
+    REQUIRE(s.states.size() == (by == By::push ? 4 : by == By::drive ? 2 : 3));
+    CHECK(s.states.back().name.ends_with(by == By::speed ? "u" : "_d"));
+    CHECK(s.inputs.front().unit == (by == By::push ? "N" : by == By::drive ? "rad" : "rad/s"));
     REQUIRE(s.B.cols() == static_cast<Eigen::Index>(s.inputs.size()));
     std::vector<double> before;
     for (const double size : {1e-2, 1e-3}) {
       const auto u = [&](double t) {  // (1 - cos 3t)^2 begins with rates that are zero
         const double c = std::cos(3 * t), n = std::sin(3 * t);
         const double all[] = {(1 - c) * (1 - c), 6 * n * (1 - c), 18 * (c * (1 - c) + n * n)};
-        return VecX(size * Eigen::Map<const VecX>(all, s.B.cols()));
+        return VecX(size * Eigen::Map<const VecX>(all + (by == By::speed ? 1 : 0), s.B.cols()));
       };
       const VecX y = s.C * linear_run(s, u, until, 4000) + s.D * u(until);
-      DoubleRod moving(driven, laws::law([size](auto t) {
+      DoubleRod moving(by, laws::law([size, by](auto t) {
                          const auto x = 1.0 - cos(3.0 * t);
-                         return size * x * x;
+                         return by == By::speed ? 6.0 * size * sin(3.0 * t) * x : size * x * x;
                        }));
       Simulation run(moving.sys, {.integrator = "dop853", .tolerance = 1e-12, .output = until});
       const Table& table = run.record({names.begin(), names.end()});
@@ -395,7 +493,7 @@ TEST_CASE("linear equations: the response to a push and to a drive is that of a 
       std::vector<double> apart;
       for (std::size_t k = 0; k < names.size(); ++k) {
         const double change = table.change(names[k]), linear = y[static_cast<Eigen::Index>(k)];
-        CAPTURE(driven, names[k], size, change, linear);
+        CAPTURE(static_cast<int>(by), names[k], size, change, linear);
         CHECK(std::abs(change) > 1e-2 * size);
         apart.push_back(std::abs(change - linear) / std::abs(change));
         CHECK(apart[k] <= 30 * size);
@@ -407,7 +505,7 @@ TEST_CASE("linear equations: the response to a push and to a drive is that of a 
 }
 
 TEST_CASE("linear equations refuse inputs without effect and outputs that are integrals", "[verification][linear]") {
-  DoubleRod rods(false, laws::constant(0));
+  DoubleRod rods(By::push, laws::constant(0));
   const std::vector<Channel> works = {make_channel(rods.sys, "damper.dissipated")};
   Dynamics dynamics = dynamics_of(rods.sys);
   CHECK(says(message_of<ModelError>([&] { linearize(dynamics, rods.sys.start(), {}, works); }), {"integrated state"}));

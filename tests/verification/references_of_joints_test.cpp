@@ -7,6 +7,7 @@
 
 #include <lockstep/dynamics.h>
 #include <lockstep/joints.h>
+#include <lockstep/kinematics.h>
 #include <lockstep/laws.h>
 #include <lockstep/registry.h>
 #include <lockstep/scene.h>
@@ -107,25 +108,20 @@ Vec3 ring(double radius, double degrees, double z) {
   return {radius * std::cos(degrees * kPi / 180), radius * std::sin(degrees * kPi / 180), z};
 }
 
-}  // namespace
+Vec3 three(const Table& truth, const char* x, const char* y, const char* z, std::size_t i) {
+  return {truth[x][i], truth[y][i], truth[z][i]};
+}
+Quat quaternion(const Table& truth, std::size_t i) {
+  return Quat{truth["qw"][i], truth["qx"][i], truth["qy"][i], truth["qz"][i]};
+}
 
-// Closed form: legs of the lengths that the pose law gives, exactly; the platform must follow, its legs push as Newton
-// and Euler say.
-TEST_CASE("a Stewart platform stands where its legs are long enough for, and they push as they should",
-          "[verification][joints]") {
-  const Table truth = trusted("stewart");
+/// A platform on six legs of the lengths that the pose law gives, exactly.
+Body& add_platform(System& system, const Table& truth) {
   const double kBase[] = {-10, 10, 110, 130, 230, 250}, kPlatform[] = {-50, 50, 70, 170, 190, 290};
-  const auto number = [&](const char* name, std::size_t i = 0) { return truth[name][i]; };
-  const auto three = [&](const char* x, const char* y, const char* z, std::size_t i) {
-    return Vec3(number(x, i), number(y, i), number(z, i));
-  };
-  const auto quaternion = [&](std::size_t i) {
-    return Quat{number("qw", i), number("qx", i), number("qy", i), number("qz", i)};
-  };
-  System system({.gravity = Vec3(0, 0, -9.81)});
   Body& platform = system.add_body("platform", MassProperties{10.0, Vec3::Zero(), Vec3(0.6, 0.7, 1.1).asDiagonal()},
-                                   {three("x", "y", "z", 0), quaternion(0)});
-  platform.start = {three("vx", "vy", "vz", 0), rotation(quaternion(0)).transpose() * three("wx", "wy", "wz", 0)};
+                                   {three(truth, "x", "y", "z", 0), quaternion(truth, 0)});
+  platform.start = {three(truth, "vx", "vy", "vz", 0),
+                    rotation(quaternion(truth, 0)).transpose() * three(truth, "wx", "wy", "wz", 0)};
   for (int k = 0; k < 6; ++k) {
     const Vec3 a = ring(1, kBase[k], 0), b = ring(0.5, kPlatform[k], -0.05);
     const auto length = laws::law([a, b](auto t) {
@@ -145,6 +141,33 @@ TEST_CASE("a Stewart platform stands where its legs are long enough for, and the
     }
     CHECK(worst <= 1e-13);
   }
+  return platform;
+}
+
+/// How far a platform is from its reference at row i.
+struct Apart {
+  double position = 0, turn = 0, speed = 0, force = 0;
+  void take(const Body& platform, const State& s, const VecX& lambda, const Table& truth, std::size_t i) {
+    const Pose p = body_pose(platform, s);
+    const Twist v = body_twist(platform, s);
+    const Quat off = conjugate(quaternion(truth, i)) * p.q;
+    keep_worst(position, (p.x - three(truth, "x", "y", "z", i)).norm());
+    keep_worst(turn, 2 * off.vec().norm());
+    keep_worst(speed, (v.v - three(truth, "vx", "vy", "vz", i)).norm());
+    keep_worst(speed, (rotation(p.q) * v.w - three(truth, "wx", "wy", "wz", i)).norm());
+    for (int k = 0; k < 6; ++k)  // a multiplier above zero pulls, f pushes
+      keep_worst(force, std::abs(lambda[k] + truth["f" + std::to_string(k + 1)][i]));
+  }
+};
+
+}  // namespace
+
+// Closed form: legs of the lengths that the pose law gives; the platform must follow, its legs push as Newton and Euler say.
+TEST_CASE("a Stewart platform stands where its legs are long enough for, and they push as they should",
+          "[verification][joints]") {
+  const Table truth = trusted("stewart");
+  System system({.gravity = Vec3(0, 0, -9.81)});
+  const Body& platform = add_platform(system, truth);
   Registry registry = builtin_registry();
   Dynamics dynamics(system, std::make_unique<DenseSolver>());
   const bool rk4 = GENERATE(false, true);
@@ -153,26 +176,36 @@ TEST_CASE("a Stewart platform stands where its legs are long enough for, and the
   if (rk4) settings.step = 0.005;
   StepLoop simulation(dynamics, make_integrator(settings, registry),
                         {.step = settings.step, .tolerance = {1e-10, 1e-12}});
-  double position = 0, turn = 0, speed = 0, force = 0;
+  Apart apart;
   for (std::size_t i = 0; i < truth.n_rows(); ++i) {
     if (i > 0) simulation.run_until(truth["t"][i]);
     const State& s = simulation.state();
-    const Pose p = body_pose(platform, s);
-    const Twist v = body_twist(platform, s);
-    const Quat off = conjugate(quaternion(i)) * p.q;
-    keep_worst(position, (p.x - three("x", "y", "z", i)).norm());
-    keep_worst(turn, 2 * off.vec().norm());
-    keep_worst(speed, (v.v - three("vx", "vy", "vz", i)).norm());
-    keep_worst(speed, (rotation(p.q) * v.w - three("wx", "wy", "wz", i)).norm());
-    const Evaluated& values = dynamics.evaluate(s);
-    for (int k = 0; k < 6; ++k)  // a multiplier above zero pulls, f pushes
-      keep_worst(force, std::abs(values.lambda[k] + number(("f" + std::to_string(k + 1)).c_str(), i)));
+    apart.take(platform, s, dynamics.evaluate(s).lambda, truth, i);
   }
-  CAPTURE(rk4, position, turn, speed, force);
-  CHECK(position <= (rk4 ? 1e-10 : 1e-11));
-  CHECK(turn <= (rk4 ? 1e-10 : 1e-11));
-  CHECK(speed <= 1e-9);
-  CHECK(force <= 1e-9 * 120);
+  CAPTURE(rk4, apart.position, apart.turn, apart.speed, apart.force);
+  CHECK(apart.position <= (rk4 ? 1e-10 : 1e-11));
+  CHECK(apart.turn <= (rk4 ? 1e-10 : 1e-11));
+  CHECK(apart.speed <= 1e-9);
+  CHECK(apart.force <= 1e-9 * 120);
+}
+
+// The same without integration: pose, speeds and the forces of the legs from the lengths alone.
+TEST_CASE("inverse dynamics of a Stewart platform: the forces of its legs", "[verification][joints][kinematics]") {
+  const Table truth = trusted("stewart");
+  System system({.gravity = Vec3(0, 0, -9.81)});
+  const Body& platform = add_platform(system, truth);
+  Dynamics dynamics(system, std::make_unique<SchurSolver>());
+  DrivenMotion motion(dynamics, system.start());
+  Apart apart;
+  for (std::size_t i = 0; i < truth.n_rows(); ++i) {
+    const VecX lambda = motion.to(truth["t"][i]).lambda;
+    apart.take(platform, motion.state(), lambda, truth, i);
+  }
+  CAPTURE(apart.position, apart.turn, apart.speed, apart.force);
+  CHECK(apart.position <= 1e-11);
+  CHECK(apart.turn <= 1e-11);
+  CHECK(apart.speed <= 1e-10);
+  CHECK(apart.force <= 1e-9 * 120);
 }
 
 // The scene takes its lengths from a table: a quintic spline between 81 points.

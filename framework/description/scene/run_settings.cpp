@@ -145,6 +145,7 @@ RunSettings read_run(const Value& v) {
   if (run.formulation == Formulation::quaternion && !p.has("solver")) run.solver.type = "sparse";
   run.stabilization = read_stabilization(p);
   run.assemble = p.boolean("assemble");
+  run.nearly_redundant = p.text("nearly_redundant") == "held" ? NearlyRedundant::held : NearlyRedundant::free;
   run.record = read_record(p);
   run.draw = read_draw(p, run.record);
   read_outputs(v, run.record);  // refuses what is wrong in it

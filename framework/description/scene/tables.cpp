@@ -396,6 +396,14 @@ std::vector<SceneTable> runs() {
          any("solver",
              "a name of `lockstep list solvers`, or {\"type\": name, and its keys}; default \"schur\", with "
              "formulation quaternion \"sparse\""),
+         {"nearly_redundant",
+          Form::choice,
+          Unit::none,
+          "free",
+          "rows that depend on others but for a singular value below 1e-4, as of two hinges whose axes nearly agree: "
+          "left "
+          "out, or held",
+          {"free", "held"}},
          {"assemble", Form::boolean, Unit::none, true, "a start off the constraints is moved onto them"},
          any("record", "the channels, by name or as {\"own name\": \"channel\"}"),
          any("draw", "panels of the picture from top to bottom, each a list of recorded names; default: by unit"),

@@ -1,6 +1,7 @@
 #include <lockstep/dynamics.h>
 
 #include <lockstep/error.h>
+#include <lockstep/solvers.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/solvers/stop_rule.h"
 #include "framework/mechanism/system/diagnose.h"
@@ -16,10 +17,13 @@ constexpr double kOn = 1e-7;  // of that length: nearer than this is on the cons
 Factor::Factor(const System& system, const LinearSolver& solver, Formulation formulation, WorkCount& work)
     : solver_(&solver), work_(&work), assembler_(system, formulation) {}
 
+// Where rows hold that nearly depend on others J M^-1 J^T has the square of their condition: those are factored by QR.
 void Factor::lay_out(const Evaluation& e) {
+  static const DenseSolver kOfRows;
+  const LinearSolver& solver = e.rows().held > 0 ? kOfRows : *solver_;
   layout_ = nullptr;
-  assembler_.lay_out(e.rows(), solver_->reads_rows());
-  factorization_ = solver_->analyse(assembler_.kkt().pattern);
+  assembler_.lay_out(e.rows(), solver.reads_rows());
+  factorization_ = solver.analyse(assembler_.kkt().pattern);
   layout_ = e.layout();
   if (assembler_.direct()) return;
   for (VecX* x : {&f_, &a_}) x->setZero(assembler_.n());

@@ -51,7 +51,7 @@ class LOCKSTEP_API Grid {
 struct Dependency {
   std::vector<std::string> rows;  ///< their names: "A.z"
   int too_many = 0;               ///< how many of them are redundant
-  int nearly = 0;                 ///< how many more nearly are: their pivots lie between 1e-9 and 1e-5
+  int nearly = 0;                 ///< how many more nearly are: their pivots lie between 1e-9 and 1e-4
   double pivot = 0;               ///< the largest of these, of rows of length 1
 };
 
@@ -71,5 +71,28 @@ struct MobilityReport {
 /// row of length 1; pivots below 1e-9 are zero. Where more than 300 rows lie on common loops, singular values below 1e-6
 /// are, and their dependent rows are told as one set. It allocates: for descriptions, not for runs. Throws NonFiniteError.
 LOCKSTEP_API MobilityReport mobility(Dynamics&, const State&);
+
+/// Rows on common loops that nearly depend on one another, and what was decided.
+struct NearDependency {
+  std::vector<std::string> rows;  ///< their names: "A.z"
+  int nearly = 0;                 ///< how many of them are too many but for a small singular value
+  double singular_value = 0;      ///< the largest of these, of rows of length 1
+  /// Whether that is so in this position only, beside a singular one: nothing is decided then, and the rows hold.
+  bool in_passing = false;
+  double violation = 0;  ///< of rows left out, m, where what they held has moved on by 0.3 rad
+  /// Rows that hold no more: free, all on these loops that depend on others, exactly or nearly; held, all of the mechanism
+  /// that depend on others exactly, told once.
+  std::vector<std::string> left_out;
+};
+
+/// Decides what rows hold that nearly depend on others at a start on the constraints: those of pivots, as in mobility(),
+/// between 1e-9 and 1e-4. Rows without laws are left out before others, those of a large share before small ones, the
+/// later link before the earlier. Whether they nearly depend everywhere is tried: without them the mechanism moves by
+/// 0.3 rad along what they held, and must violate them by less than a thousandth of System::length(). Leaves out rows of
+/// `system` (System::leave_out), which must be that of the dynamics, in place of what was left out before; a start is to
+/// be assembled anew where any were. Sets of more than 300 rows on common loops are not looked at. Throws what an evaluation
+/// throws.
+LOCKSTEP_API std::vector<NearDependency> decide_nearly_redundant(System& system, Dynamics&, const State&,
+                                                                 NearlyRedundant = NearlyRedundant::free);
 
 }  // namespace lockstep

@@ -72,4 +72,19 @@ struct LinkAccount {
 /// The account of a link at a state in the slots' own coordinates. Throws what Dynamics::evaluate throws.
 LOCKSTEP_API LinkAccount account_of(Dynamics&, const State&, const Lock&);
 
+/// What a force does at a state.
+struct ForceEffect {
+  std::string name,              ///< of the force
+      type;                      ///< of the force
+  bool acts = true;              ///< whether it is switched on
+  std::vector<Contribution> on;  ///< what it exerts, on each body: `what` is the body's name, of welded ones "a + b"
+  std::vector<LawAccount> laws;  ///< its laws, and those of its markers
+  double potential = 0,          ///< J
+      dissipation = 0,           ///< W
+      supply = 0;                ///< by laws and motors, W
+};
+
+/// The account of a force at a state in the slots' own coordinates. Throws what Dynamics::evaluate throws.
+LOCKSTEP_API ForceEffect account_of(Dynamics&, const State&, const Force&);
+
 }  // namespace lockstep

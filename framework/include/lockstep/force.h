@@ -54,6 +54,13 @@ class LOCKSTEP_API Reacting {
 
 // Force: exerts wrenches and constrains nothing. It adds to a sum and never changes the bodies.
 
+/// A law that a force reads.
+struct ForceLaw {
+  std::string what,         ///< "torque", "law", "laws_x": as its key
+      unit;                 ///< of its value: "N m"
+  LawPtr<MotionLaw> law{};  ///< not null
+};
+
 /// An applied force. A class of force has to define type(), markers(), setup() and apply(); all else has a default or
 /// belongs to a facet.
 class LOCKSTEP_API Force {
@@ -80,6 +87,8 @@ class LOCKSTEP_API Force {
   /// Driven::diagnose.
   virtual std::string diagnose(double t) const;
 
+  /// The laws that it reads, for accounts. Default: none.
+  virtual std::vector<ForceLaw> laws() const { return {}; }
   /// Whether a mechanism that moves in this plane stays there under it, at any time and in any position. What
   /// evaluations in a few positions show is checked besides. After setup. Default: false, unknown, which keeps the
   /// mechanism in space.
@@ -168,6 +177,8 @@ class LOCKSTEP_API MarkerForce : public Force {
   void breakpoints(double t0, double t1, std::vector<double>& out) const override;
   /// Examines the same laws.
   std::string diagnose(double t) const override;
+  /// Those given to add_law().
+  std::vector<ForceLaw> laws() const override { return laws_; }
   /// Folds the markers into their slots. Derived classes that override it call it.
   void setup() override;
 
@@ -191,7 +202,8 @@ class LOCKSTEP_API MarkerForce : public Force {
   /// Whether the laws of the markers keep a planar mechanism in this plane and, for a force (`pushes`), their origins lie
   /// in the plane of the mass centres: what stays_in_plane() answers for a force along lines between or through them.
   bool markers_stay_in(Plane, bool pushes = true) const;
-  void add_law(const LawPtr<MotionLaw>& law);  ///< for breakpoints() and diagnose(); null is ignored
+  /// For breakpoints(), diagnose() and laws(); null is ignored. `what`: its key; `unit`: of its value.
+  void add_law(const LawPtr<MotionLaw>& law, std::string what = "law", std::string unit = {});
   /// Value of a law at time t, s; 0 without a law.
   static double value(const LawPtr<MotionLaw>& law, double t) { return law ? law->at(t).y : 0.0; }
 
@@ -201,7 +213,7 @@ class LOCKSTEP_API MarkerForce : public Force {
  private:
   const Marker* p_;
   const Marker* s_;
-  std::vector<LawPtr<MotionLaw>> laws_;
+  std::vector<ForceLaw> laws_;
 };
 
 /// Marker P of a attachment, for makers. Throws SceneError when there is none.

@@ -133,7 +133,9 @@ struct Signal {
 ///
 /// States: for each freedom one displacement of a body ("rod.move_x", m, of the mass centre, world; "rod.turn_z", rad,
 /// about an axis of the slot), then their rates. An input on a drive has three columns, u, u' and u'' ("A.rz", "A.rz_d",
-/// "A.rz_dd"), as its value, speed and acceleration enter by themselves; an input on a force has one.
+/// "A.rz_dd"), as its value, speed and acceleration enter by themselves; an input on a force has one. Where the law of a
+/// drive is its speed, the coordinate is one state more, the last ones ("A.rz", rad), and the input has two columns, u and
+/// u' ("A.rz", rad/s, and "A.rz_d").
 struct StateSpace {
   std::vector<Signal> states,  ///< x
       inputs,                  ///< u

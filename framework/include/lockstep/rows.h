@@ -235,6 +235,7 @@ struct RowRun {
       n = 0;              ///< how many there are
   int first_link = 0;     ///< position of the first in the system's order of links
   bool in_plane = false;  ///< by Planar::gather_plane, not by Lock::gather
+  bool in_parts = false;  ///< rows of its links are left out, so that each is gathered by itself and copied
 };
 
 /// The rows of all links in force.
@@ -244,6 +245,7 @@ class RowTable {
   std::vector<RowRun> runs;        ///< which of them are gathered together
   std::vector<int> entry_of_link;  ///< by number of the link; -1: it has no rows in the table
   int n_rows = 0;                  ///< rows of all entries
+  double held = 0;                 ///< as System::hold_down_to()
 
   /// Lays out the blocks of `entries` one after another, all numbers zero. Memory only grows.
   void lay_out() {

@@ -38,6 +38,7 @@ struct RunSettings {
   Formulation formulation = Formulation::automatic;  ///< unknowns of the equations of motion
   Stabilization stabilization;                   ///< how drift off the constraints is removed
   bool assemble = true;                          ///< the start is assembled
+  NearlyRedundant nearly_redundant = NearlyRedundant::free;  ///< what becomes of rows that nearly depend on others
   std::vector<ChannelRequest> record{};          ///< channels to record
   /// Panels of the picture: the recorded names in each. Empty: one panel per unit.
   std::vector<std::vector<std::string>> draw{};

@@ -394,7 +394,8 @@ class LOCKSTEP_API SingularPassage {
   /// Takes back what save() wrote.
   void restore(const Snapshot& in) {
     near_ = in.get() != 0, ahead_ = in.get(), longest_plain_ = in.get(), probed_ = in.get() != 0;
-    redundant_ = static_cast<Redundant>(static_cast<int>(in.get()));
+    const long where = in.get_count();
+    redundant_ = where == 1 ? Redundant::everywhere : where == 2 ? Redundant::on_constraints : Redundant::unknown;
     usual_.restore(in);
   }
 

@@ -47,9 +47,11 @@ struct SweepRun {
   bool drifted = false;  ///< the violation went beyond its limit
   double violation = 0;  ///< largest |C| after a step, m; in lanes at the outputs
   bool wrong = false;    ///< it drifted, or a method that controls its error did not conserve energy
+  long passed = 0;       ///< singular positions that it passed with plain stages; 0 in lanes, which have none
+  double first_passed = 0;  ///< when it passed the first of them, s
 
   /// What its row says of it: `status`, "failed: " and the reason, and where it is wrong "wrong" for "ok", and
-  /// "wrong: stopped by 'landed'".
+  /// "wrong: stopped by 'landed'"; then the singular positions that it passed.
   LOCKSTEP_API std::string outcome() const;
 };
 

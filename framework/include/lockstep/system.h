@@ -62,6 +62,14 @@ struct PlanarRows {
   bool by_link = false;             ///< the link gathers them itself; see Planar
 };
 
+/// What becomes of rows that depend on others but for a very small singular value, everywhere and not in one position
+/// only: two hinges whose axes are a ten-millionth of a metre apart. No engine can leave that open: held, they lock the
+/// door, by forces ten million times the load; free, it turns, and one of its hinges gives way by that much.
+enum class NearlyRedundant {
+  free,  ///< rows that depend or nearly depend on others of their set are left out
+  held   ///< they hold; rows that depend on others exactly are left out, so that nothing contradicts
+};
+
 /// A mechanism: its bodies, markers, links and forces, their setup, and the passes that evaluate them.
 class LOCKSTEP_API System {
  public:
@@ -139,6 +147,19 @@ class LOCKSTEP_API System {
   }
   /// After setup: whether the link was merged into a slot, so that it has neither rows nor a reaction.
   bool merged(const Lock& link) const { return merged_.size() == links_.size() && merged_[index_of(link)]; }
+  /// Leaves rows of a link out of all tables: they hold nothing and have no reaction. Meant for rows that depend on others,
+  /// exactly or nearly (decide_nearly_redundant()): an evaluation throws ModelError where such a row is violated by more
+  /// than a hundredth: of length(), or as a number. `rows`: a bit for each number among the rows of the link; those of
+  /// before are forgotten. Call it after setup. Throws ModelError for a row that the link has not.
+  void leave_out(const Lock&, unsigned rows);
+  /// Rows that were left out, a bit for each.
+  unsigned left_out(const Lock& link) const {
+    const std::size_t k = static_cast<std::size_t>(link.number());
+    return link.number() >= 0 && k < left_out_.size() ? left_out_[k] : 0U;
+  }
+  /// Says that rows hold which nearly depend on others, with the least singular value of rows of length 1; 0: none do. The
+  /// accelerations are then found by DenseSolver, whichever solver was given. Only where no row depends on others exactly.
+  void hold_down_to(double singular_value) { held_ = singular_value, ready_ = false; }
   /// After setup in a plane: whether rows or forces have lever arms along its normal. The motion is exact all the same,
   /// since links hold all bodies in the plane, but their moments about axes in the plane are left out.
   bool has_offsets() const { return offsets_; }
@@ -227,6 +248,7 @@ class LOCKSTEP_API System {
   std::size_t index_of(const Lock&) const;
   void check_plane(const Inputs&, const VecX& f) const;
   void gather_from_space(const Inputs&, RowTable&, int entry) const;
+  void check_absent_row(const Inputs&, const Lock&, int row, const RowView&) const;
   void setup_links();
   void setup_forces();
   void setup_states();
@@ -255,6 +277,8 @@ class LOCKSTEP_API System {
   std::vector<Slot> slots_;
   bool offsets_ = false;
   std::vector<PlanarRows> planar_rows_;  // of each link, while planar
+  std::vector<unsigned> left_out_;       // by number of the link: bits of rows; may be shorter
+  double held_ = 0;
   std::vector<const Lock*> ordered_;     // links, groups one after another
   std::vector<int> group_;               // group of each of them
   int n_velocities_ = 0, n_states_ = 0, n_controlled_ = 0, n_memory_ = 0;

@@ -13,8 +13,9 @@ Applied::Applied(std::string name, Marker& p, Marker* s, Effort effort, AppliedV
     require(length > 0, "direction", "is [0, 0, 0]; a law acts along a direction, give one");
     vector_.direction /= length;
   }
-  add_law(vector_.law);
-  for (const LawPtr<MotionLaw>& law : vector_.laws) add_law(law);
+  const char* const unit = effort_ == Effort::torque ? "N m" : "N";
+  add_law(vector_.law, "law", unit);
+  for (std::size_t k = 0; k < 3; ++k) add_law(vector_.laws[k], std::string("laws_") + "xyz"[k], unit);
 }
 Applied::~Applied() = default;
 

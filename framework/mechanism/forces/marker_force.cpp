@@ -41,12 +41,12 @@ bool MarkerForce::markers_stay_in(Plane plane, bool pushes) const {
 void MarkerForce::breakpoints(double t0, double t1, std::vector<double>& out) const {
   MarkerFrame(*p_).breakpoints(t0, t1, out);
   if (s_ != nullptr) MarkerFrame(*s_).breakpoints(t0, t1, out);
-  for (const LawPtr<MotionLaw>& law : laws_) law->breakpoints(t0, t1, out);
+  for (const ForceLaw& own : laws_) own.law->breakpoints(t0, t1, out);
 }
 
 std::string MarkerForce::diagnose(double t) const {
-  for (const LawPtr<MotionLaw>& law : laws_)
-    if (std::string f = law_fault("its law", law, t); !f.empty()) return f;
+  for (const ForceLaw& own : laws_)
+    if (std::string f = law_fault("its law", own.law, t); !f.empty()) return f;
   std::string at_p = marker_fault(*p_, t);
   return at_p.empty() && s_ != nullptr ? marker_fault(*s_, t) : at_p;
 }
@@ -79,8 +79,8 @@ void MarkerForce::require_turning(const Marker& m, const char* does) const {
                    "' is a particle and cannot turn; give it an inertia (add_body), or use another body");
 }
 
-void MarkerForce::add_law(const LawPtr<MotionLaw>& law) {
-  if (law) laws_.push_back(law);
+void MarkerForce::add_law(const LawPtr<MotionLaw>& law, std::string what, std::string unit) {
+  if (law) laws_.push_back({std::move(what), std::move(unit), law});
 }
 
 Marker& p_of(const Attachment& attachment, const Params& params) {

@@ -5,7 +5,7 @@ namespace lockstep {
 Motor::Motor(std::string name, Marker& p, Marker& s, Effort effort, LawPtr<MotionLaw> law)
     : FormulaForce(std::move(name), p, &s), effort_(effort), law_(std::move(law)) {
   require(law_ != nullptr, word(effort_), "is missing; give a law");
-  add_law(law_);
+  add_law(law_, word(effort_), effort_ == Effort::torque ? "N m" : "N");
 }
 Motor::~Motor() = default;
 

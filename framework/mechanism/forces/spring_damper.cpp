@@ -10,7 +10,7 @@ SpringDamper::SpringDamper(std::string name, Marker& p, Marker& s, Options optio
   require_not_negative("damping", options_.damping);
   require_not_negative("free_length", options_.free_length);
   require_finite("preload", options_.preload);
-  add_law(options_.force);
+  add_law(options_.force, "force", "N");
 }
 
 const TypeInfo& SpringDamper::info() {

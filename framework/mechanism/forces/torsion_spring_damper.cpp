@@ -11,7 +11,7 @@ TorsionSpringDamper::TorsionSpringDamper(std::string name, Marker& p, Marker& s,
   require_not_negative("damping", options_.damping);
   require_finite("free_angle", options_.free_angle);
   require_finite("preload", options_.preload);
-  add_law(options_.torque);
+  add_law(options_.torque, "torque", "N m");
 }
 
 const TypeInfo& TorsionSpringDamper::info() {

@@ -200,7 +200,7 @@ void check_writes(const System& system) {
     if (ours(links.front()->origin())) continue;
     const RowEntry& e = table.entries[static_cast<std::size_t>(run.first_entry)];
     const Lock& first = *links.front();
-    const bool in_space = e.plane && !run.in_plane;
+    const bool in_space = run.in_parts || (e.plane && !run.in_plane);
     const RowShape shape = in_space ? first.shape() : e.shape();
     check_group(links, shape, in, run.in_plane);
     for (const Lock* link : links) check_spans(*link, in);

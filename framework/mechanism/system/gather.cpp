@@ -37,6 +37,17 @@ void check_particles(const System& system, const Inputs& in, const VecX& f) {
   }
 }
 
+// Takes rows out of an entry; what is left is stored row by row.
+void keep_rows(unsigned absent, RowEntry& e) {
+  int kept = 0;
+  for (int k = 0; k < e.m; ++k) {
+    const int own = e.own[static_cast<std::size_t>(k)];
+    if ((absent >> own & 1U) == 0) e.own[static_cast<std::size_t>(kept++)] = own;
+  }
+  e.m = kept;
+  e.layout = e.plane ? RowLayout::planar : RowLayout::dense;
+}
+
 std::span<double> part(VecX& x, int first, int size) { return {x.data() + first, static_cast<std::size_t>(size)}; }
 
 }  // namespace
@@ -64,18 +75,35 @@ void System::lay_out(const std::vector<bool>& modes, RowTable& table) const {
       in_plane = rows.by_link;
       e.layout = in_plane ? link.planar()->planar_layout() : RowLayout::planar;
     }
+    const unsigned absent = left_out(link);
+    if (absent != 0) {
+      keep_rows(absent, e);
+      if (e.m == 0) continue;
+      in_plane = false;
+    }
     for (std::size_t k = 0; k < static_cast<std::size_t>(e.m); ++k) e.kind[k] = link.row_kind(e.own[k]);
     const bool same_group =
         last == i - 1 && i > 0 && group_[static_cast<std::size_t>(i)] == group_[static_cast<std::size_t>(i - 1)];
     if (!same_group || table.entries.back().m != e.m || table.entries.back().layout != e.layout ||
-        table.runs.back().in_plane != in_plane)
-      table.runs.push_back({entry, 0, i, in_plane});
+        table.runs.back().in_plane != in_plane || table.runs.back().in_parts != (absent != 0))
+      table.runs.push_back({entry, 0, i, in_plane, absent != 0});
     ++table.runs.back().n;
     last = i;
     table.entry_of_link[static_cast<std::size_t>(e.link)] = entry;
     table.entries.push_back(e);
   }
+  table.held = held_;
   table.lay_out();
+}
+
+void System::leave_out(const Lock& link, unsigned rows) {
+  const auto k = static_cast<std::size_t>(link.number());
+  if (link.number() < 0 || k >= links_.size() || links_[k].get() != &link || rows >> link.row_count() != 0)
+    throw ModelError("link '" + link.name() + "': rows to be left out are not its own, or the system is not set up",
+                     {.thing = thing_of(link)});
+  left_out_.resize(links_.size(), 0U);
+  left_out_[k] = rows;
+  ready_ = false;
 }
 
 void System::motions(const State& state, std::vector<Motion>& out) const {
@@ -92,7 +120,7 @@ void System::gather_rows(const Inputs& in, RowTable& table) const {
       now = &run;
       const Group links(ordered_.data() + run.first_link, static_cast<std::size_t>(run.n));
       const RowEntry& first = table.entries[static_cast<std::size_t>(run.first_entry)];
-      if (!plane_)
+      if (!plane_ && !run.in_parts)
         links.front()->gather(links, in, table.span(first));
       else if (run.in_plane)
         links.front()->planar()->gather_plane(links, in, table.span(first));
@@ -104,24 +132,38 @@ void System::gather_rows(const Inputs& in, RowTable& table) const {
   }
 }
 
-// For a link without planar rows: gathers in space and copies what lies in the plane.
+// A row that is left out must demand nothing: of a motion out of the plane, or of one that rows on which it depends hold.
+void System::check_absent_row(const Inputs& in, const Lock& link, int k, const RowView& all) const {
+  if ((left_out(link) >> k & 1U) != 0) {
+    constexpr double kMost = 1e-2;
+    const double x = std::abs(all.C(k)), limit = kMost * (link.row_kind(k) == RowKind::translation ? length_ : 1.0);
+    if (x <= limit) return;
+    throw ModelError("link '" + link.name() + "', row " + link.row_name(k) +
+                         ": was left out at the start, since it nearly depended on others, and is violated by " +
+                         text::brief(x) + " (limit " + text::brief(limit) + ") at t = " + text::number(in.t) +
+                         " s; set \"nearly_redundant\" of \"run\" to \"held\", or build it otherwise",
+                     {.thing = thing_of(link), .t = in.t});
+  }
+  const double x = std::max({std::abs(all.C(k)), std::abs(all.Ct(k)), std::abs(all.Qhat(k))});
+  if (plane_ && x > 1e-8 * std::max(1.0, length_))
+    throw ModelError("link '" + link.name() + "', row " + link.row_name(k) + ": asks for a motion out of the plane (" +
+                         text::brief(x) + ") at t = " + text::number(in.t) +
+                         " s, and the scene is planar; set \"planar\" to \"off\"",
+                     {.thing = thing_of(link), .t = in.t});
+}
+
+// For a link without planar rows, or some of whose rows are left out: gathers in space and copies what holds.
 void System::gather_from_space(const Inputs& in, RowTable& table, int entry) const {
   const RowEntry& e = table.entries[static_cast<std::size_t>(entry)];
   const Lock* link = links_[static_cast<std::size_t>(e.link)].get();
   const RowShape shape = link->shape();
   link->gather(Group(&link, 1), in, table.spatial_span(shape));
   const RowBlock all = table.spatial(shape), block = table.block(e);
-  for (int k = 0, next = 0; k < all.rows(); ++k) {  // a row left out must demand nothing
-    if (next < e.m && e.own[static_cast<std::size_t>(next)] == k) {
+  for (int k = 0, next = 0; k < all.rows(); ++k)
+    if (next < e.m && e.own[static_cast<std::size_t>(next)] == k)
       ++next;
-    } else if (const double x = std::max({std::abs(all.C(k)), std::abs(all.Ct(k)), std::abs(all.Qhat(k))});
-               x > 1e-8 * std::max(1.0, length_)) {
-      throw ModelError("link '" + link->name() + "', row " + link->row_name(k) +
-                           ": asks for a motion out of the plane (" + text::brief(x) +
-                           ") at t = " + text::number(in.t) + " s, and the scene is planar; set \"planar\" to \"off\"",
-                       {.thing = thing_of(*link), .t = in.t});
-    }
-  }
+    else
+      check_absent_row(in, *link, k, all);
   for (int k = 0; k < e.m; ++k) {
     const int own = e.own[static_cast<std::size_t>(k)];
     block.C(k) = all.C(own), block.Ct(k) = all.Ct(own), block.Qhat(k) = all.Qhat(own);

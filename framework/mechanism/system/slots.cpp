@@ -1,6 +1,7 @@
 // Slots: the clusters of welded bodies that move as one.
 #include <algorithm>
 #include <unordered_map>
+#include <unordered_set>
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
@@ -82,14 +83,12 @@ void System::setup_merge() {
   std::unordered_map<const Body*, std::size_t> numbers;
   for (const Body& body : bodies_) numbers.emplace(&body, numbers.size());
   const auto number_of = [&](const Body* body) { return numbers.at(body); };
-  // While parts are joined, part_of_ leads to the first body in several steps, which are shortened on the way.
-  const auto first_of = [&](std::size_t k) {
-    for (; part_of_[k] != k; k = part_of_[k]) part_of_[k] = part_of_[part_of_[k]];
+  const auto part = [&](std::size_t k) {
+    for (; part_of_[k] != k; k = part_of_[k]) part_of_[k] = part_of_[part_of_[k]];  // ways grow shorter
     return k;
   };
   const auto join = [&](std::size_t a, std::size_t b) {
-    a = first_of(a), b = first_of(b);
-    std::size_t first = std::min(a, b), second = std::max(a, b);
+    std::size_t first = std::min(part(a), part(b)), second = std::max(part(a), part(b));
     if (bodies_[second].fixed && !bodies_[first].fixed) std::swap(first, second);
     part_of_[second] = first;
   };
@@ -102,27 +101,27 @@ void System::setup_merge() {
     return (v_of(*p.body, P.x) - v_of(*s.body, P.x)).norm() <= 1e-9 &&
            (rotation(p.body->home.q) * p.body->start.w - rotation(s.body->home.q) * s.body->start.w).norm() <= 1e-9;
   };
-  std::vector<const Lock*> read;  // links whose reactions are read
+  std::unordered_set<const Lock*> stays(kept_.begin(), kept_.end());  // and links whose reactions are read
   for (const auto& force : forces_)
     if (const Reacting* own = force->reacting())
-      for (const Lock* link : own->reads()) read.push_back(link);
+      for (const Lock* link : own->reads()) stays.insert(link);
   for (std::size_t l = 0; l < links_.size(); ++l) {
     const Lock& link = *links_[l];
     const auto particle = [](const Marker* m) { return m->body->freedoms == Freedoms::particle && !m->body->fixed; };
-    if (!link.is_weld() || !link.active_at_start() || std::find(kept_.begin(), kept_.end(), &link) != kept_.end() ||
-        std::find(read.begin(), read.end(), &link) != read.end())
-      continue;
+    if (!link.is_weld() || !link.active_at_start() || stays.contains(&link)) continue;
     const auto [p, s] = link.pairs().front();
     if (particle(p) || particle(s) || !meet(*p, *s)) continue;
     merged_[l] = true;
     join(number_of(p->body), number_of(s->body));
   }
-  for (std::size_t k = 0; k < part_of_.size(); ++k) part_of_[k] = first_of(k);
-  const auto dissolve = [&](std::size_t part) {
-    for (std::size_t k = 0; k < links_.size(); ++k)
-      if (merged_[k] && part_of_[number_of(links_[k]->pairs().front().first->body)] == part) merged_[k] = false;
-    for (std::size_t k = 0; k < part_of_.size(); ++k)
-      if (part_of_[k] == part) part_of_[k] = k;
+  std::vector<std::vector<std::size_t>> bodies(bodies_.size()), links(bodies_.size());  // of each part
+  for (std::size_t k = 0; k < part_of_.size(); ++k) bodies[part_of_[k] = part(k)].push_back(k);
+  for (std::size_t k = 0; k < links_.size(); ++k)
+    if (merged_[k]) links[part_of_[number_of(links_[k]->pairs().front().first->body)]].push_back(k);
+  const auto dissolve = [&](std::size_t of) {
+    for (const std::size_t k : links[of]) merged_[k] = false;
+    for (const std::size_t k : bodies[of]) part_of_[k] = k;
+    links[of].clear(), bodies[of].clear();
   };
   // A part within which another link acts is not merged: both ends of that link would be on one rigid body.
   for (std::size_t l = 0; l < links_.size(); ++l) {

@@ -27,7 +27,8 @@ struct Dependencies {
 /// Pivots below this are zero.
 inline constexpr double kDependent = 1e-9;
 /// Rows of pivots from kDependent to this nearly depend on others: too much for round-off, too little for a mechanism.
-inline constexpr double kNearlyDependent = 1e-5;
+/// Proximal terms are larger than what such rows leave of S, so that solvers would take them for redundant.
+inline constexpr double kNearlyDependent = 1e-4;
 
 /// Jt: the matrix transposed, its columns the rows, of length 1 or zero; in triplets, since most of it is zero. Beyond
 /// 300 rows they are factored sparsely: singular values below 1e-6 are zero then, and all dependent rows are one set. Throws

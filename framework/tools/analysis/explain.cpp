@@ -87,6 +87,12 @@ LawAccount account(std::string what, const RotationLaw& law, double t) {
   return {std::move(what), "", {y.q.w, y.q.x, y.q.y, y.q.z}, numbers(y.w), numbers(y.a)};
 }
 
+void add_laws(const Marker& marker, double t, std::vector<LawAccount>& out) {
+  if (marker.translation_law)
+    out.push_back(account("translation of marker '" + marker.name + "'", *marker.translation_law, t));
+  if (marker.rotation_law) out.push_back(account("rotation of marker '" + marker.name + "'", *marker.rotation_law, t));
+}
+
 void add_laws(const Lock& link, double t, std::vector<LawAccount>& out) {
   if (const Jointed* joint = link.jointed()) {
     for (const Drive& d : joint->imposed().drives) {
@@ -98,12 +104,7 @@ void add_laws(const Lock& link, double t, std::vector<LawAccount>& out) {
     if (joint->imposed().turn) out.push_back(account("imposed rotation", *joint->imposed().turn, t));
   }
   for (const auto& [p, s] : link.pairs())
-    for (const Marker* marker : {p, s}) {
-      if (marker->translation_law)
-        out.push_back(account("translation of marker '" + marker->name + "'", *marker->translation_law, t));
-      if (marker->rotation_law)
-        out.push_back(account("rotation of marker '" + marker->name + "'", *marker->rotation_law, t));
-    }
+    for (const Marker* marker : {p, s}) add_laws(*marker, t, out);
 }
 
 }  // namespace
@@ -163,6 +164,33 @@ LinkAccount account_of(Dynamics& dynamics, const State& state, const Lock& link)
   const MarkerFrame at(*link.pairs().front().first);
   out.joint = Reactions(v).on_body_of(at, link, v.in, Reactions::kJoint);
   out.drives = Reactions(v).on_body_of(at, link, v.in, Reactions::kDrives);
+  return out;
+}
+
+ForceEffect account_of(Dynamics& dynamics, const State& state, const Force& force) {
+  const System& system = dynamics.system();
+  const Solution& v = dynamics.evaluate(state);
+  ForceEffect out;
+  out.name = force.name(), out.type = std::string(force.type());
+  for (const ForceLaw& own : force.laws()) out.laws.push_back(account(own.what, *own.law, own.unit, state.t));
+  for (const Marker* marker : force.markers())
+    if (marker != nullptr) add_laws(*marker, state.t, out.laws);
+  out.acts = force.acts(v.in);
+  if (!out.acts) return out;
+  VecX all = VecX::Zero(6 * system.n_slots());
+  WrenchSum sum(v.in.motions, all);
+  in_context([&] { return context_of(force, v.in.t); },
+             [&] {
+               force.apply(v.in, sum);
+               if (force.reacting() != nullptr) force.reacting()->react(v.in, Reactions(v), sum);
+               out.potential = force.potential(v.in);
+               out.dissipation = force.dissipation(v.in), out.supply = force.supply(v.in);
+             });
+  for (const int slot : force.slots()) {
+    std::string body;
+    for (const Body* part : system.slot(slot).bodies) body += (body.empty() ? "" : " + ") + part->name;
+    out.on.push_back({body, all.segment<3>(6 * slot), v.in.slot(slot).A * all.segment<3>(6 * slot + 3)});
+  }
   return out;
 }
 

@@ -2,10 +2,45 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/QR>
 
+#include "framework/tools/analysis/dependency.h"
+
 namespace lockstep {
+
+//   Jt P = Q (R1 R2; 0 0),   N = Q (0; 1),   Jt P (-R1^-1 R2; 1) = 0
+FreeSpace free_space(MatX Jt) {
+  FreeSpace out;
+  const Eigen::Index n = Jt.rows(), rows = Jt.cols();
+  if (rows == 0) {
+    out.N = MatX::Identity(n, n), out.circuits = MatX(0, 0);
+    return out;
+  }
+  const VecX sizes = VecX(Jt.colwise().norm()).unaryExpr([](double x) { return x > 0 ? x : 1.0; });
+  Jt = (Jt * sizes.cwiseInverse().asDiagonal()).eval();
+  const Eigen::ColPivHouseholderQR<MatX> qr(Jt);
+  for (Eigen::Index i = 0; i < std::min(n, rows); ++i) {
+    const double pivot = std::abs(qr.matrixR()(i, i));
+    if (pivot <= kDependent) break;
+    ++out.rank;
+    if (pivot <= kNearlyDependent) ++out.nearly;
+  }
+  MatX Q = MatX::Identity(n, n);
+  Q = qr.householderQ() * Q;
+  out.N = Q.rightCols(n - out.rank);
+  MatX circuits(rows, rows - out.rank);
+  if (circuits.cols() > 0) {
+    circuits.topRows(out.rank) = -qr.matrixR()
+                                      .topLeftCorner(out.rank, out.rank)
+                                      .triangularView<Eigen::Upper>()
+                                      .solve(MatX(qr.matrixR().topRightCorner(out.rank, rows - out.rank)));
+    circuits.bottomRows(rows - out.rank).setIdentity();
+  }
+  out.circuits = sizes.cwiseInverse().asDiagonal() * MatX(qr.colsPermutation() * circuits);
+  return out;
+}
 
 std::vector<int> unknowns_of(const System& system) {
   const std::array<int, 6> velocity = unknown_velocities(system.plane());
@@ -17,7 +52,6 @@ std::vector<int> unknowns_of(const System& system) {
 }
 
 MatX free_motions(const Evaluation& e, const std::vector<int>& unknowns) {
-  constexpr double kDependentRow = 1e-9;
   const auto n = static_cast<Eigen::Index>(unknowns.size());
   std::vector<int> number(static_cast<std::size_t>(6 * e.system().n_slots()), -1);
   for (std::size_t i = 0; i < unknowns.size(); ++i) number[static_cast<std::size_t>(unknowns[i])] = static_cast<int>(i);
@@ -30,14 +64,7 @@ MatX free_motions(const Evaluation& e, const std::vector<int>& unknowns) {
           if (const int u = number[static_cast<std::size_t>(6 * entry.slots[i] + c)]; u >= 0)
             Jt(u, entry.first_row + k) += r[static_cast<std::size_t>(c)] / (c < 3 ? 1.0 : e.system().length());
       }
-  for (Eigen::Index c = 0; c < Jt.cols(); ++c)
-    if (const double length = Jt.col(c).norm(); length > 0) Jt.col(c) /= length;
-  if (Jt.cols() == 0) return MatX::Identity(n, n);
-  const Eigen::ColPivHouseholderQR<MatX> qr(Jt);
-  Eigen::Index rank = 0;
-  while (rank < std::min(Jt.rows(), Jt.cols()) && std::abs(qr.matrixR()(rank, rank)) > kDependentRow) ++rank;
-  const MatX Q = qr.householderQ();
-  return Q.rightCols(n - rank);
+  return free_space(std::move(Jt)).N;
 }
 
 VecX motion_of(const System& system, const std::vector<int>& unknowns, const VecX& u) {

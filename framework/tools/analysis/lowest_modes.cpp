@@ -292,10 +292,6 @@ Spectrum spectrum_from(const LinearMotion& m, bool symmetric, const Values& valu
 Spectrum lowest_spectrum(const LinearMotion& m, int count, bool redundant) {
   const double K = m.K.norm();
   const bool symmetric = m.D.norm() == 0 && SparseMat(m.K - SparseMat(m.K.transpose())).norm() <= 1e-10 * K;
-  if (!symmetric)
-    throw SolveError(
-        "the lowest modes of so many bodies are found without dampers and gyroscopic terms only; ask for a "
-        "dense solution (dense_limit)");
   double sigma = 1e-6 * largest_rate(m);
   if (!(sigma > 0)) sigma = 1;  // nothing acts: every eigenvalue is zero
   for (int round = 0;; ++round) {

@@ -3,10 +3,11 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
-#include "framework/tools/analysis/dependency.h"
+#include "framework/tools/analysis/free_motions.h"
 #include "framework/tools/analysis/unknowns.h"
 
 namespace lockstep {
@@ -23,37 +24,12 @@ VecX lengths_of(const MechanismMatrices& m) {
 }  // namespace
 
 MinimalCoordinates minimal_coordinates(const MechanismMatrices& m) {
-  const VecX lengths = lengths_of(m);
-  MatX Jt = MatX(m.J).transpose();
-  Jt = lengths.cwiseInverse().asDiagonal() * Jt;
-  VecX sizes = Jt.colwise().norm();
-  sizes = sizes.unaryExpr([](double x) { return x > 0 ? x : 1.0; });
-  Jt = Jt * sizes.cwiseInverse().asDiagonal();
-
+  const VecX turned = lengths_of(m).cwiseInverse();
+  FreeSpace found = free_space(turned.asDiagonal() * MatX(m.J).transpose());
   MinimalCoordinates out;
-  const Eigen::Index n = Jt.rows(), rows = Jt.cols();
-  if (rows == 0) {
-    out.N = lengths.cwiseInverse().asDiagonal();
-    return out;
-  }
-  const Eigen::ColPivHouseholderQR<MatX> qr(Jt);
-  for (Eigen::Index i = 0; i < std::min(n, rows); ++i) {
-    const double pivot = std::abs(qr.matrixR()(i, i));
-    if (pivot > kDependent) ++out.rank;
-    if (pivot > kDependent && pivot <= kNearlyDependent) ++out.nearly;
-  }
-  MatX Q = MatX::Identity(n, n);
-  Q = qr.householderQ() * Q;
-  out.N = lengths.cwiseInverse().asDiagonal() * Q.rightCols(n - out.rank);
-  if (out.rank < rows) {  // Jt P (-R1^-1 R2; 1) = 0
-    MatX circuits(rows, rows - out.rank);
-    circuits.topRows(out.rank) = -qr.matrixR()
-                                      .topLeftCorner(out.rank, out.rank)
-                                      .triangularView<Eigen::Upper>()
-                                      .solve(MatX(qr.matrixR().topRightCorner(out.rank, rows - out.rank)));
-    circuits.bottomRows(rows - out.rank).setIdentity();
-    out.stresses = sizes.cwiseInverse().asDiagonal() * (qr.colsPermutation() * circuits);
-  }
+  out.rank = found.rank, out.nearly = found.nearly;
+  out.N = turned.asDiagonal() * found.N;
+  out.stresses = std::move(found.circuits);
   return out;
 }
 

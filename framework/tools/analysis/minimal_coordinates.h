@@ -14,7 +14,7 @@ struct MinimalCoordinates {
   MatX N;          ///< unknowns x freedoms
   int rank = 0;    ///< of the rows
   MatX stresses;   ///< rows x (rows - rank): multipliers that hold one another, J^T s = 0, orthonormal in scaled rows
-  int nearly = 0;  ///< rows whose pivots lie between 1e-9 and 1e-5: near a singular position
+  int nearly = 0;  ///< rows whose pivots lie between 1e-9 and 1e-4: near a singular position
 };
 
 /// By a rank-revealing decomposition of J^T with rows of length 1: pivots below 1e-9 are zero (9.26).

@@ -82,7 +82,7 @@ bool SingularWatch::is_needed(const Dynamics& dynamics, const State& state, cons
 }
 
 void SingularWatch::start(const Sample& sample) {
-  passed_.clear();
+  passed_.clear(), n_passed_ = 0;
   forget();
   if (has_no_rows(sample)) return;
   const State state = in_slots(sample);
@@ -98,7 +98,7 @@ void SingularWatch::save(Snapshot& out) const {
     put_state(l->state, out);
   }
   out.put(turned_);
-  out.put(static_cast<double>(passed_.size()));
+  out.put(static_cast<double>(n_passed_)), out.put(static_cast<double>(passed_.size()));
   for (const PassedPosition& p : passed_) {
     out.put(p.t), out.put(p.indicator), out.put(static_cast<double>(p.links.size()));
     for (const std::string& link : p.links) out.put_text(link);
@@ -114,6 +114,7 @@ void SingularWatch::load(const Snapshot& in) {
     get_state(l->state, in);
   }
   turned_ = in.get();
+  n_passed_ = in.get_count();
   passed_.assign(static_cast<std::size_t>(in.get_count()), {});
   for (PassedPosition& p : passed_) {
     p.t = in.get(), p.indicator = in.get();
@@ -190,6 +191,8 @@ void SingularWatch::find_between(const Look& before, const Look& lowest, const L
   const double apart = turn_in(lowest.state, after.state.t - before.state.t, system_.length());
   const bool stepped_over = slope > 0 && least * apart < slope * turn && turn > kLook && least < 0.1 * regular_.root;
   if (!(least < kIsSingular) && !stepped_over) return;
+  ++n_passed_;
+  if (passed_.size() == kKept) return;
   passed_.push_back({best.t, least * least, {}});
   try {
     passed_.back().links = fading_links(system_, regular_.state, best);

@@ -38,7 +38,10 @@ class LOCKSTEP_API SingularWatch final : public Observer {
   void save(Snapshot&) const override;
   void load(const Snapshot&) override;
 
+  static constexpr std::size_t kKept = 64;  ///< positions that are kept
+  /// The first of them, at most kKept.
   const std::vector<PassedPosition>& passed() const { return passed_; }
+  long n_passed() const { return n_passed_; }  ///< how many there were
 
  private:
   struct Eye;
@@ -58,6 +61,7 @@ class LOCKSTEP_API SingularWatch final : public Observer {
   Look before_, last_, regular_;
   double turned_ = 0;  // since the last look, rad
   std::vector<PassedPosition> passed_;
+  long n_passed_ = 0;
 };
 
 }  // namespace lockstep

@@ -55,6 +55,34 @@ VecX derivative(F&& at, double h, VecX& off) {
   return fine;
 }
 
+// How an input acts: it is added to its law; where that is the speed of a drive, the value of the coordinate is a state,
+// and u its rate.
+class Actuator {
+ public:
+  Actuator(const System& system, const LinearInput& input) : law_(input.law.get()), unit_(input.unit) {
+    for (const auto& link : system.links()) {
+      if (link->jointed() == nullptr) continue;
+      for (const Drive& drive : link->jointed()->imposed().drives)
+        if (drive.speed && drive.law.get() == law_) state_ = link->first_state() + drive.state;
+    }
+    if (is_speed() && unit_.ends_with("/s")) unit_.resize(unit_.size() - 2);
+  }
+
+  bool is_speed() const { return state_ >= 0; }
+  const std::string& unit() const { return unit_; }  // of the value
+  // The value, its rate and its second rate, at a state that is to be evaluated.
+  void set(const LawValue& u, State& at) const {
+    law_->add(is_speed() ? LawValue{u.yd, u.ydd, 0} : u);
+    if (is_speed()) at.s[state_] += u.y;
+  }
+  void clear() const { law_->add({}); }
+
+ private:
+  InputLaw* law_;
+  std::string unit_;
+  int state_ = -1;
+};
+
 // Rows and forces of the mechanism at one state as functions of an input.
 class Responses {
  public:
@@ -62,9 +90,10 @@ class Responses {
       : dynamics_(dynamics), state_(state), motion_(motion), unknowns_(dynamics.system()) {}
 
   // C, and R below it.
-  VecX operator()(InputLaw& law, const LawValue& u) const {
-    law.add(u);
-    const Evaluation& e = dynamics_.gather(state_);
+  VecX operator()(const Actuator& input, const LawValue& u) const {
+    State at = state_;
+    input.set(u, at);
+    const Evaluation& e = dynamics_.gather(at);
     const RowTable& rows = e.rows();
     VecX f = e.force();
     e.react(motion_.lambda, f);
@@ -82,7 +111,7 @@ class Responses {
       }
     }
     out.tail(unknowns_.n()) = unknowns_.of_slots(R);
-    law.add({});
+    input.clear();
     return out;
   }
 
@@ -104,11 +133,19 @@ class Outputs {
       if (c.track) c.track(sample);
     }
   }
-  VecX at(const VecX& dx, const VecX& dv) const {
+  VecX at(const VecX& dx, const VecX& dv) const { return of(moved(dx, dv)); }
+  VecX at(const VecX& dx, const VecX& dv, const Actuator& input, const LawValue& u) const {
+    State there = moved(dx, dv);
+    input.set(u, there);
+    VecX y = of(there);
+    input.clear();
+    return y;
+  }
+  State moved(const VecX& dx, const VecX& dv) const {
     State moved = state_;
     if (dx.size() > 0) advance_state(moved, 1.0, unknowns_.to_slots(dx));
     if (dv.size() > 0) moved.v += unknowns_.to_slots(dv);
-    return of(moved);
+    return moved;
   }
   VecX of(const State& state) const {
     const Sample sample(dynamics_, state, report_);
@@ -116,11 +153,15 @@ class Outputs {
     for (std::size_t k = 0; k < channels_.size(); ++k) out[static_cast<Eigen::Index>(k)] = channels_[k].value(sample);
     return out;
   }
-  // Refuses what reads integrated states: the linear equations have none.
+  // Refuses what reads integrated states other than coordinates of drives: the linear equations have none.
   void refuse_integrals() const {
     if (state_.s.size() == 0) return;
     State moved = state_;
     moved.s.array() += 1e-3;
+    for (const auto& link : dynamics_.system().links()) {
+      const Eigen::Index own = link->jointed() != nullptr ? link->n_own_states() : 0;
+      if (own > 0) moved.s.segment(link->first_state(), own) = state_.s.segment(link->first_state(), own);
+    }
     const VecX now = of(state_), then = of(moved);
     for (std::size_t k = 0; k < channels_.size(); ++k)
       if (now[static_cast<Eigen::Index>(k)] != then[static_cast<Eigen::Index>(k)])
@@ -164,12 +205,14 @@ void name_states(const System& system, const LinearMotion& m, const Reduced& r, 
     }
 }
 
-// One column of B and D each.
+// One column of B and D each, or of A and C.
 struct InputColumn {
+  enum class Of { input, state, rate_of_state };
   Signal signal;
   VecX acceleration;                    // y''
   std::function<VecX(double)> outputs;  // at this size of the input
   double step = 0;
+  Of of = Of::input;
 };
 
 // How far two derivatives of C, with R below it, are apart, relative to the largest in the same block: rows by what they
@@ -199,15 +242,15 @@ double accuracy_of(const VecX& derivative, const VecX& off, const LinearMotion& 
 }
 
 // Per unit of an input: the value, its rate and its second rate, as far as they act.
-std::vector<InputColumn> columns_of(const LinearInput& input, const LinearMotion& m, const Reduced& r,
-                                    const Responses& response, const Outputs& outputs, double& accuracy) {
-  InputLaw& law = *input.law;
+std::vector<InputColumn> columns_of(const LinearInput& input, const Actuator& acts, const LinearMotion& m,
+                                    const Reduced& r, const Responses& response, const Outputs& outputs,
+                                    double& accuracy) {
   const Eigen::Index rows = m.J.rows();
-  const double length_step = kDifferenceStep * (input.unit == "m" ? m.length : 1.0);
+  const double length_step = kDifferenceStep * (acts.unit() == "m" ? m.length : 1.0);
   VecX off;
-  const VecX by_value = derivative([&](double h) { return response(law, {h, 0, 0}); }, length_step, off);
+  const VecX by_value = derivative([&](double h) { return response(acts, {h, 0, 0}); }, length_step, off);
   accuracy = std::max(accuracy, accuracy_of(by_value, off, m));
-  const VecX by_rate = derivative([&](double h) { return response(law, {0, h, 0}); }, 1e-2, off);
+  const VecX by_rate = derivative([&](double h) { return response(acts, {0, h, 0}); }, 1e-2, off);
   accuracy = std::max(accuracy, accuracy_of(by_rate, off, m));
   VecX C_u = by_value.head(rows);
   const VecX R_u = by_value.tail(by_value.size() - rows), R_ud = by_rate.tail(by_rate.size() - rows);
@@ -232,22 +275,25 @@ std::vector<InputColumn> columns_of(const LinearInput& input, const LinearMotion
                           std::function<VecX(double)> at) {
     return InputColumn{{input.name + suffix, unit}, -r.M.solve(r.N.transpose() * load), std::move(at), step};
   };
-  const auto with = [&law, &outputs](const LawValue& u, const VecX& dx, const VecX& dv) {
-    law.add(u);
-    VecX y = outputs.at(dx, dv);
-    law.add({});
-    return y;
+  const auto with = [acts, &outputs](const LawValue& u, const VecX& dx, const VecX& dv) {
+    return outputs.at(dx, dv, acts, u);
   };
+  const std::string& unit = acts.unit();
+  const bool speed = acts.is_speed();
   std::vector<InputColumn> out;
-  out.push_back(column("", input.unit, m.K * G + R_u, length_step, [=](double h) {
+  out.push_back(column("", unit, m.K * G + R_u, length_step, [=](double h) {
     return with({h, 0, 0}, VecX(h * G), {});
   }));
+  if (speed) out.back().of = InputColumn::Of::state;
   if (!moves && R_ud.isZero(0)) return out;
   // dv of dx' = G u' in the axes: the turning of dx itself is in the column of the value
-  out.push_back(column("_d", input.unit + "/s", m.D * G + R_ud, 1e-2, [=](double h) {
+  out.push_back(column(speed ? "" : "_d", unit + "/s", m.D * G + R_ud, 1e-2, [=](double h) {
     return with({0, h, 0}, {}, VecX(h * G));
   }));
-  out.push_back(column("_dd", input.unit + "/s^2", m.M * G, 1e-2, [=](double h) { return with({0, 0, h}, {}, {}); }));
+  if (speed) out.back().of = InputColumn::Of::rate_of_state;
+  out.push_back(column(speed ? "_d" : "_dd", unit + "/s^2", m.M * G, 1e-2, [=](double h) {
+    return with({0, 0, h}, {}, {});
+  }));
   return out;
 }
 
@@ -282,17 +328,20 @@ StateSpace linearize(Dynamics& dynamics, const State& given, const std::vector<L
         "about a steady rotation: outputs are those of this instant, and of every one only where they do "
         "not depend on the angle");
   name_states(system, m, r, out);
-  out.A = MatX::Zero(2 * f, 2 * f);
-  out.A.topRightCorner(f, f).setIdentity();
-  out.A.bottomLeftCorner(f, f) = -r.M.solve(r.K), out.A.bottomRightCorner(f, f) = -r.M.solve(r.D);
-
   const Responses response(dynamics, state, m);
   const Outputs outputs(dynamics, state, channels);
   outputs.refuse_integrals();
-  std::vector<InputColumn> columns;
+  std::vector<InputColumn> columns;  // of states, then of inputs
   for (const LinearInput& input : inputs)
-    for (InputColumn& column : columns_of(input, m, r, response, outputs, out.accuracy))
+    for (InputColumn& column : columns_of(input, Actuator(system, input), m, r, response, outputs, out.accuracy))
       columns.push_back(std::move(column));
+  std::ranges::stable_partition(columns, [](const InputColumn& one) { return one.of == InputColumn::Of::state; });
+  const Eigen::Index driven =
+      std::ranges::count_if(columns, [](const InputColumn& one) { return one.of == InputColumn::Of::state; });
+  const Eigen::Index n = 2 * f + driven, n_in = static_cast<Eigen::Index>(columns.size()) - driven;
+  out.A = MatX::Zero(n, n);
+  out.A.block(0, f, f, f).setIdentity();
+  out.A.block(f, 0, f, f) = -r.M.solve(r.K), out.A.block(f, f, f, f) = -r.M.solve(r.D);
 
   const auto n_out = static_cast<Eigen::Index>(channels.size());
   MatX all(n_out, 2 * f + static_cast<Eigen::Index>(columns.size())), off = all;
@@ -323,11 +372,14 @@ StateSpace linearize(Dynamics& dynamics, const State& given, const std::vector<L
         derivative([&](double u) { return outputs.at({}, VecX(u * N)); }, 1e-2 * h / kDifferenceStep, apart);
     off.col(f + k) = apart;
   }
-  out.B = MatX::Zero(2 * f, static_cast<Eigen::Index>(columns.size()));
+  out.B = MatX::Zero(n, n_in);
+  Eigen::Index rates = 0;
   for (std::size_t k = 0; k < columns.size(); ++k) {
     const auto col = static_cast<Eigen::Index>(k);
-    out.inputs.push_back(columns[k].signal);
-    out.B.col(col).tail(f) = columns[k].acceleration;
+    const bool is_state = col < driven;
+    (is_state ? out.states : out.inputs).push_back(columns[k].signal);
+    (is_state ? out.A.col(2 * f + col) : out.B.col(col - driven)).segment(f, f) = columns[k].acceleration;
+    if (columns[k].of == InputColumn::Of::rate_of_state) out.B(2 * f + rates++, col - driven) = 1;
     all.col(2 * f + col) = derivative(columns[k].outputs, columns[k].step, apart);
     off.col(2 * f + col) = apart;
   }
@@ -335,7 +387,7 @@ StateSpace linearize(Dynamics& dynamics, const State& given, const std::vector<L
     if (const double largest = all.row(row).cwiseAbs().maxCoeff(); largest > 0)
       out.accuracy = std::max(out.accuracy, off.row(row).maxCoeff() / largest);
   for (const Channel& channel : channels) out.outputs.push_back({channel.name, channel.unit});
-  out.C = all.leftCols(2 * f), out.D = all.rightCols(static_cast<Eigen::Index>(columns.size()));
+  out.C = all.leftCols(n), out.D = all.rightCols(n_in);
   for (MatX* matrix : {&out.A, &out.B, &out.C, &out.D}) matrix->array() += 0.0;  // no zero with a sign
   return out;
 }

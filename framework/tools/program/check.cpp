@@ -271,9 +271,10 @@ void list_parameters(const Scene& scene) {
 
 // Counted where a run begins: a start typed with eight digits leaves none of a loop's freedoms. One that cannot be
 // assembled is taken as it was typed; a run then says why.
-State counted_start(Dynamics& dynamics, const Mechanism& m, const State& typed) {
+State counted_start(Dynamics& dynamics, Mechanism& m, const State& typed, std::vector<NearDependency>& near) {
   State start = typed;
   try {
+    near = decide_nearly_redundant(dynamics, m);
     if (m.run.assemble) assemble(dynamics, start, m.start_speeds, m.assembly);
   } catch (const Error&) {
     start = typed;
@@ -296,6 +297,7 @@ nlohmann::ordered_json position_json(Dynamics& dynamics, const State& state, con
 /// What is counted and found of a scene.
 struct Findings {
   MobilityReport mobility;
+  std::vector<NearDependency> near;
   UniquenessReport reactions;
   BranchPoint position;
   nlohmann::ordered_json position_json;
@@ -349,7 +351,7 @@ Findings found_in(const Arguments& args, const Loaded& loaded, Mechanism& m) {
   Dynamics dynamics = make_dynamics(m, loaded.registry);
   const State start = m.system.start();
   found.violation = dynamics.violation(start), found.violation_v = dynamics.violation_v(start);
-  const State counted = counted_start(dynamics, m, start);
+  const State counted = counted_start(dynamics, m, start, found.near);
   const MobilityReport& r = found.mobility = mobility(dynamics, counted);
   found.reactions = uniqueness(dynamics, counted);
   found.position = branch_point(dynamics, counted);
@@ -378,6 +380,7 @@ nlohmann::ordered_json findings_json(const Loaded& loaded, const Mechanism& m, c
                               {"redundant", r.redundant},
                               {"redundant_links", r.redundant_links},
                               {"dependencies", dependencies_json(r)},
+                              {"nearly_redundant", near_json(found.near, m.run.nearly_redundant)},
                               {"rows_not_unique", found.reactions.rows},
                               {"columns_not_unique", columns_not_unique(m.run, found.reactions)},
                               {"free_motions", found.moves.free},
@@ -414,6 +417,7 @@ void print_findings(const Loaded& loaded, const Mechanism& m, const Findings& fo
   fmt::print("  formulation         {}\n", found.formulation);
   if (r.redundant > 0) fmt::print("  redundant rows      {} (in {})\n", r.redundant, first_of(r.redundant_links));
   for (const Dependency& d : r.dependencies) fmt::print("{}", words_of(d));
+  for (const NearDependency& d : found.near) fmt::print("{}", words_of(d, m.run.nearly_redundant));
   fmt::print("{}", words_of(found.reactions, m.run));
   fmt::print("  start violates      {:.2g} m, {:.2g} m/s{}\n", found.violation, found.violation_v,
              found.violation > 1e-6 || found.violation_v > 1e-6 ? "; a run assembles it first" : "");

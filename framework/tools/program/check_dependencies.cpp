@@ -20,15 +20,38 @@ std::string first_of(const std::vector<std::string>& names) {
 }
 
 std::string words_of(const Dependency& d) {
-  const std::string names = first_of(d.rows);
-  std::string out;
-  if (d.too_many > 0) out += fmt::format("    {}: {} too many\n", names, d.too_many);
-  if (d.nearly > 0)
-    out += fmt::format(
-        "    {}: {} nearly too many (pivot {:.2g}): a run holds {} by forces that may be very large; make the rows "
-        "agree exactly, or leave one out\n",
-        names, d.nearly, d.pivot, d.nearly == 1 ? "it" : "them");
-  return out;
+  return d.too_many > 0 ? fmt::format("    {}: {} too many\n", first_of(d.rows), d.too_many) : std::string();
+}
+
+std::string words_of(const NearDependency& d, NearlyRedundant choice) {
+  std::string out = fmt::format("  nearly redundant    {}: {} too many but for {:.2g}: ", first_of(d.rows), d.nearly,
+                                d.singular_value);
+  const std::string rest = d.left_out.empty() ? std::string() : first_of(d.left_out);
+  const char* const are = d.left_out.size() == 1 ? "is" : "are";
+  if (d.in_passing) return out + "in this position only, beside a singular one\n";
+  if (choice == NearlyRedundant::held)
+    return out + fmt::format("held{}; \"free\" leaves out what nearly depends (--nearly-redundant)\n",
+                             rest.empty() ? ""
+                                          : fmt::format(", and {} left out, which depend{} on others exactly",
+                                                        rest + " " + are, d.left_out.size() == 1 ? "s" : ""));
+  if (rest.empty()) return out + "they hold, since a law is among them; make them agree, or leave one out\n";
+  return out + fmt::format(
+                   "free, {} {} left out, and violated by some {:.1g} m as it moves; \"held\" holds {} "
+                   "(--nearly-redundant)\n",
+                   rest, are, d.violation, d.left_out.size() == 1 ? "it" : "them");
+}
+
+nlohmann::ordered_json near_json(const std::vector<NearDependency>& near, NearlyRedundant choice) {
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (const NearDependency& d : near)
+    all.push_back({{"rows", d.rows},
+                   {"nearly", d.nearly},
+                   {"singular_value", d.singular_value},
+                   {"in_passing", d.in_passing},
+                   {"decided", choice == NearlyRedundant::held ? "held" : "free"},
+                   {"violation", d.violation},
+                   {"left_out", d.left_out}});
+  return all;
 }
 
 std::vector<std::string> columns_not_unique(const RunSettings& run, const UniquenessReport& reactions) {

@@ -14,8 +14,12 @@ namespace lockstep {
 
 /// "A, B and C", or the first of them "and 7 more".
 std::string first_of(const std::vector<std::string>& names);
-/// A line for what is too many, and one for what nearly is: "    A.z, B.z and C.z: 1 too many".
+/// A line for what is too many: "    A.z, B.z and C.z: 1 too many".
 std::string words_of(const Dependency&);
+/// A line for rows that nearly depend on one another, and what was decided: "  nearly redundant    ...".
+std::string words_of(const NearDependency&, NearlyRedundant);
+/// The same as data.
+nlohmann::ordered_json near_json(const std::vector<NearDependency>&, NearlyRedundant);
 /// Lines for the reactions that are not unique, and for the recorded columns among them; "" where all are unique.
 std::string words_of(const UniquenessReport&, const RunSettings&);
 /// Names of the recorded columns that hold reactions which are not unique.

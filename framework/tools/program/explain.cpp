@@ -40,6 +40,21 @@ Json json(const LawAccount& l) {
   return {{"what", l.what}, {"unit", l.unit}, {"value", l.value}, {"rate", l.rate}, {"second", l.second}};
 }
 
+Json json(const ForceEffect& a) {
+  Json on = Json::array(), laws = Json::array();
+  for (const Contribution& c : a.on)
+    on.push_back({{"body", c.what}, {"force", json(c.force)}, {"moment", json(c.moment)}});
+  for (const LawAccount& l : a.laws) laws.push_back(json(l));
+  return {{"force", a.name},
+          {"type", a.type},
+          {"acts", a.acts},
+          {"on", on},
+          {"laws", laws},
+          {"potential", a.potential},
+          {"dissipation", a.dissipation},
+          {"supply", a.supply}};
+}
+
 Json json(const LinkAccount& a) {
   Json rows = Json::array(), laws = Json::array(), sets = Json::array();
   for (const RowAccount& r : a.rows)
@@ -99,6 +114,24 @@ std::string numbers(const std::vector<double>& values) {
   return "[" + all + "]";
 }
 
+void print(const std::vector<LawAccount>& laws) {
+  for (const LawAccount& l : laws)
+    fmt::print("  {}: value {}{}{}, rate {}, second derivative {}\n", l.what, numbers(l.value),
+               l.unit.empty() ? "" : " ", l.unit, numbers(l.rate), numbers(l.second));
+}
+
+void print(const ForceEffect& a) {
+  fmt::print("force '{}', {}{}\n", a.name, a.type, a.acts ? "" : ": switched off");
+  for (const Contribution& c : a.on)
+    fmt::print(
+        "  on '{}': force [{:.6g}, {:.6g}, {:.6g}] N, moment about its mass centre [{:.6g}, {:.6g}, {:.6g}] N m, "
+        "world axes\n",
+        c.what, c.force[0], c.force[1], c.force[2], c.moment[0], c.moment[1], c.moment[2]);
+  if (a.potential != 0 || a.dissipation != 0 || a.supply != 0)
+    fmt::print("  potential {:.6g} J, takes out {:.6g} W, puts in {:.6g} W\n", a.potential, a.dissipation, a.supply);
+  print(a.laws);
+}
+
 void print(const LinkAccount& a) {
   fmt::print("link '{}', {}, of '{}' on '{}'", a.name, a.type, a.on_p, a.on_s);
   if (a.merged)
@@ -117,9 +150,7 @@ void print(const LinkAccount& a) {
   };
   if (!a.rows.empty()) wrench("joint", a.joint);
   if (std::ranges::any_of(a.rows, [](const RowAccount& r) { return r.is_drive; })) wrench("drives", a.drives);
-  for (const LawAccount& l : a.laws)
-    fmt::print("  {}: value {}{}{}, rate {}, second derivative {}\n", l.what, numbers(l.value),
-               l.unit.empty() ? "" : " ", l.unit, numbers(l.rate), numbers(l.second));
+  print(a.laws);
   for (const Dependency& d : a.dependencies)
     fmt::print(
         "  {} of the rows {} {} redundant: they hold one another's directions, so that how they share a load is "
@@ -136,16 +167,6 @@ std::vector<std::string> names_of(const System& system) {
   for (const auto& l : system.links()) names.push_back(l->name());
   for (const auto& f : system.forces()) names.push_back(f->name());
   return names;
-}
-
-/// A force: what it exerts on each body, out of their balances.
-std::vector<std::pair<std::string, Contribution>> shares_of(Dynamics& dynamics, const State& state,
-                                                            const Force& force) {
-  std::vector<std::pair<std::string, Contribution>> all;
-  for (const int slot : force.slots())
-    for (const Contribution& c : balance_of(dynamics, state, dynamics.system().body_of_slot(slot)).parts)
-      if (c.what == "force '" + force.name() + "'") all.emplace_back(dynamics.system().body_of_slot(slot).name, c);
-  return all;
 }
 
 template <class Account>
@@ -174,20 +195,8 @@ int explain_command(const Arguments& args) {
     if (body.name == args.name) return tell(balance_of(dynamics, state, body), args.json), kExitOk;
   for (const auto& link : system.links())
     if (link->name() == args.name) return tell(account_of(dynamics, state, *link), args.json), kExitOk;
-  for (const auto& force : system.forces()) {
-    if (force->name() != args.name) continue;
-    Json all = Json::array();
-    for (const auto& [body, c] : shares_of(dynamics, state, *force)) {
-      all.push_back({{"body", body}, {"force", json(c.force)}, {"moment", json(c.moment)}});
-      if (!args.json)
-        fmt::print(
-            "{} on '{}': force [{:.6g}, {:.6g}, {:.6g}] N, moment about its mass centre [{:.6g}, {:.6g}, {:.6g}] "
-            "N m, world axes\n",
-            c.what, body, c.force[0], c.force[1], c.force[2], c.moment[0], c.moment[1], c.moment[2]);
-    }
-    if (args.json) print_document(all);
-    return kExitOk;
-  }
+  for (const auto& force : system.forces())
+    if (force->name() == args.name) return tell(account_of(dynamics, state, *force), args.json), kExitOk;
   Json all = Json::array();
   for (int k = 0; k < system.n_slots(); ++k) {
     const BodyBalance balance = balance_of(dynamics, state, system.body_of_slot(k));

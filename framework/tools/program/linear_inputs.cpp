@@ -111,9 +111,7 @@ class Opening {
       place.name = name + "." + axis, place.short_name = several ? place.name : name;
       place.unit = axis.starts_with("r") ? "rad" : "m";
       place.object = &one, place.key = "law";
-      if (member_of(one, "law") == nullptr)
-        place.refusal =
-            "drives a speed; inputs are laws of coordinates: give the drive a \"law\" in place of \"speed\"";
+      if (member_of(one, "law") == nullptr) place.key = "speed", place.unit += "/s";
       places_.push_back(std::move(place));
     };
     if (Value::List* drives = drive->list())

@@ -260,15 +260,18 @@ class ProgramRun {
     const std::exception_ptr unwritten = write_rest(file_);
     if (ended.error) fail(ended.error, unwritten);
     const Audit found = audit_ ? audit_->result() : drift_alone(sim_, m_.run.limits);
-    const EndedRun end{sim_, m_.run, found, seconds, ended.interrupted, doubts_, singular_.passed()};
+    const EndedRun end{
+        sim_, m_.run, found, seconds, ended.interrupted, doubts_, singular_.passed(), singular_.n_passed()};
     conclude(end, unwritten);
     return exit_code(end);
   }
 
  private:
   State assembled_start() {
+    near_ = decide_nearly_redundant(dynamics_, m_);
     State start = m_.system.start();
     if (from_ != nullptr) return start;
+    for (const NearDependency& d : near_) words_.say("{}", words_of(d, m_.run.nearly_redundant));
     if (m_.run.assemble) {
       const AssemblyReport assembled = assemble(dynamics_, start, m_.start_speeds, m_.assembly);
       if (assembled.is_notable()) words_.say("  assembled  {}\n", assembled.text());
@@ -345,6 +348,7 @@ class ProgramRun {
     }
     if (args_.json) {
       nlohmann::ordered_json j = json_of(end, rows_.rows());
+      j["nearly_redundant"] = near_json(near_, m_.run.nearly_redundant);
       j["files"] = files;
       print_json(args_, loaded_, std::move(j));
     }
@@ -388,6 +392,7 @@ class ProgramRun {
   Dynamics dynamics_;
   StepLoop sim_;
   Doubts doubts_;
+  std::vector<NearDependency> near_;
 };
 
 }  // namespace

@@ -59,7 +59,8 @@ std::string times_of(const std::vector<double>& first, std::size_t n) {
   return words + (n > shown ? ", ... s" : " s");
 }
 
-std::string passed_words(const std::vector<PassedPosition>& passed, const IntegratorInfo& method, bool projects) {
+std::string passed_words(const std::vector<PassedPosition>& passed, long n, const IntegratorInfo& method,
+                         bool projects) {
   std::vector<double> times;
   std::vector<std::string> links;
   for (const PassedPosition& p : passed) {
@@ -72,9 +73,8 @@ std::string passed_words(const std::vector<PassedPosition>& passed, const Integr
                      : method.name == "dop853" || method.name == "dopri5" ? "stages auto, and no fixed steps"
                                                                           : "--integrator dop853";
   return fmt::format(
-      "passed {} singular position{} with plain stages, at t = {}{}; the motion after {} may be another: take {}",
-      passed.size(), passed.size() == 1 ? "" : "s", times_of(times, passed.size()), where,
-      passed.size() == 1 ? "it" : "them", next);
+      "passed {} singular position{} with plain stages, at t = {}{}; the motion after {} may be another: take {}", n,
+      n == 1 ? "" : "s", times_of(times, static_cast<std::size_t>(n)), where, n == 1 ? "it" : "them", next);
 }
 
 }  // namespace
@@ -83,7 +83,7 @@ std::vector<std::string> doubts_of(const EndedRun& ended) {
   std::vector<std::string> all;
   StepLoop& sim = ended.sim;
   if (!ended.passed.empty())
-    all.push_back(passed_words(ended.passed, sim.integrator().info(),
+    all.push_back(passed_words(ended.passed, ended.n_passed, sim.integrator().info(),
                                sim.dynamics().options().stabilization.kind == Stabilization::Kind::project));
   if (const Doubts& d = ended.doubts; d.beyond() > 0)
     all.push_back(

@@ -24,7 +24,8 @@ struct EndedRun {
   double seconds = 0;        ///< of computing, by the clock
   bool interrupted = false;  ///< by the user
   const Doubts& doubts;
-  const std::vector<PassedPosition>& passed;  ///< singular positions, with plain stages
+  const std::vector<PassedPosition>& passed;  ///< the first singular positions, with plain stages
+  long n_passed = 0;                          ///< how many there were
 };
 
 /// What speaks against its result though it went through, one sentence each: what --strict refuses.

@@ -34,7 +34,10 @@ struct Resting {
   EquilibriumReport report;
 
   Resting(const Scene& scene, const Registry& registry)
-      : m(build_mechanism(scene, registry)), dynamics(make_dynamics(m, registry)), state(m.system.start()) {}
+      : m(build_mechanism(scene, registry)), dynamics(make_dynamics(m, registry)), state(m.system.start()) {
+    decide_nearly_redundant(dynamics, m);
+    state = m.system.start();
+  }
 
   /// From the assembled start, or from the poses of `before`, if it has as many.
   void find(const Arguments& args, const State* before) {

@@ -7,6 +7,7 @@
 #include <lockstep/text.h>
 #include "framework/foundation/support/csv_cells.h"
 #include "framework/foundation/support/thrown.h"
+#include "framework/tools/analysis/singular_watch.h"
 #include "framework/tools/precision/work_precision.h"
 #include "framework/tools/sweep/scene_run.h"
 #include "framework/tools/sweep/watched_run.h"
@@ -38,6 +39,8 @@ void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepR
   State start = assembled_start(dynamics, m);
   StepLoop sim(dynamics, make_integrator(m.run, registry), loop_options(m.run));
   sim.add_observer(recorder), sim.add_observer(audit);
+  SingularWatch singular(m.system);
+  if (SingularWatch::is_needed(dynamics, start, sim.integrator().info())) sim.add_observer(singular);
   if (besides != nullptr) sim.add_observer(*besides);
   for (Event& event : events) sim.add_event(std::move(event));
   sim.set_state(std::move(start));
@@ -53,6 +56,8 @@ void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepR
     throw;
   }
   result.steps = report.steps;
+  if (!singular.passed().empty())
+    result.passed = singular.n_passed(), result.first_passed = singular.passed().front().t;
   judge(audit.result(), sim.integrator().info().adaptive, result);
   if (report.stopped && !result.broken_off) result.status = "stopped by '" + report.stopped_by + "'";
 }
@@ -70,8 +75,10 @@ std::string titled(const std::string& name, const std::string& unit) {
 
 std::string SweepRun::outcome() const {
   if (failed) return "failed: " + status;
-  if (!wrong) return status;
-  return status == "ok" ? "wrong" : "wrong: " + status;
+  const std::string judged = !wrong ? status : status == "ok" ? "wrong" : "wrong: " + status;
+  if (passed == 0) return judged;
+  return judged + "; passed " + std::to_string(passed) + " singular position" + (passed == 1 ? "" : "s") +
+         " with plain stages, from t = " + text::brief(first_passed) + " s on";
 }
 
 SweepRun recorded_run(const Table& table) {

@@ -82,6 +82,11 @@ void prepare(Lane& lane, const Registry& registry) {
   lane.recorder->start(Sample(*lane.dynamics, lane.start, {}));
 }
 
+// Lanes have all rows of their links.
+bool leaves_rows_out(const System& system) {
+  return std::ranges::any_of(system.links(), [&](const auto& link) { return system.left_out(*link) != 0; });
+}
+
 CopiesOptions options_of(const RunSettings& run, const Registry& registry) {
   CopiesOptions options;
   options.registry = &registry;
@@ -124,6 +129,7 @@ std::vector<SweepRun> sweep_lanes(std::span<const Scene> scenes, const Registry&
       lanes.push_back(make_lane(scene, registry));
       if (!unsuited(lanes.back()->mechanism).empty()) return {};
       prepare(*lanes.back(), registry);
+      if (leaves_rows_out(lanes.back()->mechanism.system)) return {};
       if (lanes.back()->recorder->table().names() != like.names()) return {};
     }
     const std::vector<double> times = output_times(scenes.front().run);

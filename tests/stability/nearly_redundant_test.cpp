@@ -1,0 +1,293 @@
+// Rows that depend on others but for a very small singular value: held or free, decided once at the start, and then the
+// same motion from every solver and in every frame of the world.
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <spdlog/fmt/fmt.h>
+#include <Eigen/LU>
+
+#include <lockstep/analysis.h>
+#include <lockstep/forces.h>
+#include <lockstep/joints.h>
+#include <lockstep/registry.h>
+#include <lockstep/scene.h>
+#include <lockstep/simulation.h>
+#include "tests/support/catch.h"
+#include "tests/support/messages.h"
+#include "tests/support/worst.h"
+
+namespace nearly_redundant_test {
+
+using namespace lockstep;
+using namespace lockstep::testing;
+
+namespace {
+
+using Names = std::vector<std::string>;
+
+/// Turned and moved in the world.
+struct Frame {
+  Vec3 x = Vec3::Zero();
+  Quat q{};
+};
+
+std::vector<Frame> frames(int n) {
+  std::minstd_rand random(5);
+  std::uniform_real_distribution<double> number(-1, 1);
+  std::vector<Frame> all(1);
+  for (int k = 1; k < n; ++k) {
+    const Vec3 x(number(random), number(random), number(random));
+    const Quat q{number(random), number(random), number(random), number(random)};
+    all.push_back({x, normalized(q)});
+  }
+  return all;
+}
+
+/// A mechanism in a frame, and all that runs it.
+struct Model {
+  System system;
+  std::unique_ptr<Dynamics> dynamics;
+  std::vector<NearDependency> near;
+  State start;
+  Frame frame;
+
+  Pose at(const Vec3& x, const Vec3& z = Vec3::UnitZ()) const {
+    const Pose here = pose_at(x, z);
+    return Pose{frame.x, frame.q} * here;
+  }
+  Vec3 turned(const Vec3& v) const { return rotation(frame.q) * v; }
+
+  void begin(NearlyRedundant choice, const std::string& solver) {
+    RunSettings settings;
+    settings.solver = {solver};
+    dynamics = std::make_unique<Dynamics>(system, make_solver(settings, builtin_registry()),
+                                          DynamicsOptions{Formulation::omega, {}});
+    start = system.start();
+    near = decide_nearly_redundant(system, *dynamics, start, choice);
+    start = system.start();
+    assemble(*dynamics, start);
+  }
+  SimulationReport run(double until, State& end) {
+    RunSettings settings;
+    settings.integrator = {"dop853"};
+    settings.tolerance = {1e-10, 1e-12};
+    StepLoop loop(*dynamics, make_integrator(settings, builtin_registry()),
+                  {.tolerance = settings.tolerance, .max_steps = 3000});
+    loop.set_state(start);
+    const SimulationReport report = loop.run_until(until);
+    end = loop.state();
+    dynamics->to_slots(end);
+    return report;
+  }
+};
+
+constexpr double kApart = 1e-7;  // m, of the hinges' axes
+constexpr double kMass = 20, kSideways = 2;
+
+/// A door on two hinges, or on the lower one alone; it falls to the side.
+std::unique_ptr<Model> door(const Frame& frame, bool both) {
+  auto out = std::make_unique<Model>();
+  Model& m = *out;
+  m.frame = frame;
+  m.system.set_gravity(m.turned({0, kSideways, -9.81}));
+  const Vec3 J = kMass / 12 * Vec3(0.04 * 0.04 + 4, 0.9 * 0.9 + 4, 0.9 * 0.9 + 0.04 * 0.04);
+  const MassProperties mass{kMass, Vec3::Zero(), J.asDiagonal()};
+  Body& body = m.system.add_body("door", mass, m.at({0.45, 0, 1}));
+  body.start.v = m.turned({0, 0.45, 0}), body.start.w = {0, 0, 1};
+  m.system.add<Revolute>("low", body, m.system.ground(), m.at({0, 0, 0.2}));
+  if (both) m.system.add<Revolute>("high", body, m.system.ground(), m.at({kApart, 0, 1.8}));
+  return out;
+}
+
+/// A four-bar of hinges in space, that at C tilted; a couple of 1 N m turns the crank.
+std::unique_ptr<Model> four_bar(const Frame& frame, double tilt) {
+  auto out = std::make_unique<Model>();
+  Model& m = *out;
+  m.frame = frame;
+  const auto rod = [&](const char* name, const Vec3& a, const Vec3& b) -> Body& {
+    return m.system.add_body(name, shapes::rod(1, m.at(a).x, m.at(b).x));
+  };
+  Body& crank = rod("crank", {0, 0, 0}, {0, 0.1, 0});
+  Body& coupler = rod("coupler", {0, 0.1, 0}, {0.3, 0.2, 0});
+  Body& rocker = rod("rocker", {0.3, 0, 0}, {0.3, 0.2, 0});
+  m.system.add<Revolute>("A", crank, m.system.ground(), m.at({0, 0, 0}));
+  m.system.add<Revolute>("B", coupler, crank, m.at({0, 0.1, 0}));
+  m.system.add<Revolute>("C", coupler, rocker, m.at({0.3, 0.2, 0}, {std::sin(tilt), 0, std::cos(tilt)}));
+  m.system.add<Revolute>("D", rocker, m.system.ground(), m.at({0.3, 0, 0}));
+  Marker& on = m.system.add_marker_at("on", crank, m.at({0, 0, 0}));
+  m.system.add(std::make_unique<AppliedTorque>("couple", on, AppliedTorque::Options{.torque = m.turned({0, 0, 1})}));
+  return out;
+}
+
+/// Multipliers of as many independent rows as there are unknowns: J^T lambda = f, in extended precision.
+VecX carried(const Evaluation& e) {
+  using Real = long double;
+  using Matrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
+  const Eigen::Index n = e.force().size();
+  REQUIRE(e.rows().n_rows == n);
+  Matrix Jt = Matrix::Zero(n, n);
+  for (const RowEntry& entry : e.rows().entries)
+    for (int k = 0; k < entry.m; ++k)
+      for (int i = 0; i < entry.slots.n; ++i) {
+        const std::array<double, 6> J = e.rows().block(entry).J(i, k);
+        for (int c = 0; c < 6; ++c) Jt(6 * entry.slots[i] + c, entry.first_row + k) = J[static_cast<std::size_t>(c)];
+      }
+  return Jt.fullPivLu().solve(e.force().cast<Real>()).cast<double>();
+}
+
+/// How far two motions are apart, m and in turns since their starts, seen from their frames.
+double distance(const System& a, const State& at, const Frame& frame, const System& b, const State& other) {
+  double most = 0;
+  const Mat3 F = rotation(frame.q);
+  for (const Body& body : a.bodies()) {
+    if (body.fixed) continue;
+    const Body& same = b.body(body.name);
+    const Pose ours = body_pose(body, at), theirs = body_pose(same, other);
+    const Mat3 turn = rotation(ours.q) * rotation(body.home.q).transpose(),
+               other_turn = rotation(theirs.q) * rotation(same.home.q).transpose();
+    keep_worst(most, (F.transpose() * (ours.x - frame.x) - theirs.x).norm());
+    keep_worst(most, (F.transpose() * turn * F - other_turn).norm());
+  }
+  return most;
+}
+
+const Names kSolvers = {"schur", "block", "sparse", "dense"};
+
+}  // namespace
+
+TEST_CASE("a door on two hinges 1e-7 m apart, free: it turns as on one of them", "[stability][redundancy]") {
+  const auto one = door({}, false);
+  one->begin(NearlyRedundant::free, "schur");
+  CHECK(one->near.empty());
+  State truth;
+  one->run(0.8, truth);
+  for (const std::string& solver : kSolvers)
+    for (const Frame& frame : frames(solver == "schur" ? 20 : 4)) {
+      const auto two = door(frame, true);
+      CAPTURE(solver, frame.x.transpose());
+      two->begin(NearlyRedundant::free, solver);
+      REQUIRE(two->near.size() == 1);
+      const NearDependency& found = two->near.front();
+      CHECK(found.rows == Names{"low.y", "low.e1", "high.y", "high.e1"});
+      CHECK(found.nearly == 1);
+      CHECK(found.singular_value > 0.1 * kApart);
+      CHECK(found.singular_value < 10 * kApart);
+      CHECK_FALSE(found.in_passing);
+      CHECK(found.violation < 2 * kApart);
+      CHECK(found.left_out == Names{"high.x", "high.y", "high.z", "high.e1", "high.e2"});
+      CHECK(mobility(*two->dynamics, two->start).freedoms == 1);
+      State end;
+      const SimulationReport report = two->run(0.8, end);
+      CHECK(report.steps < 100);
+      CHECK(distance(two->system, end, frame, one->system, truth) < 1e-9);
+    }
+}
+
+TEST_CASE("a door on two hinges 1e-7 m apart, held: it stands still, by huge forces", "[stability][redundancy]") {
+  for (const std::string& solver : kSolvers)
+    for (const Frame& frame : frames(solver == "schur" ? 20 : 4)) {
+      const auto two = door(frame, true);
+      CAPTURE(solver, frame.x.transpose());
+      two->begin(NearlyRedundant::held, solver);
+      REQUIRE(two->near.size() == 1);
+      CHECK_FALSE(two->near.front().in_passing);
+      CHECK(mobility(*two->dynamics, two->start).freedoms == 0);
+      const Solution& v = two->dynamics->evaluate(two->start);
+      // The moment of its weight about the axis, 0.45 m m g_y, by forces along y 1e-7 m apart.
+      const double force = 0.45 * kMass * kSideways / kApart;
+      const auto reaction = [&](const char* name) {
+        const Lock& link = two->system.link(name);
+        const MarkerFrame p(*link.pairs().front().first);
+        return Vec3(rotation(frame.q).transpose() * Reactions(v).on_body_of(p, link, v.in).force);
+      };
+      CHECK(reaction("high")[1] == Approx(-force).epsilon(1e-6));
+      CHECK(reaction("low")[1] == Approx(force).epsilon(1e-6));
+      CHECK(v.a.lpNorm<Eigen::Infinity>() < 1e-6);
+      State end;
+      const SimulationReport report = two->run(0.1, end);
+      CHECK(report.steps < 1000);
+      double moved = 0;
+      for (Eigen::Index i = 0; i < end.q.size(); ++i) keep_worst(moved, std::abs(end.q[i] - two->start.q[i]));
+      CHECK(moved < 1e-7);
+    }
+}
+
+TEST_CASE("a four-bar of hinges, one tilted by 1e-5: held it carries the couple, free it moves as a planar one",
+          "[stability][redundancy]") {
+  const auto flat = four_bar({}, 0);
+  flat->begin(NearlyRedundant::free, "schur");
+  CHECK(flat->near.empty());
+  State planar;
+  flat->run(0.2, planar);
+  State first;
+  for (const std::string& solver : kSolvers)
+    for (const Frame& frame : frames(solver == "schur" ? 10 : 3)) {
+      CAPTURE(solver, frame.x.transpose());
+      const auto held = four_bar(frame, 1e-5);
+      held->begin(NearlyRedundant::held, solver);
+      REQUIRE(held->near.size() == 1);
+      CHECK(mobility(*held->dynamics, held->start).freedoms == 0);
+      const Solution& v = held->dynamics->evaluate(held->start);
+      const VecX lambda = carried(v.evaluation);
+      CHECK(v.a.lpNorm<Eigen::Infinity>() < 1e-6);
+      CHECK((v.lambda - lambda).lpNorm<Eigen::Infinity>() < 1e-7 * lambda.lpNorm<Eigen::Infinity>());
+
+      const auto free = four_bar(frame, 1e-5);
+      free->begin(NearlyRedundant::free, solver);
+      CHECK(mobility(*free->dynamics, free->start).freedoms == 1);
+      CHECK(free->near.front().left_out.size() == 3);
+      State end;
+      const SimulationReport report = free->run(0.2, end);
+      CHECK(report.steps < 300);
+      if (first.q.size() == 0) first = end;  // in the world's own frame
+      CHECK(distance(free->system, end, frame, flat->system, first) < 1e-8);
+      CHECK(distance(free->system, end, frame, flat->system, planar) < 1e-3);
+      double moved = 0;
+      for (Eigen::Index i = 0; i < end.q.size(); ++i) keep_worst(moved, std::abs(end.q[i] - free->start.q[i]));
+      CHECK(moved > 1e-2);
+    }
+}
+
+// Beside a flat position of a parallelogram rows nearly depend as well, and hold what matters as soon as it moves on.
+TEST_CASE("rows that nearly depend in one position only hold on", "[stability][redundancy]") {
+  for (const NearlyRedundant choice : {NearlyRedundant::free, NearlyRedundant::held}) {
+    Model m;
+    const double phi = 1e-6;
+    const Vec3 way(std::cos(phi), std::sin(phi), 0);
+    Body& crank = m.system.add_body("crank", shapes::rod(1, {0, 0, 0}, 0.1 * way));
+    Body& coupler = m.system.add_body("coupler", shapes::rod(1, 0.1 * way, 0.1 * way + Vec3(0.3, 0, 0)));
+    Body& rocker = m.system.add_body("rocker", shapes::rod(1, {0.3, 0, 0}, Vec3(0.3, 0, 0) + 0.1 * way));
+    m.system.set_planar(Plane{2});
+    m.system.add<Revolute>("A", crank, m.system.ground(), pose_at({0, 0, 0}));
+    m.system.add<Revolute>("B", coupler, crank, pose_at(0.1 * way));
+    m.system.add<Revolute>("C", coupler, rocker, pose_at(0.1 * way + Vec3(0.3, 0, 0)));
+    m.system.add<Revolute>("D", rocker, m.system.ground(), pose_at({0.3, 0, 0}));
+    m.begin(choice, "schur");
+    REQUIRE(m.near.size() == 1);
+    CHECK(m.near.front().in_passing);
+    CHECK(m.near.front().left_out.empty());
+    for (const auto& link : m.system.links()) CHECK(m.system.left_out(*link) == 0);
+  }
+}
+
+TEST_CASE("a row that was left out is watched: what violates it is refused by name", "[stability][redundancy]") {
+  Model m;
+  m.system.set_gravity({0, -9.81, 0});
+  Body& rod = m.system.add_body("rod", shapes::rod(1, {0, 0, 0}, {1, 0, 0}));
+  Lock& hinge = m.system.add<Revolute>("A", rod, m.system.ground(), pose_at({0, 0, 0}));
+  m.begin(NearlyRedundant::free, "schur");
+  m.system.leave_out(hinge, 2U);  // y: it falls
+  m.system.setup();
+  m.start = m.system.start();
+  State end;
+  const std::string said = message_of<ModelError>([&] { m.run(1, end); });
+  CHECK(said.find("link 'A', row y") != std::string::npos);
+  CHECK(said.find("was left out at the start") != std::string::npos);
+  CHECK_THROWS_AS(m.system.leave_out(hinge, 1U << 5), ModelError);
+}
+
+}  // namespace nearly_redundant_test
