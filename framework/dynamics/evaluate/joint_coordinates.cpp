@@ -38,6 +38,11 @@ Dynamics::Tree& Dynamics::tree(const std::vector<bool>& modes) {
     std::vector<bool> shown(modes.size(), false);
     for (const int link : t.coordinates->closures()) shown[static_cast<std::size_t>(link)] = true;
     system_.lay_out(shown, t.closure_rows);
+    if (t.closure_rows.held > 0) {
+      t.why_not = "rows hold that nearly depend on others";
+      t.coordinates = nullptr;
+      return t;
+    }
     t.closures.begin(*t.coordinates, system_, t.closure_rows);
   }
   if (t.coordinates) lay_out_reactions(t);

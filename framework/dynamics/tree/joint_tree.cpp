@@ -114,6 +114,7 @@ std::string obstacle(const System& system, const std::vector<bool>& modes, Closu
   for (const auto& link : system.links()) {
     if (system.merged(*link)) continue;
     if (link->unilateral()) return "link '" + link->name() + "' is unilateral";
+    if (system.left_out(*link) != 0) return "rows of link '" + link->name() + "' that nearly depend are left out";
     if (closures != Closures::none || !modes[static_cast<std::size_t>(link->number())]) continue;
     if (std::string why = refusal(*link, system.plane()); !why.empty()) return why;
   }
