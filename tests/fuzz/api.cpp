@@ -1,4 +1,5 @@
 #include <functional>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <vector>
@@ -54,6 +55,9 @@ class Choices {
   std::size_t at_ = 0;
 };
 
+// 0 of finite numbers, whose sum may be beyond all numbers, else NaN.
+double none_of(const VecX& x) { return x.allFinite() ? 0 : std::numeric_limits<double>::quiet_NaN(); }
+
 // What code of users may throw.
 void throw_something(std::size_t kind) {
   switch (kind) {
@@ -75,7 +79,7 @@ class Watcher : public Observer {
   Watcher(std::size_t where, std::size_t kind) : where_(where), kind_(kind) {}
   void start(const Sample&) override { at(0); }
   void step(const Sample& s) override {
-    must_be_finite(s.state.q.sum() + s.state.v.sum(), "a state that an observer sees");
+    must_be_finite(none_of(s.state.q) + none_of(s.state.v), "a state that an observer sees");
     at(1);
   }
   void jumped(const Sample&) override { at(2); }
@@ -109,8 +113,8 @@ class Player {
  private:
   static void check(const State& s) {
     must_be_finite(s.t, "the time");
-    must_be_finite(s.q.sum(), "a position");
-    must_be_finite(s.v.sum(), "a velocity");
+    must_be_finite(none_of(s.q), "a position");
+    must_be_finite(none_of(s.v), "a velocity");
   }
   std::string name(const char* kind, std::size_t n) {
     return c_.below(32) == 31 ? "" : kind + std::to_string(c_.below(16) == 15 ? 0 : n);

@@ -2,6 +2,7 @@
 #include <lockstep/system.h>
 
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -312,6 +313,16 @@ TEST_CASE("a moment on a particle is refused by name", "[unit][system]") {
   const std::string said = message_of<ModelError>([&] { system.gather_forces(inputs.at(system, start), f); });
   CHECK(says(said, {twists ? "force 'twist'" : "no error"}));
   CHECK(says(said, {twists ? "0.5 N m on body 'bead'" : ""}));
+}
+
+TEST_CASE("a start velocity that is no number is refused by the name of its body", "[unit][system]") {
+  for (const bool turns : {false, true})
+    for (const double bad : {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+      System system;
+      Body& body = system.add_body("wheel", kMass);
+      (turns ? body.start.w : body.start.v)[1] = bad;
+      CHECK(says(message_of<ModelError>([&] { system.setup(); }), {"body 'wheel'", "velocity that is not finite"}));
+    }
 }
 
 TEST_CASE("a row without a gradient at the start is named", "[unit][system]") {

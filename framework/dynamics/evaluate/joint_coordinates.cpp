@@ -21,6 +21,10 @@ Dynamics::~Dynamics() = default;
 
 Dynamics::Tree& Dynamics::tree(const std::vector<bool>& modes) {
   system_.setup();
+  if (modes.size() != system_.links().size())
+    throw ModelError("a state of " + std::to_string(modes.size()) + " links does not fit the system, which has " +
+                     std::to_string(system_.links().size()) +
+                     " since it was changed; take a new one from System::start");
   if (!tree_) tree_ = std::make_unique<Tree>();
   Tree& t = *tree_;
   if (t.revision == system_.revision() && t.modes == modes) return t;

@@ -22,6 +22,9 @@ void System::setup_slots() {
                            text::brief(b.start.w.norm()) +
                            " rad/s; a particle does not turn: leave it out, or give the body an inertia",
                        {.thing = {.kind = "body", .name = b.name}});
+    if (!b.start.v.allFinite() || !b.start.w.allFinite())
+      throw ModelError("body '" + b.name + "' starts with a velocity that is not finite; give numbers",
+                       {.thing = {.kind = "body", .name = b.name}});
     if (b.fixed) {
       b.slot = kGround;
       b.in_slot = b.home;
