@@ -143,6 +143,8 @@ StepReport StepLoop::step(double h) {
 
 // An error in a phase leaves it to be gone on with; what was thrown elsewhere leaves nothing to tell.
 void StepLoop::start() {
+  dynamics_.set_up();
+  system().check_size(state_);  // the system may have grown since
   if (!begun_) return start_run();
   if (phase_ == Phase::none) parts_->told = 0;
   conclude();
