@@ -89,15 +89,17 @@ void EmbeddedRungeKutta::begin(Dynamics& dynamics, const State& state) {
 double EmbeddedRungeKutta::start_step(Dynamics& dynamics, double h) {
   const bool follows = h_followed_ > 0 && start_.t == landed_t_;
   const double h_before = h_followed_;
+  const bool made_here = h_ > 0;  // else by the run that was saved, whose stages are not
   h_ = h_followed_ = 0;
   dense_ready_ = false;
   passage_.start_step();
-  first_done_ = follows && is_at_end_stage(start_);
+  first_done_ = follows && made_here && is_at_end_stage(start_);
   if (first_done_) {
     stages_.put(0, stages_.k(scheme_.end_stage));
   } else {
+    const WorkCount before = dynamics.work();
     first_done_ = passage_.first_stage(dynamics, start_, stages_);
-    if (counted_) --dynamics.work().evaluations;
+    if (counted_ && follows) dynamics.work() = before;
   }
   counted_ = false;
   if (follows && first_done_ && !fixed())
@@ -108,8 +110,8 @@ double EmbeddedRungeKutta::start_step(Dynamics& dynamics, double h) {
 
 // Whether a state is that of the stage at the end of the last step: its rates are known then.
 bool EmbeddedRungeKutta::is_at_end_stage(const State& y) const {
-  return scheme_.error && scheme_.end_stage < scheme_.tableau.n_stages && !passage_.active() && y.z.size() == 0 &&
-         y.t == end_.t && y.q == end_.q && y.v == end_.v && y.s == end_.s;
+  return y.coordinates && scheme_.error && scheme_.end_stage < scheme_.tableau.n_stages && !passage_.active() &&
+         y.z.size() == 0 && y.t == end_.t && y.q == end_.q && y.v == end_.v && y.s == end_.s;
 }
 
 Attempt EmbeddedRungeKutta::attempt(Dynamics& dynamics, double h) {
@@ -208,20 +210,21 @@ void EmbeddedRungeKutta::prepare_dense() const {
 void EmbeddedRungeKutta::save(Snapshot& out) const {
   AdaptiveStepper::save(out);
   passage_.save(out);
+  out.put(stays_ ? 1 : 0), out.put(h_followed_), out.put(landed_t_);
   if (fixed()) return;
   watch_.save(out);
-  out.put(stays_ ? 1 : 0);
-  out.put(h_followed_), out.put(landed_t_), out.put_all(gap_.v), out.put_all(stages_.k(scheme_.late_stage).v);
+  out.put_all(gap_.v), out.put_all(stages_.k(scheme_.late_stage).v);
 }
 
 void EmbeddedRungeKutta::restore(const Snapshot& in) {
   AdaptiveStepper::restore(in);
   passage_.restore(in);
-  h_ = h_followed_ = 0;
+  h_ = 0;
+  stays_ = counted_ = in.get_flag();
+  h_followed_ = in.get(), landed_t_ = in.get();
   if (fixed()) return;
   watch_.restore(in);
-  counted_ = in.get_flag();
-  h_followed_ = in.get(), landed_t_ = in.get(), in.get_all(gap_.v);
+  in.get_all(gap_.v);
   StateRate late = stages_.k(scheme_.late_stage);
   in.get_all(late.v);
   if (gap_.v.size() != error_.v.size() || late.v.size() != error_.v.size())

@@ -218,9 +218,9 @@ TEST_CASE("runner: explain gives the laws and powers of a force", "[plugin][runn
   CHECK(contains(words.text, "law: value 4.66"));
 }
 
-TEST_CASE("runner: rows that nearly depend are told, and held where that is asked for", "[plugin][runner]") {
+TEST_CASE("runner: rows that nearly depend are told, and free or held where that is asked for", "[plugin][runner]") {
   const std::string door = "'" + std::string(paths::kSource) + "/tests/stability/scenes/door.json'";
-  const Json free = json_of("check " + door + " --json");
+  const Json free = json_of("check " + door + " --nearly-redundant free --json");
   CHECK(free["freedoms"] == 1);
   REQUIRE(free["nearly_redundant"].size() == 1);
   CHECK(free["nearly_redundant"][0]["decided"] == "free");
@@ -231,11 +231,18 @@ TEST_CASE("runner: rows that nearly depend are told, and held where that is aske
     REQUIRE(text.find('{') != std::string::npos);
     return Json::parse(text.substr(text.find('{')));
   };
+  const Json told = after_warnings("check " + door + " --json");
+  CHECK(told["freedoms"] == 0);
+  REQUIRE(told["nearly_redundant"].size() == 1);
+  CHECK(told["nearly_redundant"][0]["decided"] == "told");
+  CHECK(told["nearly_redundant"][0]["left_out"].empty());
+  CHECK(told["nearly_redundant"][0]["rows"] == Json{"low.y", "low.e1", "high.y", "high.e1"});
   const Json held = after_warnings("check " + door + " --nearly-redundant held --json");
   CHECK(held["freedoms"] == 0);
   CHECK(held["nearly_redundant"][0]["decided"] == "held");
   for (const std::string solver : {"schur", "block", "sparse", "dense"}) {
-    const Json turned = json_of("run " + door + " --no-picture --record door_free.csv --json --solver " + solver);
+    const Json turned = json_of(
+        "run " + door + " --no-picture --record door_free.csv --json --nearly-redundant free --solver " + solver);
     CAPTURE(solver);
     CHECK(turned["status"] == "ok");
     CHECK(turned["steps"].get<long>() < 200);
@@ -245,8 +252,37 @@ TEST_CASE("runner: rows that nearly depend are told, and held where that is aske
         "run " + door + " --no-picture --record door_held.csv --json --nearly-redundant held --solver " + solver);
     CHECK(std::abs(still["columns"][0]["final"].get<double>()) < 1e-6);
   }
-  CHECK(contains(call("run " + door + " --no-picture --record door_free.csv").text, "free, high.x, high.y"));
-  CHECK(contains(call("check " + door + " --nearly-redundant held").text, "held"));
+  CHECK(contains(call("run " + door + " --no-picture --record door_free.csv --nearly-redundant free").text,
+                 "free, high.x, high.y"));
+  CHECK(contains(call("check " + door + " --nearly-redundant held").text, "held, and "));
+}
+
+// Whether its solver then refuses the start or not.
+TEST_CASE("runner: a run names rows that nearly depend, their singular value and both next moves", "[plugin][runner]") {
+  const std::string door = "'" + std::string(paths::kSource) + "/tests/stability/scenes/door.json'";
+  for (const std::string& words : {"check " + door, "run " + door + " --no-picture --record door_told.csv"}) {
+    const Called called = call(words);
+    INFO(called.text);
+    for (const char* const row : {"low.y", "low.e1", "high.y", "high.e1"}) CHECK(contains(called.text, row));
+    CHECK(contains(called.text, "1 too many but for "));
+    CHECK(contains(called.text, "e-08: solvers may differ there"));
+    CHECK(contains(called.text, "\"nearly_redundant\": \"held\" or \"free\""));
+  }
+}
+
+TEST_CASE("runner: what is decided at the start does not go with events that switch its links", "[plugin][runner]") {
+  std::ifstream in(std::string(paths::kSource) + "/tests/stability/scenes/door.json");
+  Json scene = Json::parse(in);
+  scene["events"] = Json::parse(R"([{"name": "open", "at": 0.5, "deactivate": ["low"]}])");
+  std::ofstream(kRunnerFolder + "/door_opens.json") << scene;
+  for (const std::string choice : {"free", "held"})
+    for (const std::string verb : {"check", "run --no-picture --record door_opens.csv"}) {
+      const Called called = call(verb + " door_opens.json --nearly-redundant " + choice);
+      INFO(called.text);
+      CHECK(called.exit != 0);
+      CHECK(contains(called.text, "event 'open' switches link 'low'"));
+      CHECK(contains(called.text, "\"" + choice + "\""));
+    }
 }
 
 TEST_CASE("runner: assemble --branches finds elbow up and elbow down", "[plugin][runner]") {

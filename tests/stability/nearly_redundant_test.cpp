@@ -1,5 +1,5 @@
-// Rows that depend on others but for a very small singular value: held or free, decided once at the start, and then the
-// same motion from every solver and in every frame of the world.
+// Rows that depend on others but for a very small singular value: told, and where that is asked for held or free, decided
+// once at the start, and then the same motion from every solver and in every frame of the world.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -11,11 +11,15 @@
 #include <Eigen/LU>
 
 #include <lockstep/analysis.h>
+#include <lockstep/batch.h>
+#include <lockstep/explain.h>
 #include <lockstep/forces.h>
+#include <lockstep/frame_laws.h>
 #include <lockstep/joints.h>
 #include <lockstep/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/simulation.h>
+#include <lockstep/uniqueness.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 #include "tests/support/worst.h"
@@ -287,7 +291,109 @@ TEST_CASE("a row that was left out is watched: what violates it is refused by na
   const std::string said = message_of<ModelError>([&] { m.run(1, end); });
   CHECK(said.find("link 'A', row y") != std::string::npos);
   CHECK(said.find("was left out at the start") != std::string::npos);
+  CHECK(said.find("\"held\" or \"told\"") != std::string::npos);
   CHECK_THROWS_AS(m.system.leave_out(hinge, 1U << 5), ModelError);
+}
+
+TEST_CASE("nothing is decided unless it is asked for: rows are told, and none is left out or held",
+          "[stability][redundancy]") {
+  CHECK(RunSettings{}.nearly_redundant == NearlyRedundant::told);
+  for (const Frame& frame : frames(5)) {
+    const auto two = door(frame, true);
+    two->dynamics = std::make_unique<Dynamics>(two->system, make_solver(RunSettings{}, builtin_registry()),
+                                               DynamicsOptions{Formulation::omega, {}});
+    const std::vector<NearDependency> near = decide_nearly_redundant(two->system, *two->dynamics, two->system.start());
+    REQUIRE(near.size() == 1);
+    CHECK(near.front().rows == Names{"low.y", "low.e1", "high.y", "high.e1"});
+    CHECK(near.front().singular_value > 0.1 * kApart);
+    CHECK(near.front().singular_value < 10 * kApart);
+    CHECK_FALSE(near.front().decided);
+    CHECK_FALSE(near.front().in_passing);
+    CHECK(near.front().undecided.empty());
+    CHECK(near.front().left_out.empty());
+    for (const auto& link : two->system.links()) CHECK(two->system.left_out(*link) == 0);
+    CHECK(two->system.held_down_to() == 0);
+    CHECK(mobility(*two->dynamics, two->system.start()).freedoms == 0);
+  }
+}
+
+TEST_CASE("what was decided is taken back where it is told next", "[stability][redundancy]") {
+  const auto two = door({}, true);
+  for (const NearlyRedundant choice : {NearlyRedundant::free, NearlyRedundant::held}) {
+    two->begin(choice, "schur");
+    CHECK(two->near.front().decided);
+    CHECK(two->system.left_out(two->system.link("high")) != 0);
+    CHECK((two->system.held_down_to() > 0) == (choice == NearlyRedundant::held));
+    decide_nearly_redundant(two->system, *two->dynamics, two->system.start());
+    for (const auto& link : two->system.links()) CHECK(two->system.left_out(*link) == 0);
+    CHECK(two->system.held_down_to() == 0);
+  }
+}
+
+TEST_CASE("sets with a law are not decided, and no row of a law is left out", "[stability][redundancy]") {
+  for (const NearlyRedundant choice : {NearlyRedundant::free, NearlyRedundant::held})
+    for (const char* const moved : {"low", "high"}) {
+      CAPTURE(moved);
+      const auto two = door({}, true);
+      Lock& hinge = two->system.link(moved);
+      REQUIRE(hinge.jointed() != nullptr);
+      hinge.jointed()->move(std::make_shared<ConstantTranslation>(Vec3::Zero()));
+      two->system.setup();
+      Dynamics dynamics(two->system, make_solver(RunSettings{}, builtin_registry()),
+                        DynamicsOptions{Formulation::omega, {}});
+      const std::vector<NearDependency> near =
+          decide_nearly_redundant(two->system, dynamics, two->system.start(), choice);
+      REQUIRE(near.size() == 1);
+      CHECK_FALSE(near.front().decided);
+      CHECK(near.front().undecided == "a law is among them");
+      CHECK(near.front().left_out.empty());
+      for (const auto& link : two->system.links()) CHECK(two->system.left_out(*link) == 0);
+      CHECK(two->system.held_down_to() == 0);
+    }
+}
+
+TEST_CASE("reactions that rows left out would share are not unique", "[stability][redundancy]") {
+  const auto one = door({}, false);
+  one->begin(NearlyRedundant::free, "schur");
+  CHECK(uniqueness(*one->dynamics, one->start).all_unique());
+  for (const Frame& frame : frames(4)) {
+    const auto two = door(frame, true);
+    two->begin(NearlyRedundant::free, "schur");
+    const UniquenessReport free = uniqueness(*two->dynamics, two->start);
+    CHECK(free.undetermined == 5);
+    for (const char* const row : {"low.x", "low.y", "low.z", "low.e1", "low.e2", "high.x", "high.y", "high.e2"}) {
+      CAPTURE(row);
+      CHECK(std::ranges::find(free.rows, row) != free.rows.end());
+    }
+    CHECK_FALSE(free.unique("low.force_on_p_link_y"));
+    CHECK_FALSE(free.unique("high.force_on_p_link_y"));
+    CHECK_FALSE(free.unique("low.lambda_y"));
+    two->begin(NearlyRedundant::held, "schur");  // then y of both hinges holds, and is determined
+    const UniquenessReport held = uniqueness(*two->dynamics, two->start);
+    CHECK(held.undetermined == 4);
+  }
+}
+
+TEST_CASE("a link whose rows are left out is in force, and says which they are", "[stability][redundancy]") {
+  const auto two = door({}, true);
+  two->begin(NearlyRedundant::free, "schur");
+  const LinkAccount high = account_of(*two->dynamics, two->start, two->system.link("high"));
+  CHECK(high.in_force);
+  CHECK(high.rows.empty());
+  CHECK(high.left_out == Names{"x", "y", "z", "e1", "e2"});
+  const LinkAccount low = account_of(*two->dynamics, two->start, two->system.link("low"));
+  CHECK(low.left_out.empty());
+  CHECK(low.rows.size() == 5);
+}
+
+TEST_CASE("lanes refuse rows that are left out, and rows that are held", "[stability][redundancy]") {
+  const auto two = door({}, true);
+  CHECK(Copies::unsuited(two->system) == "");
+  two->begin(NearlyRedundant::free, "schur");
+  CHECK(Copies::unsuited(two->system).find("link 'high' are left out") != std::string::npos);
+  two->system.leave_out(two->system.link("high"), 0);
+  two->system.hold_down_to(1e-7);
+  CHECK(Copies::unsuited(two->system).find("nearly depend") != std::string::npos);
 }
 
 }  // namespace nearly_redundant_test

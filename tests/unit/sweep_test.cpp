@@ -102,6 +102,20 @@ TEST_CASE("the row of a run says whether it failed, was wrong, and how it ended"
   CHECK(run.outcome() == "failed: no way on");
 }
 
+TEST_CASE("whether a run was wrong is read back from its outcome, whatever else it says", "[unit][scene]") {
+  for (const std::string status : {"ok", "stopped by 'landed'", "stopped by 'wrong; it was'"})
+    for (const long passed : {0l, 1l, 3l})
+      for (const bool wrong : {false, true}) {
+        SweepRun run;
+        run.status = status, run.wrong = wrong, run.passed = passed, run.first_passed = 0.25;
+        CAPTURE(run.outcome());
+        CHECK(wrong_by(run.outcome()) == wrong);
+      }
+  SweepRun run;
+  run.failed = true, run.status = "wrong: it was";
+  CHECK_FALSE(wrong_by(run.outcome()));
+}
+
 TEST_CASE("a run that fails on its way keeps its steps and its history", "[unit][scene]") {
   // The law of the arm ends in numbers beyond all bounds for the second value.
   const Swept sweep(R"({"lockstep": 1, "bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}}],

@@ -229,7 +229,7 @@ TEST_CASE("where nothing moves the end of a step, its last stage is the first of
   State joint, ball, omega;
   const long reused = evaluations(Formulation::joint, false, joint);
   CHECK(evaluations(Formulation::joint, true, ball) - reused == 9);    // a quaternion is normalised after each step
-  CHECK(evaluations(Formulation::omega, false, omega) - reused == 9);  // and so it is there
+  CHECK(evaluations(Formulation::omega, false, omega) - reused == 9);  // and the end is projected
   CHECK((joint.v - omega.v).lpNorm<Eigen::Infinity>() < 1e-6);
 }
 

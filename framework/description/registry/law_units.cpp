@@ -14,11 +14,14 @@ void check_text(const Value& v, Unit unit, int per_second, const std::string& co
   if (!read.problem.empty()) refuse(v.where, context, read.problem);
 }
 
+// How many more times per second than the value of its law what a key says is.
+int shift_of(const Key& key) {
+  return key.of_law == LawQuantity::rate ? 1 : key.of_law == LawQuantity::acceleration ? 2 : 0;
+}
+
 // The numbers of a key of a law.
 void check_numbers(const Value& v, const Key& key, const LawDimension& law, const std::string& context) {
-  int per_second = law.per_second;
-  if (key.of_law == LawQuantity::rate) ++per_second;
-  if (key.of_law == LawQuantity::acceleration) per_second += 2;
+  int per_second = law.per_second + shift_of(key);
   const bool a_rate = key.of_law != LawQuantity::value;
   if (key.of_law == LawQuantity::other || (a_rate && !law.of_time)) return;
   if (v.list() == nullptr) return check_text(v, law.unit, per_second, context);
@@ -39,6 +42,8 @@ void check_numbers(const Value& v, const Key& key, const LawDimension& law, cons
 void check_column(const Value& law, const Key& key, const LawDimension& dimension, const std::string& owner) {
   const bool argument = key.name == "t_column";
   if (argument && !dimension.of_time) return;
+  const int shift = shift_of(key);
+  if (!argument && shift > 0 && !dimension.of_time) return;
   const Value* given = law.find(key.name);
   const Value* column = given != nullptr ? given : key.default_value();
   if (column == nullptr || column->text() == nullptr) return;
@@ -46,8 +51,8 @@ void check_column(const Value& law, const Key& key, const LawDimension& dimensio
   const CsvReader reader(file);
   const CsvColumn& found = reader.columns()[reader.find(*column->text())];
   if (found.unit.empty() || found.unit == "-") return;
-  const Measured read =
-      read_quantity("1 " + found.unit, argument ? Unit::time : dimension.unit, argument ? 0 : dimension.per_second);
+  const Measured read = read_quantity("1 " + found.unit, argument ? Unit::time : dimension.unit,
+                                      argument ? 0 : dimension.per_second + shift);
   if (read.problem.empty()) return;
   const Value& place = given != nullptr ? *given : *law.find("file");
   refuse(place.where, part_of(owner, key.name),

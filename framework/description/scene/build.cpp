@@ -125,7 +125,7 @@ std::shared_ptr<const JointTree> Builder::tree() const {
   out_.system.setup();
   std::string why_not;
   return JointTree::of(out_.system, out_.system.start().modes, why_not,
-                       formulation == Formulation::joint ? Closures::rows : Closures::couplings);
+                       formulation == Formulation::joint ? Closures::rows : Closures::none);
 }
 
 // A start speed of a link that leads out of the plane; null where there is none. Of a system that is set up in it.

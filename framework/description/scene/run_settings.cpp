@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/run_outputs.h"
@@ -145,11 +146,18 @@ RunSettings read_run(const Value& v) {
   if (run.formulation == Formulation::quaternion && !p.has("solver")) run.solver.type = "sparse";
   run.stabilization = read_stabilization(p);
   run.assemble = p.boolean("assemble");
-  run.nearly_redundant = p.text("nearly_redundant") == "held" ? NearlyRedundant::held : NearlyRedundant::free;
+  run.nearly_redundant = nearly_redundant_from(p.text("nearly_redundant"));
   run.record = read_record(p);
   run.draw = read_draw(p, run.record);
   read_outputs(v, run.record);  // refuses what is wrong in it
   return run;
+}
+
+NearlyRedundant nearly_redundant_from(std::string_view word) {
+  if (word == "told") return NearlyRedundant::told;
+  if (word == "free") return NearlyRedundant::free;
+  if (word == "held") return NearlyRedundant::held;
+  throw ModelError("rows that nearly depend on others are told, free or held, not '" + std::string(word) + "'");
 }
 
 std::unique_ptr<Integrator> make_integrator(const RunSettings& run, const Registry& registry) {

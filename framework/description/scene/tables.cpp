@@ -399,11 +399,10 @@ std::vector<SceneTable> runs() {
          {"nearly_redundant",
           Form::choice,
           Unit::none,
-          "free",
+          "told",
           "rows that depend on others but for a singular value below 1e-4, as of two hinges whose axes nearly agree: "
-          "left "
-          "out, or held",
-          {"free", "held"}},
+          "told, left out (free), or held",
+          {"told", "free", "held"}},
          {"assemble", Form::boolean, Unit::none, true, "a start off the constraints is moved onto them"},
          any("record", "the channels, by name or as {\"own name\": \"channel\"}"),
          any("draw", "panels of the picture from top to bottom, each a list of recorded names; default: by unit"),

@@ -58,20 +58,29 @@ double Dynamics::Tree::project_velocity(System& system, State& state, double goa
   return velocities(state, false, goal);
 }
 
-// Starts from Cd at this state. A factor of a position before serves while it leaves a tenth at most.
+// Starts from Cd at this state. A factor of a position before serves while each round leaves a tenth at most; with one of
+// this position the proximal term alone leaves something.
 double Dynamics::Tree::velocities(State& state, bool factored, double goal) {
+  constexpr double kFalls = 0.3, kMet = 1e-3;
+  constexpr int kMostRounds = 8;
   goal = velocity_goal(goal, largest(&Motion::v));
-  double left = closures.norm(Cd);
-  for (int round = 0; round < kVelocityRounds && !(left <= goal); ++round) {
-    if (!factored) factor(state);
+  const double first = closures.norm(Cd);
+  double left = first;
+  bool old = factored;
+  for (int round = 0; !(left <= goal) && round < kMostRounds; ++round) {
+    if (!factored) factor(state), factored = true;
     closures.correct(*coordinates, bodies, Cd, correction);
     state.v += correction;
     coordinates->motions(state, motions);
     closures.residuals(motions, closure_rows, C, Cd);
     const double before = left;
     left = closures.norm(Cd);
-    factored = !(round == 0 && left > 0.1 * before);
+    if (old && !(left <= 0.1 * before))
+      factored = old = false;
+    else if (!(left < kFalls * before))
+      break;
   }
+  velocities_met = left <= goal || left <= kMet * first;
   return left;
 }
 

@@ -160,32 +160,47 @@ double Dynamics::violation_v(const State& state) {
 ProjectReport Dynamics::project(State& state) { return project(state, 1e-2 * options_.stabilization.tolerance); }
 
 ProjectReport Dynamics::project(State& state, double goal) {
-  if (state.coordinates && !state.coordinates->has_rows()) {
-    normalize_state(state);
-    return {};
-  }
-  if (state.coordinates) {
-    ++work_.projections;
-    Tree& t = tree(state.modes);
-    t.before = state;
-    const ProjectReport report = t.project(system_, state, goal, options_.stabilization.tolerance);
-    if (report.converged) return report;
-    state = t.before;  // bodies may come there where joints do not
-    to_slots(state);
-    const ProjectReport slots = projection_.project(own(state), factor_, state, goal);
-    to_formulation(state, &t.before);
-    return slots;
-  }
+  if (state.coordinates) return project_joint(state, goal);
   Evaluation& e = own(state);
   const ProjectReport report = projection_.project(e, factor_, state, goal);
   if (e.rows().n_rows > 0) ++work_.projections;
   return report;
 }
 
+// Where joints do not come onto the closures, bodies may: their own coordinates are projected then.
+ProjectReport Dynamics::project_joint(State& state, double goal) {
+  if (!state.coordinates->has_rows()) {
+    normalize_state(state);
+    return {};
+  }
+  ++work_.projections;
+  Tree& t = tree(state.modes);
+  t.before = state;
+  const ProjectReport report = t.project(system_, state, goal, options_.stabilization.tolerance);
+  if (report.converged && t.velocities_met) return report;
+  state = t.before;
+  State slots = t.before;  // stays as it is where this throws
+  to_slots(slots);
+  const ProjectReport of_slots = projection_.project(own(slots), factor_, slots, goal);
+  to_formulation(slots, &t.before);
+  state = std::move(slots);
+  return of_slots;
+}
+
 double Dynamics::project_velocity(State& state) {
   const double goal = 1e-3 * options_.stabilization.tolerance;
-  if (state.coordinates) return state.coordinates->has_rows() ? tree(state.modes).project_velocity(system_, state, goal) : 0;
-  return projection_.project_velocity(own(state), factor_, state, goal);
+  if (!state.coordinates) return projection_.project_velocity(own(state), factor_, state, goal);
+  if (!state.coordinates->has_rows()) return 0;
+  Tree& t = tree(state.modes);
+  t.before = state;
+  const double left = t.project_velocity(system_, state, goal);
+  if (t.velocities_met) return left;
+  State slots = state = t.before;
+  to_slots(slots);
+  const double of_slots = projection_.project_velocity(own(slots), factor_, slots, goal);
+  to_formulation(slots, &t.before);
+  state = std::move(slots);
+  return of_slots;
 }
 
 void Dynamics::accept(State& state) {
@@ -210,11 +225,15 @@ void Dynamics::restore(const State& state, const Snapshot& in) {
 
 Dynamics::Aside::Aside(Dynamics& dynamics) : dynamics_(dynamics), work_(dynamics.work_) {
   dynamics.factor_.keep(learned_);
+  if (dynamics.tree_ && dynamics.tree_->coordinates) {
+    coordinates_ = dynamics.tree_->coordinates;
+    dynamics.tree_->closures.save(closures_);
+  }
 }
 
 Dynamics::Aside::~Aside() {
   dynamics_.factor_.put_back(learned_);
-  if (Tree* t = dynamics_.tree_.get(); t && !t->kept.empty()) t->closures.restore(t->kept.back()), t->kept.pop_back();
+  if (coordinates_ && dynamics_.tree_->coordinates == coordinates_) dynamics_.tree_->closures.restore(closures_);
   dynamics_.work_ = work_;
 }
 

@@ -28,9 +28,9 @@ Dynamics::Tree& Dynamics::tree(const std::vector<bool>& modes) {
   if (!tree_) tree_ = std::make_unique<Tree>();
   Tree& t = *tree_;
   if (t.revision == system_.revision() && t.modes == modes) return t;
-  t.revision = system_.revision(), t.modes = modes;
+  t.revision = -1, t.modes = modes;  // the revision when all of it is made
   const bool asked = options_.formulation == Formulation::joint;
-  t.coordinates = JointTree::of(system_, modes, t.why_not, asked ? Closures::rows : Closures::couplings);
+  t.coordinates = JointTree::of(system_, modes, t.why_not, asked ? Closures::rows : Closures::none);
   t.in_plane = t.coordinates && t.coordinates->planar() && !t.coordinates->has_rows();
   if (t.in_plane)
     t.planar_bodies.begin(*t.coordinates, system_);
@@ -44,12 +44,12 @@ Dynamics::Tree& Dynamics::tree(const std::vector<bool>& modes) {
     system_.lay_out(shown, t.closure_rows);
     if (t.closure_rows.held > 0) {
       t.why_not = "rows hold that nearly depend on others";
-      t.coordinates = nullptr;
-      return t;
+      t.coordinates = nullptr, t.in_plane = false;
     }
-    t.closures.begin(*t.coordinates, system_, t.closure_rows);
+    if (t.coordinates) t.closures.begin(*t.coordinates, system_, t.closure_rows);
   }
   if (t.coordinates) lay_out_reactions(t);
+  t.revision = system_.revision();
   return t;
 }
 
@@ -89,7 +89,7 @@ void Dynamics::lay_out_reactions(Tree& t) const {
 }
 
 // Accelerations and multipliers for the states that are integrated. Where rows are redundant the multipliers of closures
-// are not those of omega, which are the smallest of all: their power is the same.
+// are not those of omega, which are the smallest of all: the sum of their power is the same.
 void Dynamics::joint_reactions(Tree& t, const Inputs& in) {
   system_.gather_rows(in, t.rows);
   if (t.in_plane)
@@ -183,7 +183,8 @@ void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* repo
   out.s.resize(state.s.size());
   if (state.s.size() > 0) {
     if (t.solves && (solved || (t.reads_all && !t.closures.empty()))) {
-      system_.state_rates(solved ? *solved : evaluate(state), out.s);
+      if (!solved) solved = &evaluate(state), --work_.evaluations;
+      system_.state_rates(*solved, out.s);
     } else if (t.solves) {
       joint_reactions(t, in);
       system_.state_rates({in, t.a, t.reactions.lambda(), t.rows}, out.s);

@@ -33,7 +33,7 @@ struct Dynamics::Tree {
   RowTable closure_rows;
   VecX C, Cd, correction, loaded;
   State before;  // a projection
-  std::vector<Snapshot> kept;  // by looks aside that live: what the closures have learned
+  bool velocities_met = true;  // the last projection brought them onto J v = -Ct, but for rounding
 
   // Brings a state onto C = 0 and J v = -Ct of the closures by the least move in the mass metric, as Projection does.
   ProjectReport project(System&, State&, double goal, double tolerance);

@@ -67,13 +67,15 @@ void ReactionIteration::solve(const Evaluation& e, Factor& factor, const VecX& c
 }
 
 // How a change grows from one solution to the next when each takes what the forces give at the one before: without
-// limit where they answer a change of reactions by a larger one, not at all where they jump to and fro.
+// limit where they answer a change of reactions by a larger one, not at all where they jump to and fro. Ends early where
+// nothing changes any more.
 double ReactionIteration::last_gain(const Unsettled& u) {
   constexpr int kRounds = 5;
   const double length = u.e.system().length();
   double gain = 0;
   for (int k = 0; k < kRounds; ++k) {
     const double before = largest_force(change_, length);
+    if (!(before > 0) || !std::isfinite(before)) break;
     added_ += change_;
     loaded_ = u.e.force() + added_;
     u.factor.solve_motion(u.e, loaded_, u.c, u.a, u.lambda);
@@ -122,11 +124,14 @@ void ReactionIteration::diagnose(const Unsettled& u, double left) {
   for (const Lock* link : force.reacting()->reads()) links += (links.empty() ? "link '" : "', '") + link->name();
   const double gain = last_gain(u);
   const std::string cause =
-      gain < 1 + 1e-6
-          ? "it jumps as a function of them; let it pass from one value to the other over a range of reactions"
-          : "a change of it changes the reactions so that it changes by " + text::brief(gain) +
-                " times as much, without limit: friction jams its joint in this way; reduce the coefficient, or the "
-                "lever arm of the load";
+      gain < 0.9  // to and fro between two values it is 1, but for what is left of the way there
+          ? "a change of it comes back as " + text::brief(gain) +
+                " of it, so that it would settle, but too slowly or by turns; let it change less steeply with them"
+          : gain < 1 + 1e-6
+                ? "it jumps as a function of them; let it pass from one value to the other over a range of reactions"
+                : "a change of it changes the reactions so that it changes by " + text::brief(gain) +
+                      " times as much, without limit: friction jams its joint in this way; reduce the coefficient, or "
+                      "the lever arm of the load";
   throw SolveError(at_time(in.t) + culprit.label() + " and the reactions of " + links +
                        "' that it reads do not settle (after " + std::to_string(kMostSolutions) + " solutions " +
                        text::brief(100 * left) + " % of it still changes): " + cause,

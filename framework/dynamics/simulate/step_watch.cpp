@@ -69,7 +69,7 @@ void StepWatch::check(const State& from, const State& to, double h, StepReport& 
   if (wrong.empty()) wrong = wrong_quaternion(to, dynamics_.system());
   if (!wrong.empty())
     throw StepError(fmt::format("{}: the step from t = {:.9g} s {}", method_.info().name, from.t, wrong), from.t);
-  if (method_.origin() != "built in" && !to.coordinates)
+  if (method_.origin() != "built in" && (!to.coordinates || to.coordinates->has_rows()))
     if (const double found = dynamics_.violation(to); !(report.violation_after >= found))
       report.violation_after = found;
 }

@@ -131,9 +131,10 @@ std::pair<std::vector<int>, std::vector<int>> tree_and_closures(const System& sy
   std::vector<GraphLink> links;
   for (const auto& link : system.links()) {
     if (system.merged(*link) || !modes[static_cast<std::size_t>(link->number())]) continue;
-    if (system.plane() && link->jointed() && !holds_in_plane(*link, system.plane())) continue;
+    const bool is_joint = refusal(*link, system.plane()).empty();
+    if (is_joint && system.plane() && !holds_in_plane(*link, system.plane())) continue;
     const auto [a, b] = link->pairs().empty() ? std::pair(kGround, kGround) : slots_of(*link);
-    links.push_back({link->number(), a, b, refusal(*link, system.plane()).empty() ? count_rows(link->jointed()->rows()) : 0});
+    links.push_back({link->number(), a, b, is_joint ? count_rows(link->jointed()->rows()) : 0});
   }
   const std::vector<bool> taken = spanning_tree(links, system.n_slots());
   std::pair<std::vector<int>, std::vector<int>> out;
@@ -172,34 +173,23 @@ std::shared_ptr<const JointTree> JointTree::of(const System& system, const std::
   const auto [joints, others] = tree_and_closures(system, modes);
   tree->closures_ = others;
   tree->grow(system, Graph(system, joints));
-  if (const Lock* link = tree->not_taken(system, closures)) {
-    why_not = refusal(*link, system.plane());
-    if (why_not.empty()) why_not = "link '" + link->name() + "' closes a loop";
+  if (!others.empty() && (closures == Closures::none || system.plane())) {
+    const Lock& link = *system.links()[static_cast<std::size_t>(others.front())];
+    why_not = refusal(link, system.plane());
+    if (why_not.empty()) why_not = "link '" + link.name() + "' closes a loop";
     if (closures == Closures::rows) why_not += ", which in the plane is not taken";
     return nullptr;
   }
+  for (const int number : others)
+    if (const Lock& link = *system.links()[static_cast<std::size_t>(number)]; link.remembering() != nullptr) {
+      why_not = "link '" + link.name() + "' counts turns, of which a long step in joint coordinates makes many";
+      return nullptr;
+    }
   tree->planar_ = PlanarJoints::of(tree->nodes_, system.plane());
   if (system.plane() && !tree->planar_)
     return why_not = "a law does not say that it stays in the plane (stays_in_plane, turns_about)", nullptr;
   if (tree->n_v_ > 0) return tree;
   why_not = "no coordinate is free, so that nothing would choose the steps";
-  return nullptr;
-}
-
-// The first closure that is not to be one; null: none.
-const Lock* JointTree::not_taken(const System& system, Closures closures) const {
-  const bool none = closures == Closures::none || system.plane();
-  for (const int number : closures_) {
-    const Lock& link = *system.links()[static_cast<std::size_t>(number)];
-    if (none) return &link;
-    if (closures == Closures::rows) continue;
-    if (link.row_count() != 1) return &link;
-    for (const auto& [p, s] : link.pairs())
-      for (const Marker* m : {p, s})
-        if (const int slot = m->body->slot;
-            slot != kGround && nodes_[static_cast<std::size_t>(node_of_[static_cast<std::size_t>(slot)])].n_v() != 1)
-          return &link;
-  }
   return nullptr;
 }
 

@@ -69,9 +69,8 @@ struct TreeNode {
 
 /// What becomes of links in force that are no joint of the tree.
 enum class Closures {
-  none,       ///< there are to be none: a mechanism that has them is refused
-  couplings,  ///< only such as couple joints of one coordinate by one row: gears, belts
-  rows        ///< they stay rows
+  none,  ///< there are to be none: a mechanism that has them is refused
+  rows   ///< they stay rows
 };
 
 /// Joint coordinates of a mechanism: of the links that carry each slot from another. Immutable.
@@ -105,7 +104,6 @@ class LOCKSTEP_API JointTree final : public Coordinates {
   const PlanarJoints* planar() const { return planar_.get(); }
 
  private:
-  const Lock* not_taken(const System&, Closures) const;
   template <class G>
   void grow(const System&, const G& graph);
   void add_node(const System&, int slot, int parent, int link);

@@ -14,10 +14,6 @@ namespace {
 
 constexpr double kClosureProximal = 1e-9;  // of the scale s_j, as in the solver schur
 
-}  // namespace
-
-namespace {
-
 // The nodes on the way of a link's slots to where they meet, without that place.
 struct Paths {
   std::vector<std::size_t> nodes;

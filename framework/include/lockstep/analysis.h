@@ -79,20 +79,26 @@ struct NearDependency {
   double singular_value = 0;      ///< the largest of these, of rows of length 1
   /// Whether that is so in this position only, beside a singular one: nothing is decided then, and the rows hold.
   bool in_passing = false;
-  double violation = 0;  ///< of rows left out, m, where what they held has moved on by 0.3 rad
+  bool decided = false;  ///< whether what was asked for, free or held, was done
+  /// Why neither can be: "a law is among them"; "" if they can. Solvers may differ there then.
+  std::string undecided;
+  double violation = 0;  ///< of rows that would be left out, m, where what they held has moved on by 0.3 rad
   /// Rows that hold no more: free, all on these loops that depend on others, exactly or nearly; held, all of the mechanism
   /// that depend on others exactly, told once.
   std::vector<std::string> left_out;
+  /// Links on these loops: what was decided is right as long as none of them is released, and no other takes its place.
+  std::vector<std::string> links;
 };
 
-/// Decides what rows hold that nearly depend on others at a start on the constraints: those of pivots, as in mobility(),
-/// between 1e-9 and 1e-4. Rows without laws are left out before others, those of a large share before small ones, the
-/// later link before the earlier. Whether they nearly depend everywhere is tried: without them the mechanism moves by
+/// Finds rows that nearly depend on others at a start on the constraints, those of pivots, as in mobility(), between 1e-9
+/// and 1e-4, and decides what they hold where that is asked for: told, the default, leaves all as it is. Rows that a law
+/// acts on, of one-sided links and of links that are no joints are never left out; sets with such rows are not decided. Of
+/// others those of a large share stay before small ones, the earlier link before the later. Whether they nearly depend everywhere is tried: without them the mechanism moves by
 /// 0.3 rad along what they held, and must violate them by less than a thousandth of System::length(). Leaves out rows of
 /// `system` (System::leave_out), which must be that of the dynamics, in place of what was left out before; a start is to
-/// be assembled anew where any were. Sets of more than 300 rows on common loops are not looked at. Throws what an evaluation
+/// be assembled anew where any were, from the positions of this one. Sets of more than 300 rows on common loops are not looked at. Throws what an evaluation
 /// throws.
 LOCKSTEP_API std::vector<NearDependency> decide_nearly_redundant(System& system, Dynamics&, const State&,
-                                                                 NearlyRedundant = NearlyRedundant::free);
+                                                                 NearlyRedundant = NearlyRedundant::told);
 
 }  // namespace lockstep

@@ -105,7 +105,7 @@ struct Stabilization {
 enum class Formulation {
   omega,       ///< six velocities per body
   quaternion,  ///< the paper's seven coordinates per body, with a unit-length row each
-  joint,       ///< the free coordinates of the joints, for mechanisms that are trees (Dynamics::why_not_joint)
+  joint,       ///< the free coordinates of the joints, and the rows of links that close loops (Dynamics::why_not_joint)
   automatic    ///< joint where the mechanism is a tree and the integrator takes it, else omega
 };
 /// "omega", "quaternion", "joint", "auto".
@@ -405,6 +405,8 @@ class LOCKSTEP_API Dynamics {
     Dynamics& dynamics_;
     WorkCount work_;
     Factor::Learned learned_;
+    std::shared_ptr<const Coordinates> coordinates_;  // whose closures have learned something
+    Snapshot closures_;
   };
 
   /// A factor for the caller to keep, without a matrix yet. This Dynamics must outlive it.
@@ -421,6 +423,7 @@ class LOCKSTEP_API Dynamics {
   Evaluation& gathered(const State&);
   Tree& tree(const std::vector<bool>& modes);
   void joint_rates(const State&, StateRate& out, SolveReport*);
+  ProjectReport project_joint(State&, double goal);
   void joint_reactions(Tree&, const Inputs&);
   const Solution* joint_accelerations(Tree&, const State&, const Inputs&, StateRate& out, SolveReport*);
 

@@ -63,6 +63,7 @@ struct LinkAccount {
   bool in_force = true;                  ///< whether it acts; without rows otherwise
   bool merged = false;                   ///< whether its bodies were welded into one, so that it has no rows
   std::vector<RowAccount> rows;          ///< of the link in force
+  std::vector<std::string> left_out;     ///< names of rows that were left out (System::leave_out), and hold nothing
   LinkWrench joint,                      ///< on p's body about P, drives left out
       drives;                            ///< of all drives
   std::vector<LawAccount> laws;          ///< drives, imposed motion, and the laws of its markers

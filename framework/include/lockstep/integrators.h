@@ -62,9 +62,9 @@ struct EmbeddedOptions {
   static EmbeddedOptions from(const Params&);  ///< from parameters checked against keys()
 };
 
-/// Explicit Runge-Kutta method by an EmbeddedScheme: base of rk4, dopri5 and dop853. Where a stage lies at the end of a
-/// step (dopri5) and nothing moves that end, as on trees of hinges in joint coordinates, it is the first stage of the next
-/// step; a projection, and a quaternion that is normalised, move it.
+/// Explicit Runge-Kutta method by an EmbeddedScheme: base of rk4, dopri5 and dop853. In joint coordinates the stage at the
+/// end of a step (dopri5) is the first of the next one where nothing moves that end, as on trees of hinges; a projection,
+/// and a quaternion that is normalised, move it.
 class LOCKSTEP_API EmbeddedRungeKutta : public AdaptiveStepper {
  public:
   void begin(Dynamics&, const State&) override;

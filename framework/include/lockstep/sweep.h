@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <lockstep/recorder.h>
@@ -54,6 +55,9 @@ struct SweepRun {
   /// "wrong: stopped by 'landed'"; then the singular positions that it passed.
   LOCKSTEP_API std::string outcome() const;
 };
+
+/// Whether SweepRun::outcome() says that the run was wrong.
+LOCKSTEP_API bool wrong_by(std::string_view outcome);
 
 /// The columns that a scene records, with their units, without rows: the time, then its channels, or the places of
 /// record_places(). Throws what build_mechanism() and make_recorder() throw.

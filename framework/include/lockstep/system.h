@@ -62,10 +62,12 @@ struct PlanarRows {
   bool by_link = false;             ///< the link gathers them itself; see Planar
 };
 
-/// What becomes of rows that depend on others but for a very small singular value, everywhere and not in one position
-/// only: two hinges whose axes are a ten-millionth of a metre apart. No engine can leave that open: held, they lock the
-/// door, by forces ten million times the load; free, it turns, and one of its hinges gives way by that much.
+/// What becomes of rows that depend on others but for a singular value below 1e-4, of rows of length 1 with rotations as
+/// lengths (System::length), everywhere and not in one position only: two hinges whose axes are a ten-millionth of a metre
+/// apart. Held, they lock the door, by forces ten million times the load; free, it turns, and one of its hinges gives way
+/// by that much. Small loops of a large mechanism fall below the limit too, where their rows are meant to hold.
 enum class NearlyRedundant {
+  told,  ///< nothing is decided: they are told, and solvers may differ there
   free,  ///< rows that depend or nearly depend on others of their set are left out
   held   ///< they hold; rows that depend on others exactly are left out, so that nothing contradicts
 };
@@ -158,8 +160,11 @@ class LOCKSTEP_API System {
     return link.number() >= 0 && k < left_out_.size() ? left_out_[k] : 0U;
   }
   /// Says that rows hold which nearly depend on others, with the least singular value of rows of length 1; 0: none do. The
-  /// accelerations are then found by DenseSolver, whichever solver was given. Only where no row depends on others exactly.
+  /// accelerations are then found by DenseSolver, whichever solver was given, with its own limit of the rank: how large
+  /// the value is says how many digits multipliers lose, and is not read. Only where no row depends on others exactly.
   void hold_down_to(double singular_value) { held_ = singular_value, ready_ = false; }
+  /// That value; 0: no such rows hold.
+  double held_down_to() const { return held_; }
   /// After setup in a plane: whether rows or forces have lever arms along its normal. The motion is exact all the same,
   /// since links hold all bodies in the plane, but their moments about axes in the plane are left out.
   bool has_offsets() const { return offsets_; }
@@ -212,8 +217,8 @@ class LOCKSTEP_API System {
 
   // -- evaluation, after setup
   /// Lays out the rows of the links in force, `modes` by link number, group after group. Allocates only when the table
-  /// grows.
-  void lay_out(const std::vector<bool>& modes, RowTable& table) const;
+  /// grows. `all`: with rows that were left out.
+  void lay_out(const std::vector<bool>& modes, RowTable& table, bool all = false) const;
   /// Motions of the ground and then the slots, from the state; quaternions are normalised.
   void motions(const State&, std::vector<Motion>& out) const;
   /// Writes the rows of every link in the table, group by group. Throws what links and laws throw, named by

@@ -23,7 +23,8 @@ struct UniquenessReport {
 };
 
 /// Finds them, in the scaling and with the limits of mobility(), for forces, torques and multipliers of links and their
-/// drives. It allocates: for descriptions, not for runs. Throws NonFiniteError.
+/// drives. Where rows were left out (System::leave_out) they count: what they and those that stay would share is not
+/// unique, exactly or but for a singular value below 1e-4. It allocates: for descriptions, not for runs. Throws NonFiniteError.
 LOCKSTEP_API UniquenessReport uniqueness(Dynamics&, const State&);
 
 }  // namespace lockstep

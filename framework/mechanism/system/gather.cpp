@@ -52,7 +52,7 @@ std::span<double> part(VecX& x, int first, int size) { return {x.data() + first,
 
 }  // namespace
 
-void System::lay_out(const std::vector<bool>& modes, RowTable& table) const {
+void System::lay_out(const std::vector<bool>& modes, RowTable& table, bool all) const {
   table.entries.clear();
   table.runs.clear();
   table.entry_of_link.assign(links_.size(), -1);
@@ -75,7 +75,7 @@ void System::lay_out(const std::vector<bool>& modes, RowTable& table) const {
       in_plane = rows.by_link;
       e.layout = in_plane ? link.planar()->planar_layout() : RowLayout::planar;
     }
-    const unsigned absent = left_out(link);
+    const unsigned absent = all ? 0U : left_out(link);
     if (absent != 0) {
       keep_rows(absent, e);
       if (e.m == 0) continue;
@@ -138,11 +138,12 @@ void System::check_absent_row(const Inputs& in, const Lock& link, int k, const R
     constexpr double kMost = 1e-2;
     const double x = std::abs(all.C(k)), limit = kMost * (link.row_kind(k) == RowKind::translation ? length_ : 1.0);
     if (x <= limit) return;
-    throw ModelError("link '" + link.name() + "', row " + link.row_name(k) +
-                         ": was left out at the start, since it nearly depended on others, and is violated by " +
-                         text::brief(x) + " (limit " + text::brief(limit) + ") at t = " + text::number(in.t) +
-                         " s; set \"nearly_redundant\" of \"run\" to \"held\", or build it otherwise",
-                     {.thing = thing_of(link), .t = in.t});
+    throw ModelError(
+        "link '" + link.name() + "', row " + link.row_name(k) +
+            ": was left out at the start, since it depended on others, exactly or nearly, and is violated by " +
+            text::brief(x) + " (limit " + text::brief(limit) + ") at t = " + text::number(in.t) +
+            " s; set \"nearly_redundant\" of \"run\" to \"held\" or \"told\", or build it otherwise",
+        {.thing = thing_of(link), .t = in.t});
   }
   const double x = std::max({std::abs(all.C(k)), std::abs(all.Ct(k)), std::abs(all.Qhat(k))});
   if (plane_ && x > 1e-8 * std::max(1.0, length_))

@@ -45,7 +45,7 @@ void Doubts::step(const Sample& sample) {
 // theta, and in what its velocity asks of the rows by theta once more; the indicator falls as theta^2. At a residual the
 // rows themselves were not met.
 void Doubts::output(const Sample& sample) {
-  if (!reactions_ || !loops_ || sample.state.coordinates) return;
+  if (!reactions_ || !loops_ || (sample.state.coordinates && !sample.state.coordinates->has_rows())) return;
   const Solution& solution = sample.values();
   SolveReport report = solution.report;
   solution.factor.complete(report);

@@ -148,10 +148,13 @@ LinkAccount account_of(Dynamics& dynamics, const State& state, const Lock& link)
     if (std::ranges::any_of(d.rows, [&](const std::string& row) { return row.starts_with(link.name() + "."); }))
       out.dependencies.push_back(std::move(d));
   add_laws(link, state.t, out.laws);
+  for (int k = 0; k < link.row_count(); ++k)
+    if ((system.left_out(link) >> k & 1U) != 0) out.left_out.push_back(link.row_name(k));
   const Solution& v = dynamics.evaluate(state);
   const int entry = out.merged ? -1 : v.rows.entry_of_link[static_cast<std::size_t>(link.number())];
-  out.in_force = entry >= 0;
-  if (!out.in_force) return out;
+  out.in_force =
+      entry >= 0 || (!out.merged && !out.left_out.empty() && state.modes[static_cast<std::size_t>(link.number())]);
+  if (entry < 0) return out;
   const RowEntry& e = v.rows.entries[static_cast<std::size_t>(entry)];
   VecX C, Cd;
   v.evaluation.residuals(C, Cd);

@@ -33,8 +33,9 @@ struct OwnRow {
 /// Rows on common loops: those that stay are independent, and others go.
 struct Choice {
   std::vector<OwnRow> gone;
-  double smallest = 1;   ///< pivot of those that stay
-  bool possible = true;  ///< whether no law would be left out
+  std::vector<std::string> links;  ///< on loops with such rows
+  double smallest = 1;             ///< pivot of those that stay
+  std::string kept;                ///< what keeps a row of `gone` from being left out; "" for nothing
 };
 
 /// Rows on common loops of which some nearly depend on others, and what to do with them. All that depend go, exactly or
@@ -51,8 +52,20 @@ VecX column_of(const LoopRows& rows, int row) {
   return out;
 }
 
-bool has_laws(const Lock& link) {
-  return link.jointed() == nullptr || link.jointed()->has_laws() || link.unilateral() != nullptr;
+// What keeps a row from being left out; "" for nothing.
+std::string keeper_of(const Lock& link, int own) {
+  constexpr unsigned kOfMarkers = with::uP | with::qP | with::uS | with::qS;
+  const std::string law = "a law is among them";
+  if (link.unilateral() != nullptr) return "a one-sided link is among them";
+  if (link.jointed() == nullptr) return "a link is among them that is no joint";
+  if (link.row(own).drive >= 0 || (link.pattern().laws & kOfMarkers) != 0) return law;
+  const ImposedMotion& imposed = link.jointed()->imposed();
+  const bool along = link.row_kind(own) == RowKind::translation;
+  return (along ? imposed.move != nullptr : imposed.turn != nullptr) ? law : "";
+}
+
+void add_name(const std::string& name, std::vector<std::string>& names) {
+  if (std::ranges::find(names, name) == names.end()) names.push_back(name);
 }
 
 VecX jacobian_of(const System& system, const RowTable& table, const RowEntry& e, int k) {
@@ -65,14 +78,15 @@ VecX jacobian_of(const System& system, const RowTable& table, const RowEntry& e,
 }
 
 /// Gram and Schmidt: the next row that stays is the first, in the order of the links, of which others leave at least half
-/// of the most; rows with laws go first as long as they are a tenth of the most. Ends where no row is left above `limit`.
+/// of the most; rows with laws, and others that are kept, go first as long as they are a tenth of the most. Ends where no
+/// row is left above `limit`.
 class Selection {
  public:
   Selection(const System& system, const RowTable& table, const LoopRows& rows)
       : system_(system), table_(table), rows_(rows), which_(static_cast<std::size_t>(rows.n())) {
     std::iota(which_.begin(), which_.end(), 0);
     std::ranges::sort(which_, {}, [&](int row) { return place(row); });
-    for (const int row : which_) left_.push_back(column_of(rows_, row));
+    for (const int row : which_) left_.push_back(column_of(rows_, row)), keeper_.push_back(keeper(row));
   }
 
   Choice above(double limit) {
@@ -89,8 +103,10 @@ class Selection {
     for (std::size_t k = 0; k < which_.size(); ++k) {
       if (stays[k]) continue;
       out.gone.push_back(own_row(which_[k]));
-      out.possible = out.possible && !has_laws(*out.gone.back().link);
+      if (out.kept.empty()) out.kept = keeper_[k];
     }
+    if (!out.gone.empty())
+      for (const int row : which_) add_name(link(row).name(), out.links);
     return out;
   }
 
@@ -99,6 +115,10 @@ class Selection {
   std::pair<int, int> place(int row) const { return {entry(row).link, rows_.number(row)}; }
   const Lock& link(int row) const { return *system_.links()[static_cast<std::size_t>(entry(row).link)]; }
 
+  std::string keeper(int row) const {
+    const RowEntry& e = entry(row);
+    return keeper_of(link(row), e.own[static_cast<std::size_t>(rows_.number(row) - e.first_row)]);
+  }
   OwnRow own_row(int row) const {
     const RowEntry& e = entry(row);
     const int k = rows_.number(row) - e.first_row;
@@ -106,16 +126,16 @@ class Selection {
   }
 
   int best(double limit, const std::vector<bool>& stays) const {
-    double most = 0, most_with_laws = 0;
+    double most = 0, most_kept = 0;
     for (std::size_t k = 0; k < which_.size(); ++k) {
       if (stays[k]) continue;
       most = std::max(most, left_[k].norm());
-      if (has_laws(link(which_[k]))) most_with_laws = std::max(most_with_laws, left_[k].norm());
+      if (!keeper_[k].empty()) most_kept = std::max(most_kept, left_[k].norm());
     }
     if (!(most > limit)) return -1;
-    const bool laws = most_with_laws > std::max(limit, 0.1 * most);
+    const bool kept = most_kept > std::max(limit, 0.1 * most);
     for (std::size_t k = 0; k < which_.size(); ++k)
-      if (!stays[k] && has_laws(link(which_[k])) >= laws && left_[k].norm() >= 0.5 * (laws ? most_with_laws : most))
+      if (!stays[k] && (!keeper_[k].empty() || !kept) && left_[k].norm() >= 0.5 * (kept ? most_kept : most))
         return static_cast<int>(k);
     return -1;
   }
@@ -124,7 +144,8 @@ class Selection {
   const RowTable& table_;
   const LoopRows& rows_;
   std::vector<int> which_;
-  std::vector<VecX> left_;  // of each row, what those that stay do not hold
+  std::vector<VecX> left_;           // of each row, what those that stay do not hold
+  std::vector<std::string> keeper_;  // of each row, what keeps it
 };
 
 void leave_out(System& system, const std::vector<OwnRow>& rows) {
@@ -132,12 +153,28 @@ void leave_out(System& system, const std::vector<OwnRow>& rows) {
   for (const OwnRow& row : rows) system.leave_out(*row.link, system.left_out(*row.link) | 1U << row.own);
 }
 
-void take_back(System& system, bool held) {
+void take_back(System& system) {
   system.setup();
   for (const auto& link : system.links())
     if (system.left_out(*link) != 0) system.leave_out(*link, 0);
-  if (held) system.hold_down_to(0);
+  if (system.held_down_to() > 0) system.hold_down_to(0);
+  system.setup();
 }
+
+/// Rows that are left out as long as it lives.
+class LeftOutForNow {
+ public:
+  LeftOutForNow(System& system, const std::vector<OwnRow>& rows) : system_(system) {
+    leave_out(system, rows);
+    system.setup();
+  }
+  LeftOutForNow(const LeftOutForNow&) = delete;
+  LeftOutForNow& operator=(const LeftOutForNow&) = delete;
+  ~LeftOutForNow() { take_back(system_); }  // it was set up before with all rows: that does not throw
+
+ private:
+  System& system_;
+};
 
 /// C of a row, in lengths.
 double violation_of(const OwnRow& row, const Inputs& in, RowTable& room) {
@@ -229,11 +266,19 @@ std::vector<NearSet> nearly_dependent(const System& system, const RowTable& tabl
     NearSet one;
     for (const DependentRows& set : found.sets) {
       if (set.nearly == 0) continue;
-      for (const int row : set.rows) one.told.rows.push_back(name_of_row(system, table, rows.number(row)));
+      for (const int row : set.rows) {
+        const RowEntry& e = entry_of_row(table, rows.number(row));
+        const Lock& link = *system.links()[static_cast<std::size_t>(e.link)];
+        one.told.rows.push_back(name_of_row(system, table, rows.number(row)));
+        if (one.told.undecided.empty())
+          one.told.undecided = keeper_of(link, e.own[static_cast<std::size_t>(rows.number(row) - e.first_row)]);
+      }
       one.told.nearly += set.nearly, one.told.singular_value = std::max(one.told.singular_value, set.pivot);
     }
     if (one.told.nearly == 0) return;
     one.free = Selection(system, table, rows).above(kNearlyDependent);
+    one.told.links = one.free.links;
+    if (one.told.undecided.empty()) one.told.undecided = one.free.kept;
     all.push_back(std::move(one));
   });
   return all;
@@ -246,6 +291,8 @@ Choice exactly_dependent(const System& system, const RowTable& table) {
     Choice one = Selection(system, table, rows).above(kDependent);
     all.smallest = std::min(all.smallest, one.smallest);
     all.gone.insert(all.gone.end(), one.gone.begin(), one.gone.end());
+    all.links.insert(all.links.end(), one.links.begin(), one.links.end());
+    if (all.kept.empty()) all.kept = one.kept;
   });
   return all;
 }
@@ -260,15 +307,31 @@ std::vector<std::string> names_of(const std::vector<OwnRow>& rows) {
 void try_out(System& system, Dynamics& dynamics, const State& state, std::vector<NearSet>& all) {
   std::vector<OwnRow> gone;
   for (const NearSet& f : all)
-    if (f.free.possible) gone.insert(gone.end(), f.free.gone.begin(), f.free.gone.end());
-  leave_out(system, gone);
+    if (f.told.undecided.empty()) gone.insert(gone.end(), f.free.gone.begin(), f.free.gone.end());
+  if (gone.empty()) return;
+  const LeftOutForNow for_now(system, gone);
   Trial trial(system, dynamics, state);
   for (NearSet& f : all) {
-    for (const OwnRow& row : f.free.gone)
-      if (f.free.possible) f.told.violation = std::max(f.told.violation, trial.along(row, gone));
+    if (!f.told.undecided.empty()) continue;
+    for (const OwnRow& row : f.free.gone) f.told.violation = std::max(f.told.violation, trial.along(row, gone));
     f.told.in_passing = !(f.told.violation < kPersists * system.length());
   }
-  take_back(system, false);
+}
+
+// Rows that depend exactly go, of the whole mechanism, and the rest is held.
+void hold(System& system, const RowTable& table, std::vector<NearDependency>& told) {
+  const auto first = std::ranges::find(told, true, &NearDependency::decided);
+  if (first == told.end()) return;
+  const Choice exact = exactly_dependent(system, table);
+  if (!exact.kept.empty()) {
+    for (NearDependency& d : told)
+      if (d.decided) d.decided = false, d.undecided = "of rows that depend on others exactly, " + exact.kept;
+    return;
+  }
+  leave_out(system, exact.gone);
+  system.hold_down_to(exact.smallest);
+  first->left_out = names_of(exact.gone);  // the first tells them all
+  for (const std::string& link : exact.links) add_name(link, first->links);
 }
 
 }  // namespace
@@ -277,34 +340,23 @@ std::vector<NearDependency> decide_nearly_redundant(System& system, Dynamics& dy
                                                     NearlyRedundant choice) {
   State state = given;
   dynamics.to_slots(state);
-  take_back(system, dynamics.gather(state).rows().held != 0);
+  take_back(system);
   std::vector<NearDependency> told;
   if (!has_loops(system, state.modes)) return told;
   const RowTable table = dynamics.gather(state).rows();
   std::vector<NearSet> all = nearly_dependent(system, table);
   if (all.empty()) return told;
   try_out(system, dynamics, state, all);
-  bool any = false;
   for (NearSet& f : all) {
-    const bool decided = f.free.possible && !f.told.in_passing;
-    if (decided && choice == NearlyRedundant::free) {
+    f.told.decided = choice != NearlyRedundant::told && f.told.undecided.empty() && !f.told.in_passing;
+    if (f.told.decided && choice == NearlyRedundant::free) {
       leave_out(system, f.free.gone);
       f.told.left_out = names_of(f.free.gone);
     }
-    any = any || decided;
     told.push_back(f.told);
   }
+  if (choice == NearlyRedundant::held) hold(system, table, told);
   system.setup();
-  if (!any || choice == NearlyRedundant::free) return told;
-  const Choice exact = exactly_dependent(system, table);
-  leave_out(system, exact.gone);
-  system.hold_down_to(exact.smallest);
-  system.setup();
-  for (NearDependency& d : told)
-    if (!d.in_passing) {  // the first tells them all
-      d.left_out = names_of(exact.gone);
-      break;
-    }
   return told;
 }
 

@@ -27,7 +27,14 @@ State in_slots(const Sample& sample) {
   return state;
 }
 
-// The turn of the fastest body in a time, rad; translations over the length of the mechanism.
+// The speed of the fastest body, rad/s; translations over the length of the mechanism.
+double fastest(const Inputs& in, double length) {
+  double w2 = 0;
+  for (const Motion& O : in.motions) w2 = std::max({w2, O.v.squaredNorm() / (length * length), O.w.squaredNorm()});
+  return std::sqrt(w2);
+}
+
+// The turn of the fastest body in a time, rad.
 double turn_in(const State& state, double h, double length) {
   double w2 = 0;
   for (Eigen::Index i = 0; i < state.v.size(); i += 6)
@@ -140,17 +147,12 @@ void SingularWatch::forget() {
 
 void SingularWatch::step(const Sample& sample) {
   if (has_no_rows(sample) || sample.report.manifold) return forget();
-  if (sample.state.coordinates) return follow(in_slots(sample), sample.report.h);
-  follow(sample.state, sample.report.h);
-}
-
-void SingularWatch::follow(const State& state, double h) {
-  if (!eye_) eye_ = std::make_unique<Eye>(system_, state);
-  const double turn = turn_in(state, h, system_.length());
+  if (!eye_) eye_ = std::make_unique<Eye>(system_, in_slots(sample));
+  const double turn = sample.report.h * fastest(sample.inputs(), system_.length());
   turned_ += turn;
   if (turned_ < kLook) return;
   turned_ = 0;
-  look(state, turn);
+  look(in_slots(sample), turn);
 }
 
 void SingularWatch::look(const State& state, double turn) {

@@ -51,7 +51,6 @@ class LOCKSTEP_API SingularWatch final : public Observer {
     double turn = 0;   ///< of the step that led here, rad
   };
 
-  void follow(const State&, double h);
   void look(const State&, double turn);
   void find_between(const Look& before, const Look& lowest, const Look& after);
   void forget();

@@ -285,12 +285,14 @@ std::vector<InputColumn> columns_of(const LinearInput& input, const Actuator& ac
     return with({h, 0, 0}, VecX(h * G), {});
   }));
   if (speed) out.back().of = InputColumn::Of::state;
-  if (!moves && R_ud.isZero(0)) return out;
+  const bool by_value_alone = !moves && R_ud.isZero(0);
+  if (by_value_alone && !speed) return out;  // a state of its own has a rate, which moves it
   // dv of dx' = G u' in the axes: the turning of dx itself is in the column of the value
   out.push_back(column(speed ? "" : "_d", unit + "/s", m.D * G + R_ud, 1e-2, [=](double h) {
     return with({0, h, 0}, {}, VecX(h * G));
   }));
   if (speed) out.back().of = InputColumn::Of::rate_of_state;
+  if (by_value_alone) return out;
   out.push_back(column(speed ? "_d" : "_dd", unit + "/s^2", m.M * G, 1e-2, [=](double h) {
     return with({0, 0, h}, {}, {});
   }));

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <span>
 
+#include <Eigen/Eigenvalues>
+
 #include "framework/tools/analysis/loop_rows.h"
 
 namespace lockstep {
@@ -16,14 +18,41 @@ struct Undetermined {
   double round_off = 0;
 };
 
+// Combinations of rows that are zero but for a singular value up to kNearlyDependent: where such rows were left out, how
+// those that stay and those that went would share a load is not known.
+NullVectors near_null_vectors(const LoopRows& rows) {
+  constexpr double kShare = 1e-3;  // numbers below it are of the order of what the rows still hold
+  MatX J = MatX::Zero(rows.n(), rows.n_columns());
+  for (const auto& t : rows.Jt()) J(t.col(), t.row()) = t.value();
+  // lambda with J^T lambda = 0: the eigenvectors of J J^T of eigenvalues up to the square, of which the smallest of those
+  // that matter, 1e-8, is above round-off
+  const Eigen::SelfAdjointEigenSolver<MatX> eigen(MatX(J * J.transpose()));
+  Eigen::Index n = 0;
+  while (n < eigen.eigenvalues().size() && eigen.eigenvalues()[n] < kNearlyDependent * kNearlyDependent) ++n;
+  NullVectors out{eigen.eigenvectors().leftCols(n), kShare};
+  for (Eigen::Index k = 0; k < n; ++k) out.columns.col(k) /= out.columns.col(k).cwiseAbs().maxCoeff();
+  return out;
+}
+
+// Whether rows of it were left out that depend on others nearly.
+bool leaves_near_rows_out(const System& system, const RowTable& table, const std::vector<int>& entries) {
+  if (system.held_down_to() > 0) return false;  // those hold
+  return std::ranges::any_of(entries, [&](int k) {
+    const RowEntry& e = table.entries[static_cast<std::size_t>(k)];
+    return system.left_out(*system.links()[static_cast<std::size_t>(e.link)]) != 0;
+  });
+}
+
 Undetermined undetermined_of(const System& system, const RowTable& table) {
   Undetermined found;
   std::vector<VecX> vectors;
   for (const std::vector<int>& entries : loops_of(system, table)) {
     const LoopRows rows(system, table, entries);
-    const NullVectors null = null_vectors(rows.n_columns(), rows.n(), rows.Jt());
+    const bool near = leaves_near_rows_out(system, table, entries);
+    const NullVectors null = near ? near_null_vectors(rows) : null_vectors(rows.n_columns(), rows.n(), rows.Jt());
     if (null.columns.cols() == 0) continue;
-    found.n += rows.n() - find_dependencies(rows.n_columns(), rows.n(), rows.Jt()).rank;
+    found.n += near ? static_cast<int>(null.columns.cols())
+                    : rows.n() - find_dependencies(rows.n_columns(), rows.n(), rows.Jt()).rank;
     found.round_off = std::max(found.round_off, null.round_off);
     for (const auto column : null.columns.colwise()) {
       VecX lambda = VecX::Zero(table.n_rows);
@@ -47,8 +76,9 @@ struct Largest {
 
 class Components {
  public:
-  Components(const Evaluation& e, const Undetermined& u, std::vector<std::string>& channels)
-      : e_(e), u_(u), channels_(channels) {}
+  Components(const System& system, const Inputs& in, const RowTable& table, const Undetermined& u,
+             std::vector<std::string>& channels)
+      : system_(system), in_(in), table_(table), u_(u), channels_(channels) {}
 
   void of(const Lock& link) {
     add(link, "", Reactions::kJoint);
@@ -62,22 +92,21 @@ class Components {
  private:
   void add(const Lock& link, const std::string& part_name, int part) {
     const auto [p, s] = link.pairs().front();
-    const Inputs& in = e_.inputs();
-    const Mat3 to_link = in_world(MarkerFrame(*s), in).A.transpose();
+    const Mat3 to_link = in_world(MarkerFrame(*s), in_).A.transpose();
     Largest world, local, other;
     double power = 0;
     for (const auto column : u_.vectors.colwise()) {
       const VecX lambda = column;
-      const Reactions reactions(e_.rows(), {lambda.data(), static_cast<std::size_t>(lambda.size())});
-      const LinkWrench on_p = reactions.on_body_of(MarkerFrame(*p), link, in, part),
-                       on_s = reactions.on_body_of(MarkerFrame(*s), link, in, part);
+      const Reactions reactions(table_, {lambda.data(), static_cast<std::size_t>(lambda.size())});
+      const LinkWrench on_p = reactions.on_body_of(MarkerFrame(*p), link, in_, part),
+                       on_s = reactions.on_body_of(MarkerFrame(*s), link, in_, part);
       world.take(on_p.force, on_p.moment), other.take(on_s.force, on_s.moment);
       local.take(to_link * on_p.force, to_link * on_p.moment);
       power = std::max(power, std::abs(power_of(link, lambda, part)));
     }
     const std::string start = link.name() + "." + part_name;
     add_axes(start + "force_on_p_world_", world.force, 1), add_axes(start + "force_on_p_link_", local.force, 1);
-    const double length = e_.system().length();
+    const double length = system_.length();
     add_axes(start + "torque_on_p_world_", world.moment, length);
     add_axes(start + "torque_on_p_link_", local.moment, length);
     add_axes(start + "force_on_s_world_", other.force, 1), add_axes(start + "torque_on_s_world_", other.moment, length);
@@ -87,13 +116,13 @@ class Components {
 
   // (8.8) lambda . Ct over the rows of the drive
   double power_of(const Lock& link, const VecX& lambda, int part) const {
-    const int at = e_.rows().entry_of_link[static_cast<std::size_t>(link.number())];
+    const int at = table_.entry_of_link[static_cast<std::size_t>(link.number())];
     if (at < 0) return 0;
-    const RowEntry& e = e_.rows().entries[static_cast<std::size_t>(at)];
+    const RowEntry& e = table_.entries[static_cast<std::size_t>(at)];
     double power = 0;
     for (int k = 0; k < e.m; ++k)
       if (Reactions::belongs(link.row(e.own[static_cast<std::size_t>(k)]), part))
-        power += lambda[e.first_row + k] * e_.rows().block(e).Ct(k);
+        power += lambda[e.first_row + k] * table_.block(e).Ct(k);
     return power;
   }
 
@@ -102,7 +131,9 @@ class Components {
       if (largest[i] > u_.round_off * unit) channels_.push_back(name + "xyz"[i]);
   }
 
-  const Evaluation& e_;
+  const System& system_;
+  const Inputs& in_;
+  const RowTable& table_;
   const Undetermined& u_;
   std::vector<std::string>& channels_;
 };
@@ -116,18 +147,23 @@ bool UniquenessReport::unique(const std::string& channel) const {
 UniquenessReport uniqueness(Dynamics& dynamics, const State& state) {
   const Evaluation& e = dynamics.gather(state);
   const System& system = dynamics.system();
-  const Undetermined u = undetermined_of(system, e.rows());
+  RowTable all;  // with rows that were left out: they would take a share
+  const bool any_left_out =
+      std::ranges::any_of(system.links(), [&](const auto& link) { return system.left_out(*link) != 0; });
+  if (any_left_out) system.lay_out(state.modes, all, true), system.gather_rows(e.inputs(), all);
+  const RowTable& table = any_left_out ? all : e.rows();
+  const Undetermined u = undetermined_of(system, table);
   UniquenessReport report;
   report.undetermined = u.n;
   if (u.n == 0) return report;
-  Components components(e, u, report.channels);
+  Components components(system, e.inputs(), table, u, report.channels);
   for (const auto& link : system.links()) {
-    if (e.rows().entry_of_link[static_cast<std::size_t>(link->number())] < 0 || link->pairs().empty()) continue;
+    if (table.entry_of_link[static_cast<std::size_t>(link->number())] < 0 || link->pairs().empty()) continue;
     components.of(*link);
   }
-  for (int row = 0; row < e.rows().n_rows; ++row) {
+  for (int row = 0; row < table.n_rows; ++row) {
     if (u.vectors.row(row).cwiseAbs().maxCoeff() <= u.round_off) continue;
-    const std::string name = name_of_row(system, e.rows(), row);
+    const std::string name = name_of_row(system, table, row);
     report.rows.push_back(name);
     const std::size_t dot = name.rfind('.');
     report.channels.push_back(name.substr(0, dot) + ".lambda_" + name.substr(dot + 1));

@@ -56,6 +56,10 @@ std::string unsuited(const System& system) {
       return "force '" + force->name() + "' (" + std::string(force->type()) + ") reads the reactions of links";
   for (const auto& link : system.links())
     if (link->unilateral()) return "link '" + link->name() + "' is one-sided, and lanes know no impacts";
+  for (const auto& link : system.links())
+    if (system.left_out(*link) != 0)
+      return "rows of link '" + link->name() + "' are left out, and lanes have all of them";
+  if (system.held_down_to() > 0) return "rows hold that nearly depend on others, which lanes do not factor";
   const RowTable rows = rows_of(system);
   for (const RowEntry& e : rows.entries)
     if (const std::string why = unsuited_link(*system.links()[e.link]); !why.empty()) return why;

@@ -272,13 +272,13 @@ void list_parameters(const Scene& scene) {
 // Counted where a run begins: a start typed with eight digits leaves none of a loop's freedoms. One that cannot be
 // assembled is taken as it was typed; a run then says why.
 State counted_start(Dynamics& dynamics, Mechanism& m, const State& typed, std::vector<NearDependency>& near) {
-  State start = typed;
+  State start = decided_start(dynamics, m, &near);
   try {
-    near = decide_nearly_redundant(dynamics, m);
     if (m.run.assemble) assemble(dynamics, start, m.start_speeds, m.assembly);
   } catch (const Error&) {
     start = typed;
   }
+  if (m.run.nearly_redundant == NearlyRedundant::told) near = nearly_redundant_at(dynamics, m, start);
   return start;
 }
 

@@ -24,22 +24,33 @@ std::string words_of(const Dependency& d) {
 }
 
 std::string words_of(const NearDependency& d, NearlyRedundant choice) {
-  std::string out = fmt::format("  nearly redundant    {}: {} too many but for {:.2g}: ", first_of(d.rows), d.nearly,
-                                d.singular_value);
-  const std::string rest = d.left_out.empty() ? std::string() : first_of(d.left_out);
-  const char* const are = d.left_out.size() == 1 ? "is" : "are";
+  const std::string out = fmt::format("  nearly redundant    {}: {} too many but for {:.2g}: ", first_of(d.rows),
+                                      d.nearly, d.singular_value);
   if (d.in_passing) return out + "in this position only, beside a singular one\n";
+  if (!d.undecided.empty())
+    return out + fmt::format("not decided: {}; solvers may differ; make them agree, or leave one out\n", d.undecided);
+  if (choice == NearlyRedundant::told || !d.decided)
+    return out +
+           "solvers may differ there; say whether they hold: \"nearly_redundant\": \"held\" or \"free\" "
+           "(--nearly-redundant)\n";
+  const char* const are = d.left_out.size() == 1 ? "is" : "are";
   if (choice == NearlyRedundant::held)
-    return out + fmt::format("held{}; \"free\" leaves out what nearly depends (--nearly-redundant)\n",
-                             rest.empty() ? ""
-                                          : fmt::format(", and {} left out, which depend{} on others exactly",
-                                                        rest + " " + are, d.left_out.size() == 1 ? "s" : ""));
-  if (rest.empty()) return out + "they hold, since a law is among them; make them agree, or leave one out\n";
-  return out + fmt::format(
-                   "free, {} {} left out, and violated by some {:.1g} m as it moves; \"held\" holds {} "
-                   "(--nearly-redundant)\n",
-                   rest, are, d.violation, d.left_out.size() == 1 ? "it" : "them");
+    return out + (d.left_out.empty() ? "held\n"
+                                     : fmt::format("held, and {} {} left out, which depend{} on others exactly\n",
+                                                   first_of(d.left_out), are, d.left_out.size() == 1 ? "s" : ""));
+  return out + fmt::format("free, {} {} left out, and violated by some {:.1g} m as it moves; \"held\" holds {}\n",
+                           first_of(d.left_out), are, d.violation, d.left_out.size() == 1 ? "it" : "them");
 }
+
+namespace {
+
+std::string decision(const NearDependency& d, NearlyRedundant choice) {
+  if (choice == NearlyRedundant::told) return "told";
+  if (!d.decided) return "undecided";
+  return choice == NearlyRedundant::held ? "held" : "free";
+}
+
+}  // namespace
 
 nlohmann::ordered_json near_json(const std::vector<NearDependency>& near, NearlyRedundant choice) {
   nlohmann::ordered_json all = nlohmann::ordered_json::array();
@@ -48,7 +59,8 @@ nlohmann::ordered_json near_json(const std::vector<NearDependency>& near, Nearly
                    {"nearly", d.nearly},
                    {"singular_value", d.singular_value},
                    {"in_passing", d.in_passing},
-                   {"decided", choice == NearlyRedundant::held ? "held" : "free"},
+                   {"decided", decision(d, choice)},
+                   {"undecided", d.undecided},
                    {"violation", d.violation},
                    {"left_out", d.left_out}});
   return all;

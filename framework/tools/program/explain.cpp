@@ -70,6 +70,7 @@ Json json(const LinkAccount& a) {
           {"in_force", a.in_force},
           {"merged", a.merged},
           {"rows", rows},
+          {"left_out", a.left_out},
           {"force_on_p", json(a.joint.force)},
           {"moment_on_p", json(a.joint.moment)},
           {"drive_force_on_p", json(a.drives.force)},
@@ -139,6 +140,9 @@ void print(const LinkAccount& a) {
   else if (!a.in_force)
     fmt::print(": not in force");
   fmt::print("\n");
+  if (a.in_force && !a.left_out.empty())
+    fmt::print("  left out, since they depend on others exactly or nearly (\"nearly_redundant\"): {}\n",
+               text::join(a.left_out));
   for (const RowAccount& r : a.rows)
     fmt::print("  row {:<8} value {:>10.3g}, rate {:>10.3g}, multiplier {:>12.6g}{}{}\n", r.name, r.value, r.rate,
                r.multiplier, r.kind == RowKind::translation ? " N" : "", r.is_drive ? "  (drive)" : "");
@@ -156,7 +160,8 @@ void print(const LinkAccount& a) {
         "  {} of the rows {} {} redundant: they hold one another's directions, so that how they share a load is "
         "not determined\n",
         d.too_many, text::join(d.rows), d.too_many == 1 ? "is" : "are");
-  if (a.in_force && a.dependencies.empty()) fmt::print("  not redundant: no row of it depends on others\n");
+  if (a.in_force && a.dependencies.empty() && a.left_out.empty())
+    fmt::print("  not redundant: no row of it depends on others\n");
 }
 
 /// Things that can be explained.

@@ -187,8 +187,7 @@ int follow(const Arguments& args, bool inverse) {
   GrowingFile file(csv);
   const std::unique_ptr<Recorder> recorder = make_recorder(m);
   Dynamics dynamics = make_dynamics(m, loaded.registry);
-  decide_nearly_redundant(dynamics, m);
-  State start = m.system.start();
+  State start = decided_start(dynamics, m);
   assemble(dynamics, start);
   if (!args.quiet && !args.json) fmt::print("{}\n", loaded.title());
   for (const EventRequest& e : m.events)

@@ -63,8 +63,7 @@ void put_settings(RunSettings& run, const Arguments& args, const Registry& regis
     run.formulation = Formulation::omega;
   if (args.formulation == "quaternion" && args.solver.empty() && run.solver.type == "schur")
     run.solver.type = "sparse";  // the default needs six velocities per body
-  if (!args.nearly_redundant.empty())
-    run.nearly_redundant = args.nearly_redundant == "held" ? NearlyRedundant::held : NearlyRedundant::free;
+  if (!args.nearly_redundant.empty()) run.nearly_redundant = nearly_redundant_from(args.nearly_redundant);
   if (!args.stabilization.empty()) run.stabilization.kind = read_stabilization(args.stabilization);
 }
 

@@ -268,22 +268,37 @@ class ProgramRun {
 
  private:
   State assembled_start() {
-    near_ = decide_nearly_redundant(dynamics_, m_);
-    State start = m_.system.start();
+    State start = decided_start(dynamics_, m_, &near_);
     if (from_ != nullptr) return start;
-    for (const NearDependency& d : near_) words_.say("{}", words_of(d, m_.run.nearly_redundant));
     if (m_.run.assemble) {
-      const AssemblyReport assembled = assemble(dynamics_, start, m_.start_speeds, m_.assembly);
+      const AssemblyReport assembled = assemble_told(start);
       if (assembled.is_notable()) words_.say("  assembled  {}\n", assembled.text());
       if (assembled.largest_move > 1e-6)
         for (const std::string& text : frames_taken(loaded_.scene))
           words_.say("  taken      {}, as no place is given\n", text);
     }
+    tell_near(start);
     if (args_.quiet) return start;
     if (const std::vector<std::string> columns = columns_not_unique(dynamics_, start, m_.run); !columns.empty())
       fmt::print("  not unique {}: how redundant rows share these reactions is the solver's choice (lockstep check)\n",
                  first_of(columns));
     return start;
+  }
+
+  // Where solvers differ one may refuse the start: what nearly depends is told then too.
+  AssemblyReport assemble_told(State& start) {
+    const State typed = start;
+    try {
+      return assemble(dynamics_, start, m_.start_speeds, m_.assembly);
+    } catch (const Error&) {
+      tell_near(typed);
+      throw;
+    }
+  }
+  void tell_near(const State& start) {
+    if (m_.run.nearly_redundant == NearlyRedundant::told && (words_ || args_.json))
+      near_ = nearly_redundant_at(dynamics_, m_, start);
+    for (const NearDependency& d : near_) words_.say("{}", words_of(d, m_.run.nearly_redundant));
   }
 
   bool judged() const { return !args_.quiet || args_.strict; }

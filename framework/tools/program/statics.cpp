@@ -35,8 +35,7 @@ struct Resting {
 
   Resting(const Scene& scene, const Registry& registry)
       : m(build_mechanism(scene, registry)), dynamics(make_dynamics(m, registry)), state(m.system.start()) {
-    decide_nearly_redundant(dynamics, m);
-    state = m.system.start();
+    state = decided_start(dynamics, m);
   }
 
   /// From the assembled start, or from the poses of `before`, if it has as many.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <lockstep/error.h>
+#include <lockstep/sweep.h>
 #include "framework/foundation/support/csv_cells.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/run_report.h"
@@ -88,7 +89,7 @@ KeptRows keep_rows(GrowingFile& rows, const std::string& header, const std::func
     split_csv(line, ',', cells);
     const std::string& outcome = cells.back();
     if (outcome.starts_with("failed: ")) ++kept.failed;
-    if (outcome == "wrong" || outcome.starts_with("wrong: ")) ++kept.wrong;
+    if (wrong_by(outcome)) ++kept.wrong;
   }
   rows.go_on(static_cast<long>(end), hash_of(std::string_view(text).substr(0, end)));
   return kept;

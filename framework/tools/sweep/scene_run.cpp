@@ -1,5 +1,7 @@
 #include "framework/tools/sweep/scene_run.h"
 
+#include <algorithm>
+
 #include <lockstep/error.h>
 #include <lockstep/solvers.h>
 #include "framework/dynamics/solvers/graph.h"
@@ -22,20 +24,61 @@ bool may_depend(System& system, const State& state) {
   return report.smallest_pivot < kSmall;
 }
 
+// Puts the start on the constraints; false: it is off them, or no row of it depends on others.
+bool find_pose(Dynamics& dynamics, Mechanism& m, State& start) {
+  if (dynamics.violation(start) > kOn * m.system.length()) {
+    if (!m.run.assemble) return false;
+    assemble(dynamics, start, m.start_speeds, m.assembly);
+  } else {
+    if (!may_depend(m.system, start)) return false;
+    dynamics.project(start);
+  }
+  return true;
+}
+
+// Rows that were left out would stay so when those that hold their directions are released.
+void refuse_switched(const Mechanism& m, const NearDependency& decided) {
+  for (const EventRequest& request : m.events)
+    for (const auto* names : {&request.event.activate, &request.event.deactivate})
+      for (const std::string& link : decided.links)
+        if (std::ranges::find(*names, link) != names->end())
+          throw ModelError("\"nearly_redundant\" of \"run\" is \"" +
+                           std::string(m.run.nearly_redundant == NearlyRedundant::held ? "held" : "free") +
+                           "\", and event '" + request.event.name + "' switches link '" + link +
+                           "', on whose loop rows nearly depend on others: what is decided at the start is wrong then; "
+                           "leave it \"told\"");
+}
+
 }  // namespace
 
-std::vector<NearDependency> decide_nearly_redundant(Dynamics& dynamics, Mechanism& m) {
+State decided_start(Dynamics& dynamics, Mechanism& m, std::vector<NearDependency>* near) {
   State start = m.system.start();
+  if (m.run.nearly_redundant == NearlyRedundant::told || !has_loops(m.system, start.modes)) return start;
+  State pose = start;
+  try {
+    if (!find_pose(dynamics, m, pose)) return start;
+    dynamics.to_slots(pose);
+  } catch (const Error&) {  // the run says what is wrong
+    return start;
+  }
+  const std::vector<NearDependency> found = decide_nearly_redundant(m.system, dynamics, pose, m.run.nearly_redundant);
+  for (const NearDependency& d : found) {
+    if (!d.decided) continue;
+    refuse_switched(m, d);
+    start = m.system.start();
+    start.q = pose.q;
+  }
+  if (near != nullptr) *near = found;
+  return start;
+}
+
+std::vector<NearDependency> nearly_redundant_at(Dynamics& dynamics, Mechanism& m, const State& start) {
   if (!has_loops(m.system, start.modes)) return {};
   try {
-    if (dynamics.violation(start) > kOn * m.system.length()) {
-      if (!m.run.assemble) return {};
-      assemble(dynamics, start, m.start_speeds, m.assembly);
-    } else {
-      if (!may_depend(m.system, start)) return {};
-      dynamics.project(start);
-    }
-    return decide_nearly_redundant(m.system, dynamics, start, m.run.nearly_redundant);
+    State pose = start;
+    dynamics.to_slots(pose);
+    if (dynamics.violation(pose) > kOn * m.system.length() || !may_depend(m.system, pose)) return {};
+    return decide_nearly_redundant(m.system, dynamics, pose, NearlyRedundant::told);
   } catch (const Error&) {  // the run says what is wrong
     return {};
   }

@@ -11,16 +11,18 @@ inline Dynamics make_dynamics(Mechanism& m, const Registry& registry) {
   return Dynamics(m.system, make_solver(m.run, registry), {m.run.formulation, m.run.stabilization});
 }
 
-/// Decides what rows hold that nearly depend on others, at the start on the constraints, as the run settings say. Nothing
-/// is decided for a start that is not, or that cannot be assembled.
-LOCKSTEP_API std::vector<NearDependency> decide_nearly_redundant(Dynamics& dynamics, Mechanism& m);
+/// The start of the system, to be assembled, when it is decided what rows hold that nearly depend on others, where the run
+/// settings ask for that; `near`, where given, tells it. Where anything was decided its positions are those, with all rows
+/// on the constraints, at which it was. Nothing is decided at a start that is off them and is not or cannot be assembled.
+/// Throws ModelError where an event switches one of the links.
+LOCKSTEP_API State decided_start(Dynamics& dynamics, Mechanism& m, std::vector<NearDependency>* near = nullptr);
 
-/// The start of the system, assembled unless the scene says otherwise, when it is decided what rows hold that nearly depend
-/// on others; `near`, where given, tells that.
-inline State assembled_start(Dynamics& dynamics, Mechanism& m, std::vector<NearDependency>* near = nullptr) {
-  std::vector<NearDependency> found = decide_nearly_redundant(dynamics, m);
-  if (near != nullptr) *near = std::move(found);
-  State start = dynamics.system().start();
+/// Rows that nearly depend on others at an assembled start, where nothing is decided; none where that cannot be found out.
+LOCKSTEP_API std::vector<NearDependency> nearly_redundant_at(Dynamics& dynamics, Mechanism& m, const State& start);
+
+/// The same start, assembled unless the scene says otherwise.
+inline State assembled_start(Dynamics& dynamics, Mechanism& m) {
+  State start = decided_start(dynamics, m);
   if (m.run.assemble) assemble(dynamics, start, m.start_speeds, m.assembly);
   return start;
 }

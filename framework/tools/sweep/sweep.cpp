@@ -81,6 +81,10 @@ std::string SweepRun::outcome() const {
          " with plain stages, from t = " + text::brief(first_passed) + " s on";
 }
 
+bool wrong_by(std::string_view outcome) {
+  return outcome == "wrong" || outcome.starts_with("wrong: ") || outcome.starts_with("wrong; ");
+}
+
 SweepRun recorded_run(const Table& table) {
   SweepRun run;
   run.status = "ok";
