@@ -173,6 +173,12 @@ std::shared_ptr<const JointTree> JointTree::of(const System& system, const std::
   const auto [joints, others] = tree_and_closures(system, modes);
   tree->closures_ = others;
   tree->grow(system, Graph(system, joints));
+  for (const int number : others)
+    if (const Lock& link = *system.links()[static_cast<std::size_t>(number)];
+        closures == Closures::rows && link.remembering() != nullptr) {
+      why_not = "link '" + link.name() + "' keeps a memory from step to step (turns, ways), which long steps outrun";
+      return nullptr;
+    }
   if (!others.empty() && (closures == Closures::none || system.plane())) {
     const Lock& link = *system.links()[static_cast<std::size_t>(others.front())];
     why_not = refusal(link, system.plane());
@@ -180,11 +186,6 @@ std::shared_ptr<const JointTree> JointTree::of(const System& system, const std::
     if (closures == Closures::rows) why_not += ", which in the plane is not taken";
     return nullptr;
   }
-  for (const int number : others)
-    if (const Lock& link = *system.links()[static_cast<std::size_t>(number)]; link.remembering() != nullptr) {
-      why_not = "link '" + link.name() + "' counts turns, of which a long step in joint coordinates makes many";
-      return nullptr;
-    }
   tree->planar_ = PlanarJoints::of(tree->nodes_, system.plane());
   if (system.plane() && !tree->planar_)
     return why_not = "a law does not say that it stays in the plane (stays_in_plane, turns_about)", nullptr;
