@@ -327,13 +327,15 @@ void print_json(const SweepPlan& plan, const Tally& tally, const std::string& cs
 
 // Rows survive an error: the file that grew stays, and the message names it.
 Tally run_and_commit(Sweep& sweep, GrowingFile& rows) {
+  bool in_place = false;
   try {
     const Tally tally = sweep.go();
     rows.commit();
+    in_place = true;
     sweep.committed();
     return tally;
   } catch (const std::exception&) {
-    fmt::print(stderr, "lockstep: the rows so far are in {}\n", rows.partial());
+    if (!in_place) fmt::print(stderr, "lockstep: the rows so far are in {}\n", rows.partial());
     throw;
   }
 }
