@@ -71,7 +71,7 @@ void EmbeddedRungeKutta::begin(Dynamics& dynamics, const State& state) {
   stages_.begin(scheme_.tableau, state, passage_.active());
   watch_.begin(state.v.size());
   h_ = h_followed_ = 0;
-  dense_ready_ = stays_ = counted_ = false;
+  dense_ready_ = false;
   if (!scheme_.error) return;
   error_ = gap_ = sized_like(state);
   const int n = scheme_.tableau.n_stages, n_all = scheme_.tableau.n_all;
@@ -89,29 +89,14 @@ void EmbeddedRungeKutta::begin(Dynamics& dynamics, const State& state) {
 double EmbeddedRungeKutta::start_step(Dynamics& dynamics, double h) {
   const bool follows = h_followed_ > 0 && start_.t == landed_t_;
   const double h_before = h_followed_;
-  const bool made_here = h_ > 0;  // else by the run that was saved, whose stages are not
   h_ = h_followed_ = 0;
   dense_ready_ = false;
   passage_.start_step();
-  first_done_ = follows && made_here && is_at_end_stage(start_);
-  if (first_done_) {
-    stages_.put(0, stages_.k(scheme_.end_stage));
-  } else {
-    const WorkCount before = dynamics.work();
-    first_done_ = passage_.first_stage(dynamics, start_, stages_);
-    if (counted_ && follows) dynamics.work() = before;
-  }
-  counted_ = false;
+  first_done_ = passage_.first_stage(dynamics, start_, stages_);
   if (follows && first_done_ && !fixed())
     watch_.observe(h_before, gap_.v, stages_.k(scheme_.late_stage).v, stages_.k(0).v,
                    start_.coordinates ? 1.0 : dynamics.system().length());
   return fixed() ? h : passage_.longest(start_, h);
-}
-
-// Whether a state is that of the stage at the end of the last step: its rates are known then.
-bool EmbeddedRungeKutta::is_at_end_stage(const State& y) const {
-  return y.coordinates && scheme_.error && scheme_.end_stage < scheme_.tableau.n_stages && !passage_.active() &&
-         y.z.size() == 0 && y.t == end_.t && y.q == end_.q && y.v == end_.v && y.s == end_.s;
 }
 
 Attempt EmbeddedRungeKutta::attempt(Dynamics& dynamics, double h) {
@@ -139,7 +124,6 @@ Attempt EmbeddedRungeKutta::attempt(Dynamics& dynamics, double h) {
 void EmbeddedRungeKutta::finish_step(Dynamics&, StepReport& report) {
   h_ = h_followed_ = report.h;
   landed_t_ = landed_.t;
-  stays_ = is_at_end_stage(landed_);
   report.manifold = passage_.stages_on() == StagesOn::manifold;
   report.stiff = watch_.stiff();
   passage_.finish_step(stages_, report);
@@ -210,21 +194,18 @@ void EmbeddedRungeKutta::prepare_dense() const {
 void EmbeddedRungeKutta::save(Snapshot& out) const {
   AdaptiveStepper::save(out);
   passage_.save(out);
-  out.put(stays_ ? 1 : 0), out.put(h_followed_), out.put(landed_t_);
   if (fixed()) return;
   watch_.save(out);
-  out.put_all(gap_.v), out.put_all(stages_.k(scheme_.late_stage).v);
+  out.put(h_followed_), out.put(landed_t_), out.put_all(gap_.v), out.put_all(stages_.k(scheme_.late_stage).v);
 }
 
 void EmbeddedRungeKutta::restore(const Snapshot& in) {
   AdaptiveStepper::restore(in);
   passage_.restore(in);
-  h_ = 0;
-  stays_ = counted_ = in.get_flag();
-  h_followed_ = in.get(), landed_t_ = in.get();
+  h_ = h_followed_ = 0;
   if (fixed()) return;
   watch_.restore(in);
-  in.get_all(gap_.v);
+  h_followed_ = in.get(), landed_t_ = in.get(), in.get_all(gap_.v);
   StateRate late = stages_.k(scheme_.late_stage);
   in.get_all(late.v);
   if (gap_.v.size() != error_.v.size() || late.v.size() != error_.v.size())

@@ -62,9 +62,9 @@ struct EmbeddedOptions {
   static EmbeddedOptions from(const Params&);  ///< from parameters checked against keys()
 };
 
-/// Explicit Runge-Kutta method by an EmbeddedScheme: base of rk4, dopri5 and dop853. In joint coordinates the stage at the
-/// end of a step (dopri5) is the first of the next one where nothing moves that end, as on trees of hinges; a projection,
-/// and a quaternion that is normalised, move it.
+/// Explicit Runge-Kutta method by an EmbeddedScheme: base of rk4, dopri5 and dop853. The projection moves the end of a
+/// step, so that its last stage is not the first stage of the next one: every stage is evaluated. So it is where nothing
+/// is projected, since a host may change what acts between two steps.
 class LOCKSTEP_API EmbeddedRungeKutta : public AdaptiveStepper {
  public:
   void begin(Dynamics&, const State&) override;
@@ -93,7 +93,6 @@ class LOCKSTEP_API EmbeddedRungeKutta : public AdaptiveStepper {
   std::string advice() const override;
   double estimate(double h);
   void prepare_dense() const;
-  bool is_at_end_stage(const State&) const;
 
   const EmbeddedScheme& scheme_;
   SingularPassage passage_;
@@ -106,8 +105,6 @@ class LOCKSTEP_API EmbeddedRungeKutta : public AdaptiveStepper {
   double h_followed_ = 0;    // the same, for the watch, which a snapshot keeps
   double landed_t_ = 0;      // its end
   bool first_done_ = false;  // the first stage of the present step is evaluated
-  bool stays_ = false;       // the last step ended at one of its stages
-  bool counted_ = false;     // by the run that was saved: the first stage of the next step
 
   mutable Stages stages_;  // dense() adds its stages when it is called first
   mutable bool dense_ready_ = false;
