@@ -154,12 +154,14 @@ Look look_in_plane(const System& system, bool later) {
     in.z = {state.z.data(), static_cast<std::size_t>(state.z.size())};
     for (std::size_t l = 0; l < look.rows.size(); ++l)
       if (!system.merged(*system.links()[l]))
-        look_at_link(system, *system.links()[l], in, look.rows[l], k == 0 ? &look.out[l] : nullptr);
+        named(*system.links()[l], in.t, [&] {
+          look_at_link(system, *system.links()[l], in, look.rows[l], k == 0 ? &look.out[l] : nullptr);
+        });
     for (std::size_t l = 0; l < look.forces.size(); ++l) {
       const Force& force = *system.forces()[l];
       for (const int slot : force.slots()) f.segment<6>(6 * slot).setZero();
       WrenchSum sum(in.motions, f);
-      force.apply(in, sum);
+      named(force, in.t, [&] { force.apply(in, sum); });
       for (const int slot : force.slots())
         for (int i = 0; i < 6; ++i) look.forces[l].add(i, f[6 * slot + i], system.plane(), system.length());
     }
