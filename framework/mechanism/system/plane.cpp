@@ -17,6 +17,7 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include <lockstep/system.h>
+#include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
 namespace {
