@@ -145,3 +145,14 @@ double measured_dense_order(Motion& motion, lockstep::Integrator& method, double
   }
   return std::log2(error[0] / error[1]);
 }
+
+/// A particle of 1 kg in a gravity of 10 m/s^2 along -z.
+struct Stone {
+  lockstep::System system{lockstep::System::Options{{0, 0, -10}}};
+  Stone() { system.add_particle("stone", 1, {0, 0, 0}); }
+  lockstep::State thrown(double speed) const {
+    lockstep::State s = system.start();
+    s.v[2] = speed;
+    return s;
+  }
+};

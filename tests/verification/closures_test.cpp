@@ -17,17 +17,16 @@
 #include "tests/support/catch.h"
 #include "tests/support/configuration.h"
 #include "tests/support/paths.h"
+#include "tests/support/random_bodies.h"
 #include "tests/support/run_scene.h"
 #include "tests/support/worst.h"
 
 namespace closures_test {
 
 using namespace lockstep;
-using oracle::Draw;
+using testing::accelerations, testing::Draw, testing::largest, testing::random_inertia, testing::random_pose;
 
 namespace {
-
-double largest(const VecX& x) { return x.size() > 0 ? x.lpNorm<Eigen::Infinity>() : 0.0; }
 
 Dynamics joint_dynamics(System& system) {
   return Dynamics(system, std::make_unique<SchurSolver>(), {.formulation = Formulation::joint, .stabilization = {}});
@@ -42,29 +41,11 @@ std::vector<std::string> scenes_in(const std::string& folder) {
   return all;
 }
 
-/// Accelerations of the slots, world axes: as rates in joint coordinates mean them, without laws in the tree.
-VecX accelerations(const Dynamics& dynamics, const State& state, const StateRate& rate) {
-  std::vector<Motion> motions;
-  dynamics.system().motions(state, motions);
-  VecX dx, dv;
-  state.coordinates->variations(state, motions, rate, dx, dv);
-  return dv;
-}
-
-/// As omega solves for them, at a state in any coordinates.
-VecX of_omega(Dynamics& dynamics, const State& state) {
-  const Solution& s = dynamics.evaluate(state);
-  VecX a = s.a;
-  for (int k = 0; k < dynamics.system().n_slots(); ++k)
-    a.segment<3>(6 * k + 3) = s.in.slot(k).A * a.segment<3>(6 * k + 3);
-  return a;
-}
-
 /// Largest difference of accelerations at a state, relative to the largest; `report`: of the joint coordinates.
 double difference(Dynamics& dynamics, const State& state, SolveReport& report) {
   StateRate rate;
   report = dynamics.rates_with_report(state, rate);
-  const VecX a = accelerations(dynamics, state, rate), omega = of_omega(dynamics, state);
+  const VecX a = accelerations(dynamics, state, rate), omega = accelerations(dynamics, state);
   return largest(a - omega) / std::max(1.0, largest(omega));
 }
 
@@ -72,19 +53,8 @@ double difference(Dynamics& dynamics, const State& state, SolveReport& report) {
 bool is_singular(System& system, Dynamics& dynamics, const State& state) {
   if (system.n_slots() > 30) return false;
   Dynamics dense(system, std::make_unique<DenseSolver>(), {.formulation = Formulation::omega, .stabilization = {}});
-  const VecX a = of_omega(dense, state), b = of_omega(dynamics, state);
+  const VecX a = accelerations(dense, state), b = accelerations(dynamics, state);
   return largest(a - b) > 1e-3 * std::max(1.0, largest(b));
-}
-
-Pose random_pose(Draw& draw) { return {draw.vector(1.0), Quat::from(draw.quaternion())}; }
-
-Mat3 random_inertia(Draw& draw) {  // of three rods along random directions: every triangle rule holds
-  Mat3 J = 0.05 * Mat3::Identity();
-  for (int k = 0; k < 3; ++k) {
-    const Vec3 d = draw.vector(1.0);
-    J += d.squaredNorm() * Mat3::Identity() - d * d.transpose();
-  }
-  return J;
 }
 
 /// A pair of markers at one place of the world, on two bodies as they are drawn.
@@ -270,7 +240,7 @@ TEST_CASE("random loops accelerate in joint coordinates as in omega, whichever t
     REQUIRE(there.coordinates);
     StateRate rate;
     turned.rates(there, rate);
-    const VecX b = accelerations(turned, there, rate), expected = of_omega(dynamics, state);
+    const VecX b = accelerations(turned, there, rate), expected = accelerations(dynamics, state);
     CHECK(largest(b - expected) < 1e-9 * std::max(1.0, largest(expected)));
   }
   CHECK(moving > 30);
@@ -394,26 +364,6 @@ TEST_CASE("few closures are open at a time in ladders and in rows of four-bars",
       SolveReport report;
       CHECK(difference(dynamics, state, report) < 1e-10);
     }
-  }
-}
-
-TEST_CASE("scenes with loops move in joint coordinates as in omega", "[verification][joint]") {
-  const std::string scene = GENERATE("andrews_ivp", "four_bar", "nfourbar_40", "slider_crank", "stewart");
-  const std::string method = GENERATE("dopri5", "dop853");
-  CAPTURE(scene, method);
-  const auto run = [&](Formulation formulation) {
-    return run_scene(scene_path(scene), [&](RunSettings& s) {
-      s.integrator = {method};
-      s.tolerance = {1e-12, 1e-14};
-      s.until = scene == "andrews_ivp" ? 0.01 : 0.2, s.times.clear(), s.output = 0.1 * s.until;
-      s.formulation = formulation;
-    });
-  };
-  const SceneRun omega = run(Formulation::omega), joint = run(Formulation::joint);
-  REQUIRE(omega.table.columns().size() > 1);
-  for (const ColumnError& e : compare(joint.table, omega.table)) {
-    CAPTURE(e.name);
-    if (e.name.find("balance") == std::string::npos) CHECK(e.error < 1e-9 * std::max(1.0, e.size));
   }
 }
 

@@ -9,12 +9,14 @@
 #include "framework/dynamics/tree/joint_tree.h"
 #include "tests/support/catch.h"
 #include "tests/support/configuration.h"
+#include "tests/support/random_bodies.h"
 #include "tests/support/worst.h"
 
 namespace joint_coordinates_test {
 
 using namespace lockstep;
-using oracle::Draw;
+using testing::accelerations, testing::Draw, testing::largest, testing::Quadratic, testing::random_inertia,
+    testing::random_pose;
 
 namespace {
 
@@ -24,17 +26,6 @@ std::vector<Mask> closed_forms() {
   for (unsigned m = 1; m < 64; ++m)
     if (count_rows(Mask(m) & Mask::e123) != 1) all.push_back(Mask(m));
   return all;
-}
-
-Pose random_pose(Draw& draw) { return {draw.vector(1.0), Quat::from(draw.quaternion())}; }
-
-Mat3 random_inertia(Draw& draw) {  // of three rods along random directions: every triangle rule holds
-  Mat3 J = 0.05 * Mat3::Identity();
-  for (int k = 0; k < 3; ++k) {
-    const Vec3 d = draw.vector(1.0);
-    J += d.squaredNorm() * Mat3::Identity() - d * d.transpose();
-  }
-  return J;
 }
 
 /// n bodies, each on the ground or on an earlier one by a lock of the mask that `mask` returns for it, P on either.
@@ -58,16 +49,6 @@ System tree(std::uint64_t seed, int n, MaskOf&& mask) {
 }
 
 // Laws in time, given by their values at t = 0.
-class Quadratic final : public MotionLaw {
- public:
-  explicit Quadratic(LawValue at0) : at0_(at0) {}
-  LawValue at(double t) const override {
-    return {at0_.y + t * (at0_.yd + 0.5 * t * at0_.ydd), at0_.yd + t * at0_.ydd, at0_.ydd};
-  }
-
- private:
-  LawValue at0_;
-};
 class Move final : public TranslationLaw {
  public:
   explicit Move(TranslationValue at0) : at0_(std::move(at0)) {}
@@ -159,18 +140,7 @@ State random_state(Dynamics& dynamics, std::uint64_t seed) {
   return state;
 }
 
-double largest(const VecX& x) { return x.size() > 0 ? x.lpNorm<Eigen::Infinity>() : 0.0; }
-
-/// Accelerations of the slots, world axes, that rates in joint coordinates mean: d/dt of velocities along them.
-VecX accelerations(Dynamics& dynamics, const State& state, const StateRate& rate) {
-  std::vector<Motion> motions;
-  dynamics.system().motions(state, motions);
-  VecX dx, dv;
-  state.coordinates->variations(state, motions, rate, dx, dv);
-  return dv;
-}
-
-/// The same by differences of sixth order in time, laws included.
+/// Accelerations of the slots, world axes, by differences of sixth order in time, laws included.
 VecX differences(Dynamics& dynamics, const State& state, const StateRate& rate) {
   const double h = 2e-3, weight[] = {45.0 / 60, -9.0 / 60, 1.0 / 60};
   VecX a = VecX::Zero(6 * dynamics.system().n_slots());
@@ -186,15 +156,6 @@ VecX differences(Dynamics& dynamics, const State& state, const StateRate& rate) 
         a.segment<3>(6 * slot + 3) += sign * weight[k - 1] / h * (O.A * O.w);
       }
     }
-  return a;
-}
-
-/// Those of omega, turned into world axes.
-VecX accelerations(Dynamics& dynamics, const State& slots) {
-  const Solution& s = dynamics.evaluate(slots);
-  VecX a = s.a;
-  for (int k = 0; k < dynamics.system().n_slots(); ++k)
-    a.segment<3>(6 * k + 3) = s.in.slot(k).A * a.segment<3>(6 * k + 3);
   return a;
 }
 
@@ -293,44 +254,42 @@ TEST_CASE("random trees accelerate as in omega", "[verification][joint]") {
   }
 }
 
-TEST_CASE("laws and drives of the locks: every mask, both ways round, accelerates as in omega",
-          "[verification][joint]") {
+namespace {
+
+/// Alone and in chains, each mask six times, and random trees: after change(system, seed, seed of laws, whether it is one
+/// of the later half of its kind).
+template <class Change>
+void check_all_accelerations(Change&& change) {
   const std::vector<Mask> masks = closed_forms();
   for (std::size_t m = 0; m < masks.size(); ++m)
     for (std::uint64_t seed = 1; seed <= 6; ++seed)
       for (const int n : {1, 3}) {
         CAPTURE(to_string(masks[m]), seed, n);
         System system = tree(100 * m + seed, n, [&](int) { return masks[m]; });
-        add_laws(system, 7 * seed);
+        change(system, seed, 7 * seed, seed > 3);
         check_accelerations(system, seed);
       }
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     CAPTURE(seed);
     System system = random_tree(seed, 12);
-    add_laws(system, seed);
+    change(system, seed, seed, seed > 10);
     check_accelerations(system, seed);
   }
 }
 
+}  // namespace
+
+TEST_CASE("laws and drives of the locks: every mask, both ways round, accelerates as in omega",
+          "[verification][joint]") {
+  check_all_accelerations([](System& system, std::uint64_t, std::uint64_t laws, bool) { add_laws(system, laws); });
+}
+
 TEST_CASE("markers that move on their bodies: every mask, both ways round, accelerates as in omega",
           "[verification][joint]") {
-  const std::vector<Mask> masks = closed_forms();
-  for (std::size_t m = 0; m < masks.size(); ++m)
-    for (std::uint64_t seed = 1; seed <= 6; ++seed)
-      for (const int n : {1, 3}) {
-        CAPTURE(to_string(masks[m]), seed, n);
-        System system = tree(100 * m + seed, n, [&](int) { return masks[m]; });
-        if (seed > 3) add_laws(system, 7 * seed);
-        move_markers(system, seed);
-        check_accelerations(system, seed);
-      }
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    CAPTURE(seed);
-    System system = random_tree(seed, 12);
-    if (seed > 10) add_laws(system, seed);
+  check_all_accelerations([](System& system, std::uint64_t seed, std::uint64_t laws, bool later) {
+    if (later) add_laws(system, laws);
     move_markers(system, seed);
-    check_accelerations(system, seed);
-  }
+  });
 }
 
 TEST_CASE("slots without a link move freely", "[verification][joint]") {

@@ -11,36 +11,16 @@
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/configuration.h"
+#include "tests/support/random_bodies.h"
 
 namespace planar_joints_test {
 
 using namespace lockstep;
-using oracle::Draw;
+using testing::Draw, testing::largest, testing::Quadratic, testing::random_inertia;
 
 namespace {
 
-double largest(const VecX& x) { return x.size() > 0 ? x.lpNorm<Eigen::Infinity>() : 0.0; }
-
-Mat3 random_inertia(Draw& draw) {  // its principal axes lie anywhere
-  Mat3 J = 0.05 * Mat3::Identity();
-  for (int k = 0; k < 3; ++k) {
-    const Vec3 d = draw.vector(1.0);
-    J += d.squaredNorm() * Mat3::Identity() - d * d.transpose();
-  }
-  return J;
-}
-
 // Laws in time that say that they stay in the plane.
-class Quadratic final : public MotionLaw {
- public:
-  explicit Quadratic(LawValue at0) : at0_(at0) {}
-  LawValue at(double t) const override {
-    return {at0_.y + t * (at0_.yd + 0.5 * t * at0_.ydd), at0_.yd + t * at0_.ydd, at0_.ydd};
-  }
-
- private:
-  LawValue at0_;
-};
 class Move final : public TranslationLaw {
  public:
   Move(TranslationValue at0, const Vec3& normal) : at0_(std::move(at0)), normal_(normal) {
