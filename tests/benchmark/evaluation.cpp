@@ -85,7 +85,7 @@ double nanoseconds(int bodies, F&& call) {
 struct Line {
   std::string mechanism;
   int bodies = 0;
-  double schur = 0, sparse = 0, joint = 0, planar = 0, articulated = 0;
+  double schur = 0, sparse = 0, joint = 0, planar = 0, planar_joint = 0, articulated = 0;
   int corrections = 0;
 };
 
@@ -117,6 +117,7 @@ Line measure(const std::string& name, const std::function<System()>& make, bool 
   System flat = make();
   flat.set_planar(find_plane(flat));
   line.planar = time_of(flat, true, std::make_unique<SchurSolver>());
+  line.planar_joint = time_of(flat, true, std::make_unique<SchurSolver>(), nullptr, Formulation::joint);
   return line;
 }
 
@@ -151,16 +152,17 @@ int main() {
 
   const std::string file = samples::output("evaluation.csv");
   std::ofstream csv(file);
-  csv << "mechanism,bodies,schur [ns/body],corrections,sparse [ns/body],joint [ns/body],planar [ns/body],articulated "
-         "body [ns/body]\n";
-  fmt::print("{:16} {:>7} {:>9} {:>5} {:>9} {:>9} {:>9} {:>12}   ns a body and evaluation\n", "", "bodies", "schur",
-             "corr", "sparse", "joint", "planar", "articulated");
+  csv << "mechanism,bodies,schur [ns/body],corrections,sparse [ns/body],joint [ns/body],planar [ns/body],planar joint "
+         "[ns/body],articulated body [ns/body]\n";
+  fmt::print("{:16} {:>7} {:>9} {:>5} {:>9} {:>9} {:>9} {:>12} {:>12}   ns a body and evaluation\n", "", "bodies",
+             "schur", "corr", "sparse", "joint", "planar", "planar joint", "articulated");
   const auto shown = [](double x) { return x > 0 ? fmt::format("{:.0f}", x) : std::string("-"); };
   for (const Line& l : lines) {
-    csv << fmt::format("{},{},{:.1f},{},{:.1f},{:.1f},{:.1f},{:.1f}\n", l.mechanism, l.bodies, l.schur, l.corrections,
-                       l.sparse, l.joint, l.planar, l.articulated);
-    fmt::print("{:16} {:>7} {:>9} {:>5} {:>9} {:>9} {:>9} {:>12}\n", l.mechanism, l.bodies, shown(l.schur),
-               l.corrections, shown(l.sparse), shown(l.joint), shown(l.planar), shown(l.articulated));
+    csv << fmt::format("{},{},{:.1f},{},{:.1f},{:.1f},{:.1f},{:.1f},{:.1f}\n", l.mechanism, l.bodies, l.schur,
+                       l.corrections, l.sparse, l.joint, l.planar, l.planar_joint, l.articulated);
+    fmt::print("{:16} {:>7} {:>9} {:>5} {:>9} {:>9} {:>9} {:>12} {:>12}\n", l.mechanism, l.bodies, shown(l.schur),
+               l.corrections, shown(l.sparse), shown(l.joint), shown(l.planar), shown(l.planar_joint),
+               shown(l.articulated));
   }
   fmt::print("{}\n", file);
 }

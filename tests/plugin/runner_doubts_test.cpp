@@ -84,7 +84,7 @@ TEST_CASE("a sweep says which of its runs passed a singular position with plain 
 }
 
 TEST_CASE("a run that cares for its singular positions is not refused", "[runner]") {
-  const Called r = call("run " + kSlider + " --strict --no-picture --record sure.csv");
+  const Called r = call("run " + kSlider + " --strict --tolerance 1e-8 --no-picture --record sure.csv");
   INFO(r.text);
   CHECK(r.exit == 0);
   CHECK_FALSE(contains(r.text, "DOUBTFUL"));
@@ -109,7 +109,7 @@ TEST_CASE("reactions beside a singular position are told", "[runner]") {
   scene["run"]["record"] = {"A.force_on_p_link_y"};
   scene["run"]["output"] = 0.02;
   std::ofstream(kRunnerFolder + "/beside.json") << scene;
-  const Called r = call("run beside.json --no-picture --record beside.csv --json");
+  const Called r = call("run beside.json --tolerance 1e-8 --no-picture --record beside.csv --json");
   INFO(r.text);
   const Json result = Json::parse(r.text);
   REQUIRE(result["doubts"].size() == 1);

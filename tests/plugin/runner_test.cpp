@@ -72,7 +72,7 @@ TEST_CASE("check names what keeps a scene in space that moves in a plane", "[run
   const std::string proposal =
       "\"planar\": \"z\" gives 9 unknown velocities instead of 18, if nothing leaves that plane: force 'pull': "
       "'template_force' does not say that it stays in the plane with normal z; let its stays_in_plane()";
-  const std::string in_space = "formulation         omega: link 'D' closes a loop";
+  const std::string in_space = "formulation         joint: 2 unknown velocities, and the rows of what closes loops: D";
   CHECK(contains(checked(""), in_space));
   CHECK(contains(checked(""), proposal));
   CHECK(contains(checked("--planar auto"), proposal));
@@ -97,11 +97,15 @@ TEST_CASE("joint coordinates: proposed where scene and method take them, run wit
   CHECK(says(chain, "", "formulation         joint: 10 unknown velocities, no rows"));
   CHECK(says(chain, "", "  rod_1 on ground by 'J1': rz\n    rod_2 on rod_1 by 'J2': rz\n"));
   CHECK(says(chain, "--json", R"("body": "rod_2")"));
-  CHECK(!says(kFourBar, "", "coordinates of the joints"));
   CHECK(says(chain, "--full", "formulation         omega\n"));
   CHECK(!says(chain, "", "\"formulation\": \"auto\""));
-  CHECK(says(kFourBar, "", "formulation         omega, in the plane with normal z\n"));
-  CHECK(says(kFourBar, "--planar off", "formulation         omega: link '"));
+  CHECK(says(kFourBar, "",
+             "formulation         joint, in the plane with normal z: 2 unknown velocities, and the rows "
+             "of what closes loops: D\n"));
+  CHECK(says(kFourBar, "--planar off", "formulation         joint: 2 unknown velocities, and the rows of"));
+  CHECK(says(kFourBar, "--full", "formulation         omega\n"));
+  const std::string stewart = std::string(paths::kScenes) + "/stewart.json";
+  CHECK(says(stewart, "", "formulation         omega: the rows of what closes loops, 6 of 6, cost more"));
   const std::string pendulum = kArm + R"("links": [{)" + kHinge + R"(}], "run": {"until": 0.2, "integrator": ")";
   CHECK(says(scene_file("explicit", pendulum + "dopri5\"}"), "", "formulation         joint: 1 unknown"));
   CHECK(says(scene_file("implicit", pendulum + "radau5\"}"), "--planar off",
@@ -120,6 +124,10 @@ TEST_CASE("joint coordinates: proposed where scene and method take them, run wit
   const std::string omega = "\", \"formulation\": \"omega\"}",
                     proposal = "\"formulation\": \"auto\" integrates the joints'";
   CHECK(says(scene_file("asked", pendulum + "dopri5" + omega), "", proposal));
+  nlohmann::json loop = nlohmann::json::parse(std::ifstream(kFourBar));
+  loop["run"]["formulation"] = "omega";
+  std::ofstream(kRunnerFolder + "/asked_loop.json") << loop;
+  CHECK(says(kRunnerFolder + "/asked_loop.json", "", proposal));
   CHECK(!says(scene_file("named", pendulum + "radau5" + omega), "", proposal));
   CHECK(says(scene_file("solved", pendulum + "dopri5\", \"solver\": \"sparse\"}"), "",
              "formulation         omega, in the plane"));

@@ -125,7 +125,7 @@ std::shared_ptr<const JointTree> Builder::tree() const {
   out_.system.setup();
   std::string why_not;
   return JointTree::of(out_.system, out_.system.start().modes, why_not,
-                       formulation == Formulation::joint ? Closures::rows : Closures::none);
+                       formulation == Formulation::joint ? Closures::rows : Closures::cheap);
 }
 
 // A start speed of a link that leads out of the plane; null where there is none. Of a system that is set up in it.
@@ -137,16 +137,17 @@ const VelocityTarget* Builder::start_out_of(Plane plane) const {
   return nullptr;
 }
 
-// The plane of a mechanism that moves in one, unless a formulation works in space, or joints alone keep it in a plane. `asked`: the
-// scene asks for it, and the plane is preferred.
+// The plane of a mechanism that moves in one, unless a formulation works in space, or joints alone keep it in a plane.
+// `asked`: the scene asks for it, and the plane is preferred.
 void Builder::choose_plane(bool asked) {
   System& system = out_.system;
   if (!asked && out_.run.formulation == Formulation::quaternion) return;
   const std::shared_ptr<const JointTree> in_space = asked ? nullptr : tree();
-  if (in_space && (in_space->planar() || in_space->has_rows())) return;  // coordinates are as few as in a plane
+  if (in_space && in_space->planar() && !in_space->has_rows()) return;  // coordinates are as few as in a plane
   const Plane found = find_plane(system, [&](Plane plane) { return start_out_of(plane) == nullptr; });
   system.set_planar(found, bool(found));
-  if (found && in_space && !tree()) system.set_planar({});
+  const bool stays = out_.run.formulation == Formulation::joint || (in_space && !in_space->has_rows());
+  if (found && in_space && stays && !tree()) system.set_planar({});
 }
 
 // Refusals of the System name a body, link or force: its place in the file is put before them.

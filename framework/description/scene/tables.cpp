@@ -389,7 +389,7 @@ std::vector<SceneTable> runs() {
          {"max_steps", Form::integer, Unit::none, kOptional, "the run ends with an error after so many steps"},
          {"formulation", Form::choice, Unit::none, "auto",
           "unknowns: 6 velocities per body, the paper's 7 coordinates, or the coordinates of the joints; auto: of the "
-          "joints where that can be and no solver is named, else omega",
+          "joints where that costs less and no solver is named, else omega",
           formulation_names()},
          any("stabilization", "how drift off the constraints is corrected; default \"project\"",
              {"project", "baumgarte", "none"}),

@@ -15,15 +15,15 @@ void Dynamics::Tree::gather(System& system, const State& state) {
   in.s = {state.s.data(), static_cast<std::size_t>(state.s.size())};
   in.z = {state.z.data(), static_cast<std::size_t>(state.z.size())};
   system.gather_rows(in, closure_rows);
-  closures.residuals(motions, closure_rows, C, Cd);
+  closures().residuals(motions, closure_rows, C, Cd);
 }
 
 // The recursion at the state whose rows were gathered last. The accelerations that come with it are of no interest.
 void Dynamics::Tree::factor(const State& state) {
-  bodies.outward(*coordinates, state, motions);
-  closures.read(*coordinates, motions, closure_rows);
+  recursion->outward(*coordinates, state, motions);
+  recursion->read(*coordinates, motions, closure_rows);
   f.setZero();
-  bodies.accelerate(*coordinates, motions, f, closures, correction);
+  recursion->accelerate(*coordinates, motions, f, correction);
 }
 
 double Dynamics::Tree::largest(Vec3 Motion::*of) const {
@@ -39,16 +39,16 @@ ProjectReport Dynamics::Tree::project(System& system, State& state, double goal,
   gather(system, state);
   PositionRounds rounds(goal, tolerance, system.length(), largest(&Motion::x));
   for (;; gather(system, state)) {
-    const bool ends = rounds.ends(closures.norm(C));
+    const bool ends = rounds.ends(closures().norm(C));
     if (rounds.round() == 0) report.before = rounds.residual();
     if (ends) break;
     if (!rounds.chord()) factor(state);
-    closures.correct(*coordinates, bodies, C, correction);
+    recursion->correct(*coordinates, C, correction);
     coordinates->advance(state, 1.0, correction);
     coordinates->normalize(state);
   }
   report.after = rounds.residual(), report.rounds = rounds.round(), report.converged = rounds.converged();
-  report.before_v = closures.norm(Cd);
+  report.before_v = closures().norm(Cd);
   report.after_v = velocities(state, rounds.chord(), 0.1 * goal);
   return report;
 }
@@ -64,17 +64,17 @@ double Dynamics::Tree::velocities(State& state, bool factored, double goal) {
   constexpr double kFalls = 0.3, kMet = 1e-3;
   constexpr int kMostRounds = 8;
   goal = velocity_goal(goal, largest(&Motion::v));
-  const double first = closures.norm(Cd);
+  const double first = closures().norm(Cd);
   double left = first;
   bool old = factored;
   for (int round = 0; !(left <= goal) && round < kMostRounds; ++round) {
     if (!factored) factor(state), factored = true;
-    closures.correct(*coordinates, bodies, Cd, correction);
+    recursion->correct(*coordinates, Cd, correction);
     state.v += correction;
     coordinates->motions(state, motions);
-    closures.residuals(motions, closure_rows, C, Cd);
+    closures().residuals(motions, closure_rows, C, Cd);
     const double before = left;
-    left = closures.norm(Cd);
+    left = closures().norm(Cd);
     if (old && !(left <= 0.1 * before))
       factored = old = false;
     else if (!(left < kFalls * before))

@@ -174,7 +174,7 @@ ProjectReport Dynamics::project_joint(State& state, double goal) {
     return {};
   }
   ++work_.projections;
-  Tree& t = tree(state.modes);
+  Tree& t = tree(state.modes).of(state);
   t.before = state;
   const ProjectReport report = t.project(system_, state, goal, options_.stabilization.tolerance);
   if (report.converged && t.velocities_met) return report;
@@ -191,7 +191,7 @@ double Dynamics::project_velocity(State& state) {
   const double goal = 1e-3 * options_.stabilization.tolerance;
   if (!state.coordinates) return projection_.project_velocity(own(state), factor_, state, goal);
   if (!state.coordinates->has_rows()) return 0;
-  Tree& t = tree(state.modes);
+  Tree& t = tree(state.modes).of(state);
   t.before = state;
   const double left = t.project_velocity(system_, state, goal);
   if (t.velocities_met) return left;
@@ -212,14 +212,14 @@ void Dynamics::save(const State& state, Snapshot& out) {
   for (const long n : {work_.evaluations, work_.factors, work_.projections, work_.corrections})
     out.put(static_cast<double>(n));
   factor_.save(gather(state), out);
-  if (state.coordinates && state.coordinates->has_rows()) tree(state.modes).closures.save(out);
+  if (state.coordinates && state.coordinates->has_rows()) tree(state.modes).of(state).closures().save(out);
 }
 
 void Dynamics::restore(const State& state, const Snapshot& in) {
   WorkCount work;
   for (long* n : {&work.evaluations, &work.factors, &work.projections, &work.corrections}) *n = in.get_count();
   factor_.restore(gather(state), in);
-  if (state.coordinates && state.coordinates->has_rows()) tree(state.modes).closures.restore(in);
+  if (state.coordinates && state.coordinates->has_rows()) tree(state.modes).of(state).closures().restore(in);
   work_ = work;  // what was done to get here was counted before
 }
 
@@ -227,13 +227,13 @@ Dynamics::Aside::Aside(Dynamics& dynamics) : dynamics_(dynamics), work_(dynamics
   dynamics.factor_.keep(learned_);
   if (dynamics.tree_ && dynamics.tree_->coordinates) {
     coordinates_ = dynamics.tree_->coordinates;
-    dynamics.tree_->closures.save(closures_);
+    dynamics.tree_->closures().save(closures_);
   }
 }
 
 Dynamics::Aside::~Aside() {
   dynamics_.factor_.put_back(learned_);
-  if (coordinates_ && dynamics_.tree_->coordinates == coordinates_) dynamics_.tree_->closures.restore(closures_);
+  if (coordinates_ && dynamics_.tree_->coordinates == coordinates_) dynamics_.tree_->closures().restore(closures_);
   dynamics_.work_ = work_;
 }
 

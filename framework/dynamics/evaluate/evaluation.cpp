@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "framework/dynamics/solvers/scales.h"
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
@@ -103,9 +104,7 @@ double Evaluation::norm(const VecX& c) const {
   const double L = system_.length();
   for (const RowEntry& e : rows_.entries)
     for (int k = 0; k < e.m; ++k) {
-      const RowKind kind = e.kind[static_cast<std::size_t>(k)];
-      const double scale = kind == RowKind::translation ? 1.0 : kind == RowKind::rotation ? 2.0 * L : L;
-      const double x = scale * std::abs(c[e.first_row + k]);
+      const double x = length_per_unit(e.kind[static_cast<std::size_t>(k)], L) * std::abs(c[e.first_row + k]);
       worst = x > worst || std::isnan(x) ? x : worst;
     }
   return worst;

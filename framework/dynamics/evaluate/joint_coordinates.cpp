@@ -15,6 +15,15 @@ namespace {
 
 constexpr double kStalledRows = 0.3;  // of a residual: a correction that leaves more is the last one
 
+// What stands in the way of eliminating these rows along a tree; "" for nothing.
+std::string why_not_closed(const System& system, const RowTable& rows) {
+  if (rows.held > 0) return "rows hold that nearly depend on others";
+  for (const RowEntry& e : rows.entries)
+    if (e.slots.n == 0)
+      return "link '" + system.links()[static_cast<std::size_t>(e.link)]->name() + "' touches nothing that moves";
+  return "";
+}
+
 }  // namespace
 
 Dynamics::~Dynamics() = default;
@@ -30,27 +39,29 @@ Dynamics::Tree& Dynamics::tree(const std::vector<bool>& modes) {
   if (t.revision == system_.revision() && t.modes == modes) return t;
   t.revision = -1, t.modes = modes;  // the revision when all of it is made
   const bool asked = options_.formulation == Formulation::joint;
-  t.coordinates = JointTree::of(system_, modes, t.why_not, asked ? Closures::rows : Closures::none);
-  t.in_plane = t.coordinates && t.coordinates->planar() && !t.coordinates->has_rows();
-  if (t.in_plane)
-    t.planar_bodies.begin(*t.coordinates, system_);
-  else if (t.coordinates)
-    t.bodies.begin(*t.coordinates, system_);
-  t.f.setZero(6 * system_.n_slots());
-  t.closures = {};
-  if (t.coordinates && t.coordinates->has_rows()) {
+  t.coordinates = nullptr, t.recursion = nullptr, t.closure_rows = {};
+  std::shared_ptr<const JointTree> tree =
+      JointTree::of(system_, modes, t.why_not, asked ? Closures::rows : Closures::cheap);
+  if (tree && tree->has_rows()) {
     std::vector<bool> shown(modes.size(), false);
-    for (const int link : t.coordinates->closures()) shown[static_cast<std::size_t>(link)] = true;
+    for (const int link : tree->closures()) shown[static_cast<std::size_t>(link)] = true;
     system_.lay_out(shown, t.closure_rows);
-    if (t.closure_rows.held > 0) {
-      t.why_not = "rows hold that nearly depend on others";
-      t.coordinates = nullptr, t.in_plane = false;
-    }
-    if (t.coordinates) t.closures.begin(*t.coordinates, system_, t.closure_rows);
+    t.why_not = why_not_closed(system_, t.closure_rows);
+    if (!t.why_not.empty()) tree = nullptr;
   }
+  t.f.setZero(6 * system_.n_slots());
+  if (tree) t.recursion = TreeRecursion::of(*tree, system_, t.closure_rows);
+  t.coordinates = std::move(tree);
   if (t.coordinates) lay_out_reactions(t);
   t.revision = system_.revision();
   return t;
+}
+
+Dynamics::Tree& Dynamics::Tree::of(const State& state) {
+  if (state.coordinates == coordinates) return *this;
+  throw ModelError(
+      "a state in joint coordinates of another mechanism, or of other links in force; convert it first "
+      "(Dynamics::to_slots)");
 }
 
 namespace {
@@ -92,16 +103,13 @@ void Dynamics::lay_out_reactions(Tree& t) const {
 // are not those of omega, which are the smallest of all: the sum of their power is the same.
 void Dynamics::joint_reactions(Tree& t, const Inputs& in) {
   system_.gather_rows(in, t.rows);
-  if (t.in_plane)
-    t.planar_bodies.accelerations(*t.coordinates, t.a);
-  else
-    t.bodies.accelerations(*t.coordinates, t.motions, t.a);
+  t.recursion->accelerations(*t.coordinates, t.motions, t.a);
   t.loaded = t.f;
-  if (!t.closures.empty()) t.closures.react(t.closure_rows, t.loaded);
+  const ClosureRows& closures = t.closures();
+  if (!closures.empty()) closures.react(t.closure_rows, t.loaded);
   for (const RowEntry& e : t.rows.entries)
-    if (const int at = t.closures.empty() ? -1 : t.closure_rows.entry_of_link[static_cast<std::size_t>(e.link)]; at >= 0)
-      t.reactions.set(
-          e, t.closures.lambda().data() + t.closure_rows.entries[static_cast<std::size_t>(at)].first_row);
+    if (const int at = closures.empty() ? -1 : t.closure_rows.entry_of_link[static_cast<std::size_t>(e.link)]; at >= 0)
+      t.reactions.set(e, closures.lambda().data() + t.closure_rows.entries[static_cast<std::size_t>(at)].first_row);
   t.reactions.solve(*t.coordinates, system_, t.motions, t.a, t.loaded, t.rows);
 }
 
@@ -154,35 +162,24 @@ SolveReport Dynamics::rates_with_report(const State& state, StateRate& out) {
 }
 
 void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* report) {
-  Tree& t = tree(state.modes);
-  if (state.coordinates != t.coordinates)
-    throw ModelError(
-        "a state in joint coordinates of another mechanism, or of other links in force; convert it first "
-        "(Dynamics::to_slots)");
-  if (t.in_plane)
-    t.planar_bodies.outward(*t.coordinates, state, t.motions);
-  else
-    t.bodies.outward(*t.coordinates, state, t.motions);
+  Tree& t = tree(state.modes).of(state);
+  t.recursion->outward(*t.coordinates, state, t.motions);
   Inputs in;
   in.t = state.t, in.motions = t.motions;
   in.s = {state.s.data(), static_cast<std::size_t>(state.s.size())};
   in.z = {state.z.data(), static_cast<std::size_t>(state.z.size())};
   system_.gather_forces(in, t.f);
   const Solution* solved = nullptr;
-  if (t.in_plane) {
-    t.planar_bodies.accelerate(*t.coordinates, t.f, out.v);
-    out.largest_a = t.planar_bodies.largest_a(), out.largest_alpha = t.planar_bodies.largest_alpha();
-  } else {
-    if (t.closures.empty())
-      t.bodies.accelerate(*t.coordinates, t.motions, t.f, out.v);
-    else
-      solved = joint_accelerations(t, state, in, out, report);
-    out.largest_a = t.bodies.largest_a(), out.largest_alpha = t.bodies.largest_alpha();
-  }
+  t.multipliers_known = true;
+  if (t.closures().empty())
+    t.recursion->accelerate(*t.coordinates, t.motions, t.f, out.v);
+  else
+    solved = joint_accelerations(t, state, in, out, report);
+  out.largest_a = t.recursion->largest_a(), out.largest_alpha = t.recursion->largest_alpha();
   t.coordinates->kinematic_rate(state, out.q);
   out.s.resize(state.s.size());
   if (state.s.size() > 0) {
-    if (t.solves && (solved || (t.reads_all && !t.closures.empty()))) {
+    if (t.solves && (solved || !t.multipliers_known || (t.reads_all && !t.closures().empty()))) {
       if (!solved) solved = &evaluate(state), --work_.evaluations;
       system_.state_rates(*solved, out.s);
     } else if (t.solves) {
@@ -202,33 +199,34 @@ void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* repo
                        state.t);
 }
 
-// With closures. Where their rows cannot be met, omega answers, and names what contradicts what; its solution is then
-// returned.
+// With closures. Where their rows cannot be met, and not for redundant ones off the constraints alone, omega answers, and
+// names what contradicts what; its solution is then returned.
 const Solution* Dynamics::joint_accelerations(Tree& t, const State& state, const Inputs& in, StateRate& out,
                                               SolveReport* report) {
+  TreeRecursion& recursion = *t.recursion;
+  ClosureRows& closures = t.closures();
   system_.gather_rows(in, t.closure_rows);
-  t.closures.read(*t.coordinates, t.motions, t.closure_rows);
+  recursion.read(*t.coordinates, t.motions, t.closure_rows);
   if (const Stabilization& s = options_.stabilization; s.kind == Stabilization::Kind::baumgarte) {
-    t.closures.residuals(t.motions, t.closure_rows, t.C, t.Cd);
+    closures.residuals(t.motions, t.closure_rows, t.C, t.Cd);
     t.correction = 2.0 * s.alpha * t.Cd + s.beta * s.beta * t.C;
-    t.closures.subtract(t.correction);
+    closures.subtract(t.correction);
   }
-  t.bodies.accelerate(*t.coordinates, t.motions, t.f, t.closures, out.v);
-  bool met = t.closures.met(t.bodies);
+  recursion.accelerate(*t.coordinates, t.motions, t.f, out.v);
+  bool met = recursion.met();
   double before = HUGE_VAL;
-  while (!met && t.closures.residual() < kStalledRows * before) {
-    before = t.closures.residual();
-    t.closures.correct(*t.coordinates, t.bodies, t.correction);
-    out.v += t.correction;
-    t.bodies.add_correction(t.closures);
-    met = t.closures.met(t.bodies);
+  while (!met && closures.residual() < kStalledRows * before) {
+    before = closures.residual();
+    recursion.correct(*t.coordinates, out.v);
+    met = recursion.met();
     ++work_.corrections;
   }
-  if (report) t.closures.complete(*report);
-  if (met) return nullptr;
+  if (report) closures.complete(*report);
+  t.multipliers_known = met;
+  if (met || closures.is_left_by_redundant_rows(before)) return nullptr;
   const Solution& omega = evaluate(state);
   --work_.evaluations;
-  t.bodies.read_off(*t.coordinates, t.motions, omega.a, out.v);
+  recursion.read_off(*t.coordinates, t.motions, omega.a, out.v);
   if (report) report->residual = omega.full_report().residual;
   return &omega;
 }
@@ -238,13 +236,12 @@ void Dynamics::read_rates(const State& state, const StateRate& slots, StateRate&
     out = slots;
     return;
   }
-  Tree& t = tree(state.modes);
-  if (t.in_plane) t.bodies.begin(*t.coordinates, system_);  // that of the plane is another
-  t.bodies.outward(*t.coordinates, state, t.motions);
-  t.bodies.read_off(*t.coordinates, t.motions, slots.v, out.v);
+  Tree& t = tree(state.modes).of(state);
+  t.recursion->outward(*t.coordinates, state, t.motions);
+  t.recursion->read_off(*t.coordinates, t.motions, slots.v, out.v);
   t.coordinates->kinematic_rate(state, out.q);
   out.s = slots.s;
-  out.largest_a = t.bodies.largest_a(), out.largest_alpha = t.bodies.largest_alpha();
+  out.largest_a = t.recursion->largest_a(), out.largest_alpha = t.recursion->largest_alpha();
 }
 
 }  // namespace lockstep

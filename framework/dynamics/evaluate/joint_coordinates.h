@@ -6,11 +6,10 @@
 #include <vector>
 
 #include <lockstep/dynamics.h>
-#include "framework/dynamics/tree/articulated.h"
+#include "framework/dynamics/tree/closure_rows.h"
 #include "framework/dynamics/tree/joint_tree.h"
-#include "framework/dynamics/tree/loop_closures.h"
-#include "framework/dynamics/tree/planar_bodies.h"
 #include "framework/dynamics/tree/tree_reactions.h"
+#include "framework/dynamics/tree/tree_recursion.h"
 
 namespace lockstep {
 
@@ -20,21 +19,23 @@ struct Dynamics::Tree {
   std::vector<bool> modes;
   std::shared_ptr<const JointTree> coordinates;  // null: there is no tree
   std::string why_not;
-  bool in_plane = false;  // the recursion is that of the plane
-  ArticulatedBodies bodies;
-  PlanarBodies planar_bodies;
+  std::unique_ptr<TreeRecursion> recursion;
   std::vector<Motion> motions;
   VecX f, a, none;
   RowTable rows;        // of the links whose multipliers somebody reads, and of those with laws
   bool solves = false;     // integrated states read accelerations or multipliers,
   bool reads_all = false;  // not only those of links with laws
   TreeReactions reactions;
-  LoopClosures closures;
   RowTable closure_rows;
   VecX C, Cd, correction, loaded;
   State before;  // a projection
   bool velocities_met = true;  // the last projection brought them onto J v = -Ct, but for rounding
 
+  bool multipliers_known = true;  // those of the closures, by the last evaluation: not where redundant rows differ
+
+  // Itself; throws ModelError where the state has other joint coordinates.
+  Tree& of(const State&);
+  ClosureRows& closures() { return recursion->closures(); }
   // Brings a state onto C = 0 and J v = -Ct of the closures by the least move in the mass metric, as Projection does.
   ProjectReport project(System&, State&, double goal, double tolerance);
   // The velocities alone; returns what is left, m/s.

@@ -91,6 +91,32 @@ double SingularPassage::time_to_turn(const State& y, double angle) {
   return w > 0 ? angle / w : HUGE_VAL;
 }
 
+namespace {
+
+// Beside a position the rows of closures learn which of their small pivots are usual: as SingularRate does it for all
+// rows. At rest it leads where the accelerations do. slots: y, in the bodies' own coordinates.
+void learn_beside(Dynamics& dynamics, const State& y, const State& slots) try {
+  constexpr double kBeside = 3e-2;  // rad
+  const double L = dynamics.system().length();
+  double speed = 0;  // of the fastest body, rad/s; velocities are divided by the length L of the mechanism
+  for (Eigen::Index i = 0; i < slots.v.size(); i += 6)
+    speed = std::max({speed, slots.v.segment<3>(i).norm() / L, slots.v.segment<3>(i + 3).norm()});
+  State off = y;
+  StateRate rate = sized_like(slots), own = sized_like(y);
+  if (speed > 0) {
+    dynamics.advance(off, kBeside / speed, y.v), off.t += kBeside / speed;
+  } else {
+    dynamics.rates(slots, rate), dynamics.read_rates(y, rate, own);
+    const double most = std::max(own.largest_a / L, own.largest_alpha);
+    if (!(most > 0)) return;
+    dynamics.advance(off, kBeside / most, own.v);
+  }
+  if (dynamics.project(off, 0).converged) dynamics.rates_with_report(off, own);
+} catch (const Error&) {  // what cannot be evaluated there teaches nothing
+}
+
+}  // namespace
+
 // Rates from both sides are found with the bodies' own coordinates.
 bool SingularPassage::find_both_sides(Dynamics& dynamics, const State& y) {
   if (!y.coordinates) return both_sides_.find(dynamics, y, rate_);
@@ -100,6 +126,7 @@ bool SingularPassage::find_both_sides(Dynamics& dynamics, const State& y) {
   StateRate rate = sized_like(slots);
   const bool found = both_sides_.find(dynamics, slots, rate);
   if (found) dynamics.read_rates(y, rate, rate_);
+  learn_beside(dynamics, y, slots);
   return found;
 }
 

@@ -8,6 +8,7 @@
 #include <span>
 
 #include <lockstep/error.h>
+#include "framework/dynamics/solvers/scales.h"
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
@@ -26,11 +27,8 @@ VecX norms(const Evaluation& at, const VecX& c) {
   VecX sizes = VecX::Zero(c.size());
   const double L = at.system().length();
   for (const RowEntry& e : at.rows().entries)
-    for (int k = 0; k < e.m; ++k) {
-      const RowKind kind = e.kind[static_cast<std::size_t>(k)];
-      const double scale = kind == RowKind::translation ? 1.0 : kind == RowKind::rotation ? 2.0 * L : L;
-      sizes[e.first_row + k] = scale * std::abs(c[e.first_row + k]);
-    }
+    for (int k = 0; k < e.m; ++k)
+      sizes[e.first_row + k] = length_per_unit(e.kind[static_cast<std::size_t>(k)], L) * std::abs(c[e.first_row + k]);
   return sizes;
 }
 

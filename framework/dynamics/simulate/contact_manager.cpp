@@ -8,9 +8,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include <lockstep/error.h>
 #include "framework/dynamics/simulate/contact_manager.h"
 #include "framework/dynamics/simulate/root_finder.h"
-#include <lockstep/error.h>
+#include "framework/dynamics/solvers/scales.h"
 
 namespace lockstep {
 namespace {
@@ -82,8 +83,7 @@ void ContactManager::check_side(std::size_t i, const State& state, const std::st
   const Gap g = contacts_.gap(i, dynamics_.inputs(state));
   const Contact& contact = contacts_[i];
   const double length = dynamics_.system().length();
-  const RowKind kind = contact.link->row_kind(0);
-  const double depth = -g.c * (kind == RowKind::translation ? 1.0 : kind == RowKind::rotation ? 2 * length : length);
+  const double depth = -g.c * length_per_unit(contact.link->row_kind(0), length);
   if (!(depth > limit_)) return;
   throw AssemblyError(
       fmt::format("{} has the one-sided link '{}' (row {}) on its forbidden side: C = {:.6g}, and C {} 0 is free "

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "framework/dynamics/solvers/scales.h"
+
 namespace lockstep {
 
 void Contacts::lay_out(const System& system, const Stabilization& stabilization) {
@@ -13,8 +15,7 @@ void Contacts::lay_out(const System& system, const Stabilization& stabilization)
     Contact c;
     c.link = link.get();
     c.sign = link->unilateral()->sign();
-    const RowKind kind = link->row_kind(0);
-    c.margin = margin / (kind == RowKind::translation ? 1.0 : kind == RowKind::rotation ? 2.0 * length : length);
+    c.margin = margin / length_per_unit(link->row_kind(0), length);
     all_.push_back(c);
   }
 }

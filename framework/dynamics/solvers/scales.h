@@ -8,6 +8,12 @@
 
 namespace lockstep {
 
+/// What a row's value is in lengths, m per unit, in a mechanism of this length: an error quaternion's component is half an
+/// angle.
+inline double length_per_unit(RowKind kind, double length) {
+  return kind == RowKind::translation ? 1.0 : kind == RowKind::rotation ? 2.0 * length : length;
+}
+
 /// Bits of the rows of a link by kind; the others are functions.
 struct KindBits {
   unsigned translations = 0, rotations = 0;

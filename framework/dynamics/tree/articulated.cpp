@@ -2,8 +2,9 @@
 
 #include <algorithm>
 
+#include <Eigen/LU>
+
 #include "framework/dynamics/tree/column_algebra.h"
-#include "framework/dynamics/tree/loop_closures.h"
 #include "framework/dynamics/tree/moving_markers.h"
 #include "framework/dynamics/tree/tree_motion.h"
 #include "framework/foundation/math/for_size.h"
@@ -11,7 +12,7 @@
 
 namespace lockstep {
 
-void ArticulatedBodies::begin(const JointTree& tree, const System& system) {
+ArticulatedBodies::ArticulatedBodies(const JointTree& tree, const System& system, const RowTable& closures) {
   const std::size_t n = tree.nodes().size();
   nodes_.assign(n, Node());
   dofs_.resize(static_cast<std::size_t>(tree.n_v()));
@@ -39,10 +40,19 @@ void ArticulatedBodies::begin(const JointTree& tree, const System& system) {
   }
   waiting_.resize(deepest);
   for (std::vector<double>* x : {&half_, &cosine_, &sine_}) x->assign((n + 7) / 8 * 8, 0.0);  // packs of up to 8
+
+  if (closures.n_rows == 0) return;
+  closures_.begin(tree, system, closures);
+  correction_.setZero(tree.n_v());
+  for (const TreeNode& t : tree.nodes()) {
+    const Slot& slot = system.slot(t.slot);
+    inverse_mass_.push_back(1.0 / slot.mass);
+    inverse_J_.push_back(slot.freedoms == Freedoms::particle ? Mat3(Mat3::Zero()) : Mat3(slot.J.inverse()));
+  }
 }
 
-LOCKSTEP_FLAT_CLONES void ArticulatedBodies::outward(const JointTree& tree, const State& y,
-                                                     std::vector<Motion>& motions) {
+LOCKSTEP_FLAT_CLONES void ArticulatedBodies::pass_outward(const JointTree& tree, const State& y,
+                                                          std::vector<Motion>& motions) {
   motions.resize(nodes_.size() + 1);
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
     const TreeNode& n = tree.nodes()[k];
@@ -122,6 +132,13 @@ LOCKSTEP_INLINE void ArticulatedBodies::Inertia::add(const Inertia& b) {
   pf += b.pf, pt += b.pt;
 }
 
+LOCKSTEP_INLINE void ArticulatedBodies::Inertia::add_row(const SpatialWrench& K, double l, double d_1) {
+  const Column f = K.f * -d_1, t = K.t * -d_1;
+  subtract_dyad(M, f, K.f), subtract_dyad(H, f, K.t);
+  subtract_dyad(H_t, t, K.f), subtract_dyad(I, t, K.t);
+  pf -= f * l, pt -= t * l;
+}
+
 // Of a slot and what its children have passed on: M = m 1, H = 0, I = A J A', p = -f.
 LOCKSTEP_INLINE ArticulatedBodies::Inertia ArticulatedBodies::inertia_of(const Node& b, const Motion& motion,
                                                                          const double* f) const {
@@ -191,29 +208,75 @@ LOCKSTEP_INLINE void ArticulatedBodies::solve(const TreeNode& n, Node& b, VecX& 
   const Dof* dof = dofs_.data() + n.first_v;
   const double* inverse = inverse_.data() + b.D_1;
   double left[k];
-  for (int i = 0; i < k; ++i) left[i] = dof[i].u - dot(dof[i].Uf, b.a) - dot(dof[i].Ut, b.al);
+  SpatialTwist& own = b.found;
+  for (int i = 0; i < k; ++i) left[i] = dof[i].u - dot(dof[i].Uf, own.a) - dot(dof[i].Ut, own.al);
   for (int i = 0; i < k; ++i) {
     double x = less ? -less[i] : 0.0;
     for (int j = 0; j < k; ++j) x += inverse[k * i + j] * left[j];
     vd[n.first_v + i] = x;
-    b.a += dof[i].l * x, b.al += dof[i].n * x;
+    own.a += dof[i].l * x, own.al += dof[i].n * x;
   }
 }
 
-namespace {
+LOCKSTEP_INLINE SpatialWrench& operator+=(SpatialWrench& a, const SpatialWrench& b) {
+  a.f += b.f, a.t += b.t;
+  return a;
+}
+LOCKSTEP_INLINE SpatialWrench& operator-=(SpatialWrench& a, const SpatialWrench& b) {
+  a.f -= b.f, a.t -= b.t;
+  return a;
+}
+LOCKSTEP_INLINE SpatialWrench operator*(double x, const SpatialWrench& a) { return {a.f * x, a.t * x}; }
+LOCKSTEP_INLINE double dot(const SpatialWrench& a, const SpatialTwist& b) { return dot(a.f, b.a) + dot(a.t, b.al); }
+LOCKSTEP_INLINE double moment2(const SpatialWrench& a) { return dot(a.t, a.t); }
 
-// A tree without closures.
-struct NoClosures {
-  template <class Inertia>
-  void close(std::size_t, Inertia&) {}
-  template <class Node, class Dof>
-  void pass_on(std::size_t, int, const Node&, const Dof*, const double*) {}
-  void close_at_ground() {}
-  const double* less(std::size_t, int) const { return nullptr; }
-  void find(std::size_t, const Column&, const Column&) {}
-};
+LOCKSTEP_INLINE ArticulatedBodies::Joint ArticulatedBodies::joint(const JointTree& tree, std::size_t k) const {
+  const TreeNode& n = tree.nodes()[k];
+  return {nodes_[k], dofs_.data() + n.first_v, inverse_.data() + nodes_[k].D_1, n.n_v()};
+}
 
-}  // namespace
+LOCKSTEP_INLINE void ArticulatedBodies::Joint::pass(SpatialWrench& K, double& l, double* kappa, double* V) const {
+  for (int x = 0; x < n_v; ++x) kappa[x] = dot(K.f, dof[x].l) + dot(K.t, dof[x].n);
+  for (int x = 0; x < n_v; ++x) {
+    V[x] = 0;
+    for (int y = 0; y < n_v; ++y) V[x] += inverse[n_v * x + y] * kappa[y];
+    K.f -= dof[x].Uf * V[x], K.t -= dof[x].Ut * V[x], l += V[x] * dof[x].u;
+  }
+  l += dot(K.f, b.ca) + dot(K.t, b.cal);
+  K.t += Skew(b.r) * K.f;
+}
+
+// u = -S' p, p <- p + U D^-1 u, then about the parent's mass centre
+LOCKSTEP_INLINE void ArticulatedBodies::Joint::pass_again(SpatialWrench& p, double* u) const {
+  for (int x = 0; x < n_v; ++x) u[x] = -dot(dof[x].l, p.f) - dot(dof[x].n, p.t);
+  for (int x = 0; x < n_v; ++x) {
+    double y = 0;
+    for (int i = 0; i < n_v; ++i) y += inverse[n_v * x + i] * u[i];
+    p.f += dof[x].Uf * y, p.t += dof[x].Ut * y;
+  }
+  p.t += Skew(b.r) * p.f;
+}
+
+LOCKSTEP_INLINE SpatialTwist ArticulatedBodies::Joint::solve_again(const SpatialTwist& p, const double* u,
+                                                                   const double* less, double* dv) const {
+  SpatialTwist own{p.a - Skew(b.r) * p.al, p.al};
+  double left[6];
+  for (int x = 0; x < n_v; ++x) left[x] = u[x] - dot(dof[x].Uf, own.a) - dot(dof[x].Ut, own.al);
+  for (int x = 0; x < n_v; ++x) {
+    dv[x] = less ? -less[x] : 0.0;
+    for (int i = 0; i < n_v; ++i) dv[x] += inverse[n_v * x + i] * left[i];
+    own.a += dof[x].l * dv[x], own.al += dof[x].n * dv[x];
+  }
+  return own;
+}
+
+LOCKSTEP_INLINE SpatialWrench ArticulatedBodies::read_side(const RowView& rows, int i, int k, std::size_t node,
+                                                           const Motion& motion, double& diagonal) const {
+  const std::array<double, 6> J = rows.J(i, k);
+  const Vec3 f(J[0], J[1], J[2]), t(J[3], J[4], J[5]);
+  diagonal += inverse_mass_[node] * f.squaredNorm() + t.dot(inverse_J_[node] * t);
+  return {column(f), column(motion.A * t)};
+}
 
 template <class Rows>
 LOCKSTEP_INLINE void ArticulatedBodies::accelerate_with(const JointTree& tree, std::span<const Motion> motions,
@@ -229,7 +292,7 @@ LOCKSTEP_INLINE void ArticulatedBodies::accelerate_with(const JointTree& tree, s
         eliminate<count>(n, b, I);
         if (b.to >= 0) reduce<count>(n, b, I);
       });
-    rows.pass_on(k, n.n_v(), b, dofs_.data() + n.first_v, inverse_.data() + b.D_1);
+    rows.pass_on(k, n.n_v(), joint(tree, k));
     if (b.to < 0) continue;
     shift(b, I);
     Inertia& there = waiting_[static_cast<std::size_t>(b.to)];
@@ -243,39 +306,73 @@ LOCKSTEP_INLINE void ArticulatedBodies::accelerate_with(const JointTree& tree, s
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
     const TreeNode& n = tree.nodes()[k];
     Node& b = nodes_[k];
-    b.a = b.ca, b.al = b.cal;
+    SpatialTwist& own = b.found;
+    own = {b.ca, b.cal};
     if (n.parent >= 0) {
-      const Node& p = nodes_[static_cast<std::size_t>(n.parent)];
-      b.a += p.a - Skew(b.r) * p.al, b.al += p.al;
+      const SpatialTwist& p = nodes_[static_cast<std::size_t>(n.parent)].found;
+      own.a += p.a - Skew(b.r) * p.al, own.al += p.al;
     }
     const double* less = rows.less(k, n.n_v());
     if (n.n_v() > 0) for_size<1, 6>(n.n_v(), [&](auto count) { solve<count>(n, b, vd, less); });
-    rows.find(k, b.a, b.al);
-    a2 = std::max(a2, dot(b.a, b.a)), al2 = std::max(al2, dot(b.al, b.al));
+    rows.find(k, own);
+    a2 = std::max(a2, dot(own.a, own.a)), al2 = std::max(al2, dot(own.al, own.al));
   }
   largest_a_ = std::sqrt(a2), largest_alpha_ = std::sqrt(al2);
 }
 
 void ArticulatedBodies::find_largest() {
   double a2 = 0, al2 = 0;
-  for (const Node& b : nodes_) a2 = std::max(a2, dot(b.a, b.a)), al2 = std::max(al2, dot(b.al, b.al));
+  for (const Node& b : nodes_)
+    a2 = std::max(a2, dot(b.found.a, b.found.a)), al2 = std::max(al2, dot(b.found.al, b.found.al));
   largest_a_ = std::sqrt(a2), largest_alpha_ = std::sqrt(al2);
 }
 
-LOCKSTEP_FLAT_CLONES void ArticulatedBodies::accelerate(const JointTree& tree, std::span<const Motion> motions,
-                                                        const VecX& f, VecX& vd) {
+LOCKSTEP_FLAT_CLONES void ArticulatedBodies::accelerate_tree(const JointTree& tree, std::span<const Motion> motions,
+                                                             const VecX& f, VecX& vd) {
   NoClosures none;
   accelerate_with(tree, motions, f, none, vd);
 }
 
-LOCKSTEP_FLAT_CLONES void ArticulatedBodies::accelerate(const JointTree& tree, std::span<const Motion> motions,
-                                                        const VecX& f, LoopClosures& closures, VecX& vd) {
-  accelerate_with(tree, motions, f, closures, vd);
+LOCKSTEP_FLAT_CLONES void ArticulatedBodies::accelerate_loops(const JointTree& tree, std::span<const Motion> motions,
+                                                              const VecX& f, VecX& vd) {
+  accelerate_with(tree, motions, f, closures_, vd);
 }
 
-void ArticulatedBodies::add_correction(const LoopClosures& closures) {
-  for (std::size_t k = 0; k < nodes_.size(); ++k)
-    nodes_[k].a += closures.change(k).a, nodes_[k].al += closures.change(k).al;
+void ArticulatedBodies::accelerate(const JointTree& tree, std::span<const Motion> motions, const VecX& f, VecX& vd) {
+  closures_.empty() ? accelerate_tree(tree, motions, f, vd) : accelerate_loops(tree, motions, f, vd);
+}
+
+LOCKSTEP_FLAT_CLONES void ArticulatedBodies::read_rows(const JointTree& tree, std::span<const Motion> motions,
+                                                       const RowTable& rows) {
+  closures_.read(*this, tree, motions, rows);
+}
+
+LOCKSTEP_FLAT_CLONES bool ArticulatedBodies::measure_rows() { return closures_.met(*this); }
+
+LOCKSTEP_FLAT_CLONES void ArticulatedBodies::find_change(const JointTree& tree, const VecX& r, VecX& dv) {
+  closures_.correct(*this, tree, r, dv);
+}
+
+void ArticulatedBodies::outward(const JointTree& tree, const State& y, std::vector<Motion>& motions) {
+  pass_outward(tree, y, motions);
+}
+
+void ArticulatedBodies::read(const JointTree& tree, std::span<const Motion> motions, const RowTable& rows) {
+  read_rows(tree, motions, rows);
+}
+
+bool ArticulatedBodies::met() { return measure_rows(); }
+
+void ArticulatedBodies::correct(const JointTree& tree, const VecX& r, VecX& dv) { find_change(tree, r, dv); }
+
+void ArticulatedBodies::correct(const JointTree& tree, VecX& vd) {
+  find_change(tree, closures_.measured(), correction_);
+  closures_.add_correction();
+  vd += correction_;
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    SpatialTwist& own = nodes_[k].found;
+    own.a += closures_.change(k).a, own.al += closures_.change(k).al;
+  }
   find_largest();
 }
 
@@ -284,11 +381,11 @@ void ArticulatedBodies::read_off(const JointTree& tree, std::span<const Motion> 
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
     const TreeNode& n = tree.nodes()[k];
     Node& b = nodes_[k];
-    b.a = column(a.segment<3>(6 * n.slot));
-    b.al = column(motions[static_cast<std::size_t>(n.slot + 1)].A * a.segment<3>(6 * n.slot + 3));
-    Column da = b.a - b.ca, dal = b.al - b.cal;  // against the parent, beyond what the velocities make
+    b.found.a = column(a.segment<3>(6 * n.slot));
+    b.found.al = column(motions[static_cast<std::size_t>(n.slot + 1)].A * a.segment<3>(6 * n.slot + 3));
+    Column da = b.found.a - b.ca, dal = b.found.al - b.cal;  // against the parent, beyond what the velocities make
     if (n.parent >= 0) {
-      const Node& p = nodes_[static_cast<std::size_t>(n.parent)];
+      const SpatialTwist& p = nodes_[static_cast<std::size_t>(n.parent)].found;
       da -= p.a - Skew(b.r) * p.al, dal -= p.al;
     }
     const Dof* dof = dofs_.data() + n.first_v;
@@ -306,8 +403,8 @@ void ArticulatedBodies::accelerations(const JointTree& tree, std::span<const Mot
   a.resize(6 * tree.n_slots());
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
     const int slot = tree.nodes()[k].slot;
-    a.segment<3>(6 * slot) = vector(nodes_[k].a);
-    a.segment<3>(6 * slot + 3) = motions[static_cast<std::size_t>(slot + 1)].A.transpose() * vector(nodes_[k].al);
+    a.segment<3>(6 * slot) = vector(nodes_[k].found.a);
+    a.segment<3>(6 * slot + 3) = motions[static_cast<std::size_t>(slot + 1)].A.transpose() * vector(nodes_[k].found.al);
   }
 }
 

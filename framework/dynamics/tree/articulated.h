@@ -1,4 +1,4 @@
-// ArticulatedBodies: accelerations of a tree by its articulated inertias (Featherstone 2008, chapter 7).
+// ArticulatedBodies: the recursion on a tree in space.
 #pragma once
 
 #include <vector>
@@ -6,33 +6,32 @@
 #include <lockstep/memory.h>
 #include "framework/dynamics/tree/columns.h"
 #include "framework/dynamics/tree/joint_tree.h"
+#include "framework/dynamics/tree/loop_closures.h"
+#include "framework/dynamics/tree/tree_recursion.h"
 
 namespace lockstep {
 
-class LoopClosures;
+/// A force and a moment, an acceleration and an angular one: world axes, of a mass centre.
+struct alignas(kColumn) SpatialWrench {
+  Column f{}, t{};
+};
+struct alignas(kColumn) SpatialTwist {
+  Column a{}, al{};
+};
 
-/// The recursion and its scratch. World axes; wrenches and accelerations of a slot about its mass centre.
-class LOCKSTEP_API ArticulatedBodies {
+/// The recursion in space. World axes; wrenches and accelerations of a slot about its mass centre.
+class LOCKSTEP_API ArticulatedBodies final : public TreeRecursion {
  public:
-  /// Sizes everything for this tree, and reads the masses of the slots of its system.
-  void begin(const JointTree&, const System&);
-  /// First pass, outward: motions of all slots (the ground is motions[0], at rest), joint axes and velocity products.
-  void outward(const JointTree&, const State&, std::vector<Motion>& motions);
-  /// The other two passes: accelerations of the coordinates under f, 6 per slot: N (world) and N m (slot axes), -w x J w
-  /// included.
-  void accelerate(const JointTree&, std::span<const Motion> motions, const VecX& f, VecX& vd);
-  /// The same with closures, whose rows were gathered at the same motions: their first multipliers are found as well.
-  void accelerate(const JointTree&, std::span<const Motion> motions, const VecX& f, LoopClosures&, VecX& vd);
-  /// Adds to the accelerations as found last what the closures' last correction changes.
-  void add_correction(const LoopClosures&);
-  /// Takes accelerations of the slots, 6 per slot as in accelerations(), for those found last, and reads off the
-  /// coordinates' own; what the joints do not let happen is lost.
-  void read_off(const JointTree&, std::span<const Motion> motions, const VecX& a, VecX& vd);
-  /// Accelerations as found last, 6 per slot: m/s^2 (world), rad/s^2 (slot axes).
-  void accelerations(const JointTree&, std::span<const Motion> motions, VecX& a) const;
-  /// Largest acceleration of a slot, m/s^2, and its largest angular acceleration, rad/s^2, as found last.
-  double largest_a() const { return largest_a_; }
-  double largest_alpha() const { return largest_alpha_; }
+  ArticulatedBodies(const JointTree&, const System&, const RowTable& closures);
+  void outward(const JointTree&, const State&, std::vector<Motion>& motions) override;
+  void read(const JointTree&, std::span<const Motion> motions, const RowTable&) override;
+  void accelerate(const JointTree&, std::span<const Motion> motions, const VecX& f, VecX& vd) override;
+  bool met() override;
+  void correct(const JointTree&, VecX& vd) override;
+  void correct(const JointTree&, const VecX& r, VecX& dv) override;
+  void read_off(const JointTree&, std::span<const Motion> motions, const VecX& a, VecX& vd) override;
+  void accelerations(const JointTree&, std::span<const Motion> motions, VecX& a) const override;
+  ClosureRows& closures() override { return closures_; }
 
  private:
   // An articulated inertia and its bias: force = M a + H al + pf, moment = H' a + I al + pt. H' has its own columns.
@@ -40,11 +39,12 @@ class LOCKSTEP_API ArticulatedBodies {
     Columns M, H, H_t, I;
     Column pf, pt;
     void add(const Inertia&);
+    void add_row(const SpatialWrench& K, double l, double d_1);
   };
   struct alignas(kColumn) Node {
     Column r;        // from the parent's mass centre
     Column ca, cal;  // accelerations where the coordinates' own are zero
-    Column a, al;    // found
+    SpatialTwist found;
     Vec3 w;          // world axes
     double m = 0;    // mass of the slot alone,
     Mat3 J;          // and its inertia, slot axes
@@ -59,6 +59,22 @@ class LOCKSTEP_API ArticulatedBodies {
     Column l, n, Uf, Ut;
     double u;
   };
+  // The passes of closures through a node's joint: LoopClosures.
+  struct Joint {
+    const Node& b;
+    const Dof* dof;
+    const double* inverse;
+    int n_v;
+    void pass(SpatialWrench& K, double& l, double* kappa, double* V) const;
+    void pass_again(SpatialWrench& p, double* u) const;
+    SpatialTwist solve_again(const SpatialTwist& parent, const double* u, const double* less, double* dv) const;
+  };
+  Joint joint(const JointTree&, std::size_t node) const;
+  SpatialWrench read_side(const RowView&, int i, int k, std::size_t node, const Motion&, double& diagonal) const;
+  double move_to_joint(std::size_t, SpatialWrench&) const { return 0; }  // it is the mass centre
+  const SpatialTwist& acceleration(std::size_t node) const { return nodes_[node].found; }
+  using Closures = LoopClosures<SpatialWrench, SpatialTwist>;
+  friend Closures;
   [[gnu::noinline]] void outward_moving(const TreeNode&, const State&, const Motion& p, const Vec3& wp, Motion& own,
                                         Node&);
   Inertia inertia_of(const Node&, const Motion&, const double* f) const;
@@ -68,17 +84,26 @@ class LOCKSTEP_API ArticulatedBodies {
   void reduce(const TreeNode&, const Node&, Inertia&);
   template <int k>
   void solve(const TreeNode&, Node&, VecX& vd, const double* less);
+  // What is compiled for several instruction sets, which a virtual function cannot be.
+  void pass_outward(const JointTree&, const State&, std::vector<Motion>& motions);
+  void read_rows(const JointTree&, std::span<const Motion> motions, const RowTable&);
+  bool measure_rows();
+  void find_change(const JointTree&, const VecX& r, VecX& dv);
   template <class Rows>
   void accelerate_with(const JointTree&, std::span<const Motion> motions, const VecX& f, Rows& rows, VecX& vd);
+  void accelerate_tree(const JointTree&, std::span<const Motion> motions, const VecX& f, VecX& vd);
+  void accelerate_loops(const JointTree&, std::span<const Motion> motions, const VecX& f, VecX& vd);
   void find_largest();
-  friend class LoopClosures;  // eliminates its rows along with the bodies
 
   std::vector<Node> nodes_;
   std::vector<Dof> dofs_;
   std::vector<Inertia> waiting_;
   std::vector<double> inverse_;  // D^-1 of all nodes, row by row
   std::vector<double> half_, cosine_, sine_;  // of the hinges' angles, by node
-  double largest_a_ = 0, largest_alpha_ = 0;
+  Closures closures_;
+  std::vector<double> inverse_mass_;  // of the slots with closures, by node;
+  std::vector<Mat3> inverse_J_;       // slot axes
+  VecX correction_;
 };
 
 }  // namespace lockstep

@@ -4,8 +4,9 @@
 #include <utility>
 
 #include <lockstep/lock.h>
-#include "framework/dynamics/tree/spanning_tree.h"
+#include "framework/dynamics/tree/closure_cost.h"
 #include "framework/dynamics/tree/moving_markers.h"
+#include "framework/dynamics/tree/spanning_tree.h"
 #include "framework/dynamics/tree/tree_motion.h"
 #include "framework/mechanism/system/diagnose.h"
 
@@ -78,10 +79,12 @@ Free free_in_plane(Mask held, const MarkerFrame& S, Plane plane) {
   return f;
 }
 
-// Whether a lock holds something in the plane.
-bool holds_in_plane(const Lock& link, Plane plane) {
-  const Free f = free_in_plane(link.jointed()->rows(), MarkerFrame(*link.pairs().front().second), plane);
-  return f.n_slides < 2 || f.turn == TreeTurn::none;
+// How many coordinates a lock holds; in a plane, of those in it.
+int count_held(const Lock& link, Plane plane) {
+  const Mask rows = link.jointed()->rows();
+  if (!plane) return count_rows(rows);
+  const Free f = free_in_plane(rows, MarkerFrame(*link.pairs().front().second), plane);
+  return 2 - f.n_slides + (f.turn == TreeTurn::none ? 1 : 0);
 }
 
 // Whether markers are turned against each other, out of the plane, by an angle that the lock leaves free.
@@ -107,7 +110,7 @@ std::string refusal(const Lock& link, Plane plane) {
 }
 
 // What stands in the way of joint coordinates, but for loops; "" for nothing.
-std::string obstacle(const System& system, const std::vector<bool>& modes, Closures closures) {
+std::string obstacle(const System& system) {
   if (system.n_slots() == 0) return "nothing moves";
   for (const auto& force : system.forces())
     if (force->reacting()) return "force '" + force->name() + "' reads reactions";
@@ -115,8 +118,6 @@ std::string obstacle(const System& system, const std::vector<bool>& modes, Closu
     if (system.merged(*link)) continue;
     if (link->unilateral()) return "link '" + link->name() + "' is unilateral";
     if (system.left_out(*link) != 0) return "rows of link '" + link->name() + "' that nearly depend are left out";
-    if (closures != Closures::none || !modes[static_cast<std::size_t>(link->number())]) continue;
-    if (std::string why = refusal(*link, system.plane()); !why.empty()) return why;
   }
   return {};
 }
@@ -132,9 +133,10 @@ std::pair<std::vector<int>, std::vector<int>> tree_and_closures(const System& sy
   for (const auto& link : system.links()) {
     if (system.merged(*link) || !modes[static_cast<std::size_t>(link->number())]) continue;
     const bool is_joint = refusal(*link, system.plane()).empty();
-    if (is_joint && system.plane() && !holds_in_plane(*link, system.plane())) continue;
+    const int n_held = is_joint ? count_held(*link, system.plane()) : 0;
+    if (is_joint && n_held == 0 && system.plane()) continue;
     const auto [a, b] = link->pairs().empty() ? std::pair(kGround, kGround) : slots_of(*link);
-    links.push_back({link->number(), a, b, is_joint ? count_rows(link->jointed()->rows()) : 0});
+    links.push_back({link->number(), a, b, n_held});
   }
   const std::vector<bool> taken = spanning_tree(links, system.n_slots());
   std::pair<std::vector<int>, std::vector<int>> out;
@@ -166,7 +168,7 @@ class Graph {
 
 std::shared_ptr<const JointTree> JointTree::of(const System& system, const std::vector<bool>& modes,
                                                std::string& why_not, Closures closures) {
-  why_not = obstacle(system, modes, closures);
+  why_not = obstacle(system);
   if (!why_not.empty()) return nullptr;
   const auto tree = std::make_shared<JointTree>();
   tree->node_of_.assign(static_cast<std::size_t>(system.n_slots()), -1);
@@ -174,24 +176,18 @@ std::shared_ptr<const JointTree> JointTree::of(const System& system, const std::
   tree->closures_ = others;
   tree->grow(system, Graph(system, joints));
   for (const int number : others)
-    if (const Lock& link = *system.links()[static_cast<std::size_t>(number)];
-        closures == Closures::rows && link.remembering() != nullptr) {
+    if (const Lock& link = *system.links()[static_cast<std::size_t>(number)]; link.remembering() != nullptr) {
       why_not = "link '" + link.name() + "' keeps a memory from step to step (turns, ways), which long steps outrun";
       return nullptr;
     }
-  if (!others.empty() && (closures == Closures::none || system.plane())) {
-    const Lock& link = *system.links()[static_cast<std::size_t>(others.front())];
-    why_not = refusal(link, system.plane());
-    if (why_not.empty()) why_not = "link '" + link.name() + "' closes a loop";
-    if (closures == Closures::rows) why_not += ", which in the plane is not taken";
-    return nullptr;
-  }
   tree->planar_ = PlanarJoints::of(tree->nodes_, system.plane());
   if (system.plane() && !tree->planar_)
     return why_not = "a law does not say that it stays in the plane (stays_in_plane, turns_about)", nullptr;
-  if (tree->n_v_ > 0) return tree;
-  why_not = "no coordinate is free, so that nothing would choose the steps";
-  return nullptr;
+  if (tree->n_v_ == 0)
+    why_not = "no coordinate is free, so that nothing would choose the steps";
+  else if (closures == Closures::cheap && !others.empty())
+    why_not = why_dearer(*tree, system, modes);
+  return why_not.empty() ? tree : nullptr;
 }
 
 // Depth first from the ground, then from every slot that no link has reached: it is free.

@@ -69,8 +69,8 @@ struct TreeNode {
 
 /// What becomes of links in force that are no joint of the tree.
 enum class Closures {
-  none,  ///< there are to be none: a mechanism that has them is refused
-  rows   ///< they stay rows
+  cheap,  ///< they stay rows where that costs less than omega: why_dearer()
+  rows    ///< they stay rows
 };
 
 /// Joint coordinates of a mechanism: of the links that carry each slot from another. Immutable.
@@ -79,7 +79,7 @@ class LOCKSTEP_API JointTree final : public Coordinates {
   /// The tree of a system that is set up, with these links in force; null where it has none, `why_not` then says what
   /// stands in the way, by name.
   static std::shared_ptr<const JointTree> of(const System&, const std::vector<bool>& modes, std::string& why_not,
-                                             Closures closures = Closures::none);
+                                             Closures closures);
 
   std::string_view name() const override { return "joint"; }
   int n_q() const override { return n_q_; }

@@ -2,15 +2,13 @@
 // (framework/docs/solvers.md, section 9).
 #pragma once
 
-#include <array>
+#include <algorithm>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <lockstep/rows.h>
-#include "framework/dynamics/solvers/stop_rule.h"
-#include "framework/dynamics/tree/articulated.h"
-#include "framework/dynamics/tree/column_algebra.h"
-#include "framework/dynamics/tree/joint_tree.h"
+#include "framework/dynamics/tree/closure_rows.h"
 
 namespace lockstep {
 
@@ -25,159 +23,170 @@ namespace lockstep {
 ///
 ///     IA <- IA + K_j' K_j / d,   p <- p + K_j' l_j / d,   K_i <- K_i - Lambda_ij K_j / d,   l_i and Lambda_ik likewise
 ///
-/// and outward  lambda_j = (K_j a + l_j - sum of Lambda_ij lambda_i) / d.  E is a proximal term, corrected away.
-class LoopClosures {
+/// and outward  lambda_j = (K_j a + l_j - sum of Lambda_ij lambda_i) / d.  E is a proximal term of rows whose pivot is small,
+/// corrected away; of others, which need none, it is zero.
+///
+/// Accelerations are Twists, K and forces are Wrenches: in space or in a plane. What depends on which, the Bodies of the
+/// recursion do:
+///
+///     read_side(view, i, k, node, motion)  the jacobian of row k on the i-th slot, and what it adds to J M^-1 J'
+///     move_to_joint(node, K)               takes K from the mass centre to the node's point; returns what l gains
+///     acceleration(node)                   of the mass centre
+///     joint(tree, node)                    the passes through the node's joint:
+///         pass(K, l, kappa, V), pass_again(p, u), solve_again(parent, u, less, dv)
+template <class Wrench, class Twist>
+class LoopClosures final : public ClosureRows {
  public:
   /// Sizes everything for this tree and the rows of its closures.
   void begin(const JointTree&, const System&, const RowTable&);
-  bool empty() const { return sources_.empty(); }
 
-  /// Reads the rows, gathered at these motions; their right sides c are Qhat.
-  void read(const JointTree&, std::span<const Motion> motions, const RowTable&);
-  /// c <- c - x
-  void subtract(const VecX& x);
-  /// The residuals C and J v + Ct of rows gathered at these motions, one per row of the table.
-  void residuals(std::span<const Motion> motions, const RowTable&, VecX& C, VecX& Cd) const;
-  /// The largest number of c, one per row: as Evaluation::norm measures it.
-  double norm(const VecX& c) const;
+  /// Reads the rows, gathered at these motions; their right sides c are Qhat. After the bodies' outward pass.
+  template <class Bodies>
+  void read(const Bodies&, const JointTree&, std::span<const Motion> motions, const RowTable&);
+  /// After the recursion: measures J a - c, and says whether it is small enough.
+  template <class Bodies>
+  bool met(const Bodies&);
+  /// Finds the change of the velocities by which these residuals vanish: J (change) = -r, of least kinetic energy.
+  template <class Bodies>
+  void correct(const Bodies&, const JointTree&, const VecX& r, VecX& dv);
+  const VecX& measured() const { return r_; }     ///< the residuals that met() has measured
+  void add_correction() { lambda_ += dlambda_; }  ///< of them, as found last
+  /// What the last correction changes at a node.
+  const Twist& change(std::size_t node) const { return changes_[node]; }
 
-  /// After ArticulatedBodies::accelerate(): measures J a - c, and says whether it is small enough.
-  bool met(const ArticulatedBodies&);
-  double residual() const { return worst_; }  ///< the largest that met() has measured, relative to its scale
-  /// Finds the change of the accelerations by which what met() has measured vanishes.
-  void correct(const JointTree&, const ArticulatedBodies&, VecX& dvd);
-  /// The change of the velocities by which these residuals vanish: J (change) = -r, of least kinetic energy.
-  void correct(const JointTree&, const ArticulatedBodies&, const VecX& r, VecX& dv);
-  /// Fills in residual, worst row, pivots and detector.
-  void complete(SolveReport&);
-
-  /// Writes what was learned of the pivots, and takes it back; of other rows nothing is taken.
-  void save(Snapshot&) const;
-  void restore(const Snapshot&);
-
-  const VecX& lambda() const { return lambda_; }  ///< one per row of the table
-  /// Adds what the closures do to forces of the slots: f <- f - J' lambda.
-  void react(const RowTable&, VecX& f) const;
-
-  /// What the last correction changes at a node, world axes.
-  struct alignas(kColumn) Change {
-    Column a{}, al{};
-  };
-  const Change& change(std::size_t node) const { return changes_[node]; }
-
-  // Called by the recursion at node k.
+  // Called by the recursion at node k. joint: as above.
   template <class Inertia>
   void close(std::size_t k, Inertia&);
-  void pass_on(std::size_t k, int n_v, const ArticulatedBodies::Node&, const ArticulatedBodies::Dof*,
-               const double* inverse);
+  template <class Joint>
+  void pass_on(std::size_t k, int n_v, Joint&& joint);
   void close_at_ground();
-  const double* less(std::size_t k, int n_v);
-  void find(std::size_t k, const Column& a, const Column& al);
+  const double* less(std::size_t k, int n_v) { return less(k, n_v, lambda_); }  // V' lambda; null: nothing
+  void find(std::size_t k, const Twist& a) { find(k, a, lambda_); }
 
  private:
-  struct alignas(kColumn) Row {  // K = (f, t)
-    Column f{}, t{};
-    double l = 0;
-  };
-  // The rows at a node: first those that go on to its parent, then those that end here.
-  struct Front {
-    int first = 0, n_open = 0, n = 0;  // places
-    int Lambda = 0;                    // where its n x n numbers begin
-    int V = 0;                         // where V begins: n_v numbers for each open row
-  };
-  // A slot of a row: its jacobian, world axes, its node and its place there.
-  struct alignas(kColumn) Side {
-    Column f{}, t{};
-    int node = 0, place = 0;
-  };
-  struct Source {  // a row of the table
-    int first_side = 0, n_sides = 0;
-    RowKind kind = RowKind::translation;
-  };
-  using Rows = std::vector<int>;
-  void add_front(const Rows& open, const Rows& closing, int n_v);
-  void add_ground_fronts(const std::vector<Rows>& entries, const std::vector<std::vector<int>>& together);
-  void link_fronts();
-  void measure_diagonal(const RowTable&);
-  double* Lambda(const Front& f, int i) { return Lambda_.data() + f.Lambda + i * f.n; }
-  const double* Lambda(const Front& f, int i) const { return Lambda_.data() + f.Lambda + i * f.n; }
-  int row_of(const Front& f, int i) const { return row_of_[static_cast<std::size_t>(f.first + i)]; }
-  int place_above(const Front& f, int i) const { return above_[static_cast<std::size_t>(f.first + i)]; }
+  bool has_parent(std::size_t node) const { return fronts_.parents[node] < fronts_.n_nodes; }
+  void close_again(const ClosureFront&, Wrench* p);
+  template <class Bodies>
+  void inward_again(const Bodies&, const JointTree&, const VecX& r);
+  template <class Bodies>
+  void outward_again(const Bodies&, const JointTree&, VecX& dv);
   template <bool kAtGround>
-  void eliminate(const Front&, int j);
+  void eliminate(const ClosureFront&, int j);
   void add_to_parent(std::size_t k);
-  double multiplier(const Front&, int j, double with, const VecX& lambda) const;
-  void inward_again(const JointTree&, const ArticulatedBodies&, const VecX& r);
-  void outward_again(const JointTree&, const ArticulatedBodies&, VecX& dv);
+  void find_at_ground(VecX& lambda);
+  const double* less(std::size_t k, int n_v, const VecX& lambda);
+  void find(std::size_t k, const Twist& a, VecX& lambda);
 
-  // By node, then those of the ground: one for each link that ends there, in the order of their elimination.
-  std::vector<Front> fronts_;
-  std::vector<std::size_t> parents_;  // of each front the one that its open rows go to
-  std::size_t n_nodes_ = 0;
-  std::vector<Row> rows_;      // by place
-  std::vector<int> row_of_, above_;  // of each place: the row of the table, the place at the parent (open rows)
-  std::vector<double> Lambda_, V_;
-  std::vector<Side> sides_;
-  std::vector<Source> sources_;
-  std::vector<Mat3> inverse_inertia_;  // by node, slot axes
-  std::vector<double> inverse_mass_;
-  VecX c_, E_, diagonal_, scale_, d_, lambda_, r_, size_;  // by row; scale_: s_j
-  // Of a correction: by place, by node, by row, by coordinate.
-  std::vector<double> l_;
-  std::vector<Row> wrenches_;
-  std::vector<Change> changes_;
-  VecX dlambda_, du_;
-  std::array<double, 6> less_{};
-  PivotWatch watch_;
-  std::array<double, 3> pivot_floors_{};
-  bool floors_known_ = false;
-  double length_ = 1, worst_ = 0;
-  int worst_row_ = -1;
+  std::vector<Wrench> K_,       // by place
+      J_,                       // by side, of the slot's mass centre
+      wrenches_;                // of a correction, by node
+  std::vector<Twist> changes_;  // likewise
+  std::vector<int> first_v_, n_v_;
+  double less_[6] = {};
 };
 
-// What the recursion is compiled with.
+template <class Wrench, class Twist>
+void LoopClosures<Wrench, Twist>::begin(const JointTree& tree, const System& system, const RowTable& rows) {
+  ClosureRows::begin(ClosureFronts(tree, system, rows), system.length());
+  K_.assign(fronts_.rows.size(), {}), J_.assign(fronts_.sides.size(), {});
+  wrenches_.assign(fronts_.n_nodes, {}), changes_.assign(fronts_.n_nodes, {});
+  first_v_.clear(), n_v_.clear();
+  for (const TreeNode& n : tree.nodes()) first_v_.push_back(n.first_v), n_v_.push_back(n.n_v());
+  du_.setZero(tree.n_v());
+}
+
+template <class Wrench, class Twist>
+template <class Bodies>
+LOCKSTEP_INLINE void LoopClosures<Wrench, Twist>::read(const Bodies& bodies, const JointTree& tree,
+                                                       std::span<const Motion> motions, const RowTable& table) {
+  std::ranges::fill(K_, Wrench{});
+  std::ranges::fill(l_, 0.0);
+  std::ranges::fill(Lambda_, 0.0);
+  diagonal_.setZero();
+  n_small_ = 0;
+  double arm2 = 0;
+  for (const RowEntry& e : table.entries) {
+    const RowView block = table.block(e);
+    for (int k = 0; k < e.m; ++k) {
+      const int row = e.first_row + k;
+      c_[row] = block.Qhat(k);
+      const ClosureSource& source = fronts_.sources[static_cast<std::size_t>(row)];
+      double l = -c_[row];
+      for (int i = 0; i < source.n_sides; ++i) {
+        const auto at = static_cast<std::size_t>(source.first_side + i);
+        const ClosureSide& side = fronts_.sides[at];
+        const auto node = static_cast<std::size_t>(side.node);
+        const Motion& motion = motions[static_cast<std::size_t>(tree.nodes()[node].slot + 1)];
+        Wrench& J = J_[at];
+        J = bodies.read_side(block, i, k, node, motion, diagonal_[row]);
+        if (!floors_known_ && source.kind == RowKind::translation) arm2 = std::max(arm2, moment2(J));
+        Wrench K = J;
+        l += bodies.move_to_joint(node, K);
+        K_[static_cast<std::size_t>(side.place)] += K;
+      }
+      l_of(static_cast<std::size_t>(row)) = l;
+    }
+  }
+  measure_scales(table, arm2);
+}
+
+template <class Wrench, class Twist>
+template <class Bodies>
+LOCKSTEP_INLINE bool LoopClosures<Wrench, Twist>::met(const Bodies& bodies) {
+  for (std::size_t j = 0; j < fronts_.sources.size(); ++j) {
+    const ClosureSource& source = fronts_.sources[j];
+    const auto row = static_cast<Eigen::Index>(j);
+    double r = -c_[row], size = std::abs(c_[row]);
+    for (int i = 0; i < source.n_sides; ++i) {
+      const auto at = static_cast<std::size_t>(source.first_side + i);
+      const double x = dot(J_[at], bodies.acceleration(static_cast<std::size_t>(fronts_.sides[at].node)));
+      r += x, size += std::abs(x);
+    }
+    r_[row] = r, size_[row] = size;
+  }
+  return is_met();
+}
 
 // Lambda is symmetric: what is right of the diagonal is neither written nor read. At the ground nothing moves, and K is
 // of no interest.
+template <class Wrench, class Twist>
 template <bool kAtGround>
-LOCKSTEP_INLINE void LoopClosures::eliminate(const Front& front, int j) {
-  constexpr double kLeast = 1e-14;  // of the scale: what rounding may leave of a pivot
+LOCKSTEP_INLINE void LoopClosures<Wrench, Twist>::eliminate(const ClosureFront& front, int j) {
   const int row = row_of(front, j);
-  Row* rows = rows_.data() + front.first;
+  Wrench* K = K_.data() + front.first;
+  double* l = l_.data() + front.first;
   const double* at = Lambda(front, j);
-  const double d = std::max(at[j] + E_[row], kLeast * scale_[row]), d_1 = 1.0 / d;
-  d_[row] = d;
+  const bool small = at[j] < kSmallPivot * scale_[row];
+  const double d = small ? std::max(at[j], 0.0) + E_[row] : at[j], d_1 = 1.0 / d;  // rounding may leave less than zero
+  d_[row] = d, n_small_ += small ? 1 : 0;
   for (int i = 0; i < j; ++i) {
     const double x = at[i] * d_1;
-    if constexpr (!kAtGround) rows[i].f -= rows[j].f * x, rows[i].t -= rows[j].t * x;
-    rows[i].l -= rows[j].l * x;
+    if constexpr (!kAtGround) K[i] -= x * K[j];
+    l[i] -= l[j] * x;
     double* to = Lambda(front, i);
     for (int k = 0; k <= i; ++k) to[k] -= x * at[k];
   }
 }
 
+template <class Wrench, class Twist>
 template <class Inertia>
-LOCKSTEP_INLINE void LoopClosures::close(std::size_t k, Inertia& I) {
-  const Front& front = fronts_[k];
+LOCKSTEP_INLINE void LoopClosures<Wrench, Twist>::close(std::size_t k, Inertia& IA) {
+  const ClosureFront& front = fronts_.all[k];
   for (int j = front.n - 1; j >= front.n_open; --j) {
     eliminate<false>(front, j);
-    const Row& row = rows_[static_cast<std::size_t>(front.first + j)];
-    const double w = -1.0 / d_[row_of(front, j)];
-    const Column f = row.f * w, t = row.t * w;
-    subtract_dyad(I.M, f, row.f), subtract_dyad(I.H, f, row.t);
-    subtract_dyad(I.H_t, t, row.f), subtract_dyad(I.I, t, row.t);
-    I.pf -= f * row.l, I.pt -= t * row.l;
+    const auto place = static_cast<std::size_t>(front.first + j);
+    IA.add_row(K_[place], l_[place], 1.0 / d_[row_of(front, j)]);
   }
 }
 
 // Adds the open rows of a front to those of its parent.
-LOCKSTEP_INLINE void LoopClosures::add_to_parent(std::size_t k) {
-  const Front &front = fronts_[k], &up = fronts_[parents_[k]];
-  const int* above = above_.data() + front.first;
+template <class Wrench, class Twist>
+LOCKSTEP_INLINE void LoopClosures<Wrench, Twist>::add_to_parent(std::size_t k) {
+  const ClosureFront &front = fronts_.all[k], &up = fronts_.all[fronts_.parents[k]];
+  const int* above = fronts_.above.data() + front.first;
   for (int i = 0; i < front.n_open; ++i) {
-    const Row& row = rows_[static_cast<std::size_t>(front.first + i)];
-    Row& there = rows_[static_cast<std::size_t>(above[i])];
-    there.f += row.f, there.t += row.t, there.l += row.l;
+    const auto place = static_cast<std::size_t>(front.first + i), there = static_cast<std::size_t>(above[i]);
+    K_[there] += K_[place], l_[there] += l_[place];
     const double* from = Lambda(front, i);
     const int at = above[i] - up.first;
     for (int j = 0; j <= i; ++j) {
@@ -187,71 +196,132 @@ LOCKSTEP_INLINE void LoopClosures::add_to_parent(std::size_t k) {
   }
 }
 
-LOCKSTEP_INLINE void LoopClosures::close_at_ground() {
-  for (std::size_t k = n_nodes_; k < fronts_.size(); ++k) {
-    const Front& front = fronts_[k];
+template <class Wrench, class Twist>
+LOCKSTEP_INLINE void LoopClosures<Wrench, Twist>::close_at_ground() {
+  for (std::size_t k = fronts_.n_nodes; k < fronts_.all.size(); ++k) {
+    const ClosureFront& front = fronts_.all[k];
     for (int j = front.n - 1; j >= front.n_open; --j) eliminate<true>(front, j);
     if (front.n_open > 0) add_to_parent(k);
   }
-  for (std::size_t k = fronts_.size(); k-- > n_nodes_;) {
-    const Front& front = fronts_[k];
-    for (int j = front.n_open; j < front.n; ++j) {
-      const double l = rows_[static_cast<std::size_t>(front.first + j)].l;
-      lambda_[row_of(front, j)] = multiplier(front, j, l, lambda_);
-    }
-  }
+  find_at_ground(lambda_);
 }
 
-LOCKSTEP_INLINE void LoopClosures::pass_on(std::size_t k, int n_v, const ArticulatedBodies::Node& b,
-                                           const ArticulatedBodies::Dof* dof, const double* inverse) {
-  const Front& front = fronts_[k];
+template <class Wrench, class Twist>
+LOCKSTEP_INLINE void LoopClosures<Wrench, Twist>::find_at_ground(VecX& lambda) {
+  for (std::size_t k = fronts_.all.size(); k-- > fronts_.n_nodes;) find(k, {}, lambda);
+}
+
+template <class Wrench, class Twist>
+template <class Joint>
+LOCKSTEP_INLINE void LoopClosures<Wrench, Twist>::pass_on(std::size_t k, int n_v, Joint&& joint) {
+  const ClosureFront& front = fronts_.all[k];
   if (front.n_open == 0) return;
   double kappa[6];
   for (int i = 0; i < front.n_open; ++i) {
-    Row& row = rows_[static_cast<std::size_t>(front.first + i)];
-    double* V = V_.data() + front.V + i * n_v;
-    for (int x = 0; x < n_v; ++x) kappa[x] = dot(row.f, dof[x].l) + dot(row.t, dof[x].n);
-    for (int x = 0; x < n_v; ++x) {
-      V[x] = 0;
-      for (int y = 0; y < n_v; ++y) V[x] += inverse[n_v * x + y] * kappa[y];
-      row.f -= dof[x].Uf * V[x], row.t -= dof[x].Ut * V[x], row.l += V[x] * dof[x].u;
-    }
+    const auto place = static_cast<std::size_t>(front.first + i);
+    joint.pass(K_[place], l_[place], kappa, V_.data() + front.V + i * n_v);
     for (int j = 0; j <= i; ++j) {
       const double* Vj = V_.data() + front.V + j * n_v;
       double sum = 0;
       for (int x = 0; x < n_v; ++x) sum += kappa[x] * Vj[x];
       Lambda(front, i)[j] += sum;
     }
-    row.l += dot(row.f, b.ca) + dot(row.t, b.cal);
-    row.t += Skew(b.r) * row.f;
   }
   add_to_parent(k);
 }
 
-// lambda_j = (K_j a + l_j - sum of Lambda_ij lambda_i) / d_j over the rows that were eliminated later; `with`: K_j a + l_j
-LOCKSTEP_INLINE double LoopClosures::multiplier(const Front& front, int j, double with, const VecX& lambda) const {
-  const double* at = Lambda(front, j);
-  for (int i = 0; i < j; ++i) with -= at[i] * lambda[row_of(front, i)];
-  return with / d_[row_of(front, j)];
-}
-
-LOCKSTEP_INLINE const double* LoopClosures::less(std::size_t k, int n_v) {
-  const Front& front = fronts_[k];
+template <class Wrench, class Twist>
+LOCKSTEP_INLINE const double* LoopClosures<Wrench, Twist>::less(std::size_t k, int n_v, const VecX& lambda) {
+  const ClosureFront& front = fronts_.all[k];
   if (front.n_open == 0) return nullptr;
-  less_.fill(0.0);
-  for (int i = 0; i < front.n_open; ++i) {
-    const double x = lambda_[row_of(front, i)];
-    for (int v = 0; v < n_v; ++v) less_[static_cast<std::size_t>(v)] += V_[static_cast<std::size_t>(front.V + i * n_v + v)] * x;
+  for (int v = 0; v < n_v; ++v) {
+    const double* V = V_.data() + front.V + v;
+    less_[v] = 0;
+    for (int i = 0; i < front.n_open; ++i) less_[v] += V[i * n_v] * lambda[row_of(front, i)];
   }
-  return less_.data();
+  return less_;
 }
 
-LOCKSTEP_INLINE void LoopClosures::find(std::size_t k, const Column& a, const Column& al) {
-  const Front& front = fronts_[k];
+template <class Wrench, class Twist>
+LOCKSTEP_INLINE void LoopClosures<Wrench, Twist>::find(std::size_t k, const Twist& a, VecX& lambda) {
+  const ClosureFront& front = fronts_.all[k];
   for (int j = front.n_open; j < front.n; ++j) {
-    const Row& row = rows_[static_cast<std::size_t>(front.first + j)];
-    lambda_[row_of(front, j)] = multiplier(front, j, row.l + dot(row.f, a) + dot(row.t, al), lambda_);
+    const auto place = static_cast<std::size_t>(front.first + j);
+    lambda[row_of(front, j)] = multiplier(front, j, l_[place] + dot(K_[place], a), lambda);
   }
 }
+
+// The elimination again, for p = 0, c = 0 and l = r.
+template <class Wrench, class Twist>
+template <class Bodies>
+LOCKSTEP_INLINE void LoopClosures<Wrench, Twist>::correct(const Bodies& bodies, const JointTree& tree, const VecX& r,
+                                                          VecX& dv) {
+  inward_again(bodies, tree, r);
+  outward_again(bodies, tree, dv);
+}
+
+template <class Wrench, class Twist>
+LOCKSTEP_INLINE void LoopClosures<Wrench, Twist>::close_again(const ClosureFront& front, Wrench* p) {
+  double* l = l_.data() + front.first;
+  for (int j = front.n - 1; j >= front.n_open; --j) {
+    const double* at = Lambda(front, j);
+    const double x = l[j] / d_[row_of(front, j)];
+    if (p) *p += x * K_[static_cast<std::size_t>(front.first + j)];
+    for (int i = 0; i < j; ++i) l[i] -= at[i] * x;
+  }
+}
+
+template <class Wrench, class Twist>
+template <class Bodies>
+LOCKSTEP_INLINE void LoopClosures<Wrench, Twist>::inward_again(const Bodies& bodies, const JointTree& tree,
+                                                               const VecX& r) {
+  std::ranges::fill(l_, 0.0);
+  std::ranges::fill(wrenches_, Wrench{});
+  for (std::size_t j = 0; j < fronts_.sources.size(); ++j) l_of(j) = r[static_cast<Eigen::Index>(j)];
+  for (std::size_t k = fronts_.n_nodes; k-- > 0;) {
+    const ClosureFront& front = fronts_.all[k];
+    Wrench& p = wrenches_[k];
+    close_again(front, &p);
+    double* u = du_.data() + first_v_[k];
+    bodies.joint(tree, k).pass_again(p, u);
+    for (int i = 0; i < front.n_open; ++i) {
+      double l = l_[static_cast<std::size_t>(front.first + i)];
+      for (int x = 0; x < n_v_[k]; ++x) l += V_[static_cast<std::size_t>(front.V + i * n_v_[k] + x)] * u[x];
+      l_[static_cast<std::size_t>(fronts_.place_above(front, i))] += l;
+    }
+    if (has_parent(k)) wrenches_[fronts_.parents[k]] += p;
+  }
+  for (std::size_t k = fronts_.n_nodes; k < fronts_.all.size(); ++k) {
+    const ClosureFront& front = fronts_.all[k];
+    close_again(front, nullptr);
+    for (int i = 0; i < front.n_open; ++i)
+      l_[static_cast<std::size_t>(fronts_.place_above(front, i))] += l_[static_cast<std::size_t>(front.first + i)];
+  }
+  find_at_ground(dlambda_);
+}
+
+template <class Wrench, class Twist>
+template <class Bodies>
+LOCKSTEP_INLINE void LoopClosures<Wrench, Twist>::outward_again(const Bodies& bodies, const JointTree& tree, VecX& dv) {
+  dv.resize(tree.n_v());
+  for (std::size_t k = 0; k < fronts_.n_nodes; ++k) {
+    const double* by_rows = less(k, n_v_[k], dlambda_);
+    changes_[k] = bodies.joint(tree, k).solve_again(has_parent(k) ? changes_[fronts_.parents[k]] : Twist{},
+                                                    du_.data() + first_v_[k], by_rows, dv.data() + first_v_[k]);
+    find(k, changes_[k], dlambda_);
+  }
+}
+
+/// What a tree without closures does in their place.
+struct NoClosures {
+  template <class Inertia>
+  void close(std::size_t, Inertia&) {}
+  template <class Joint>
+  void pass_on(std::size_t, int, const Joint&) {}
+  void close_at_ground() {}
+  const double* less(std::size_t, int) const { return nullptr; }
+  template <class Twist>
+  void find(std::size_t, const Twist&) {}
+};
 
 }  // namespace lockstep

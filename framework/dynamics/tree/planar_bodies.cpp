@@ -6,7 +6,7 @@
 
 namespace lockstep {
 
-void PlanarBodies::begin(const JointTree& tree, const System& system) {
+PlanarBodies::PlanarBodies(const JointTree& tree, const System& system, const RowTable& closures) {
   const std::vector<PlanarNode>& nodes = tree.planar()->nodes();
   const std::size_t n = nodes.size();
   nodes_.assign(n + 1, Node());
@@ -31,9 +31,13 @@ void PlanarBodies::begin(const JointTree& tree, const System& system) {
     }
   }
   waiting_.assign(static_cast<std::size_t>(n_waiting), Inertia());
+  if (closures.n_rows == 0) return;
+  closures_.begin(tree, system, closures);
+  correction_.setZero(tree.n_v());
 }
 
-LOCKSTEP_FLAT_CLONES void PlanarBodies::outward(const JointTree& tree, const State& y, std::vector<Motion>& motions) {
+LOCKSTEP_FLAT_CLONES void PlanarBodies::pass_outward(const JointTree& tree, const State& y,
+                                                     std::vector<Motion>& motions) {
   motions.resize(nodes_.size());
   const PlanarJoints& joints = *tree.planar();
   if (joints.plane().n == 0) return outward_along<0>(tree, joints, y, motions);
@@ -75,6 +79,13 @@ LOCKSTEP_INLINE void PlanarBodies::Inertia::add(const Inertia& b) {
   Mii += b.Mii, Mij += b.Mij, Mjj += b.Mjj, I += b.I, tau += b.tau, h += b.h, p += b.p;
 }
 
+LOCKSTEP_INLINE void PlanarBodies::Inertia::add_row(const FlatWrench& K, double l, double d_1) {
+  const Flat f = d_1 * K.f;
+  const double t = d_1 * K.t;
+  Mii += f.i * K.f.i, Mij += f.i * K.f.j, Mjj += f.j * K.f.j, h += t * K.f, I += t * K.t;
+  p += l * f, tau += l * t;
+}
+
 // U = IA S, D = S' U, u = -S' p; IA <- IA - U D^-1 U', p <- p + U D^-1 u; p <- p + IA c; then all about the parent's
 // point. The turn has S = (0, 0, 1), which leaves neither h nor I: with s = n x r, about the parent's point,
 //   M <- M - D^-1 h h',  h <- M s,  I <- s' M s,  p <- p + M c + D^-1 (u - h' c) h,  tau <- s' p
@@ -84,7 +95,7 @@ LOCKSTEP_INLINE void PlanarBodies::pass_hinge(Node& b, Inertia& IA) {
   const Flat Ms{IA.Mii * s.i + IA.Mij * s.j, IA.Mij * s.i + IA.Mjj * s.j};
   const Flat p{IA.p.i + IA.Mii * b.ca.i + IA.Mij * b.ca.j, IA.p.j + IA.Mij * b.ca.i + IA.Mjj * b.ca.j};
   const double hs = dot(h, s), u = -IA.tau - dot(h, b.ca), D_1 = 1.0 / IA.I;
-  b.g = D_1 * h, b.gs = D_1 * hs, b.u = D_1 * u;
+  b.g = D_1 * h, b.gs = D_1 * hs, b.u = D_1 * u, b.D_1 = D_1;
   IA.Mii -= D_1 * (h.i * h.i), IA.Mij -= D_1 * (h.i * h.j), IA.Mjj -= D_1 * (h.j * h.j);
   IA.h = Ms - D_1 * (hs * h);
   IA.I = dot(s, Ms) - D_1 * (hs * hs);
@@ -96,7 +107,7 @@ LOCKSTEP_INLINE void PlanarBodies::pass_hinge(Node& b, Inertia& IA) {
 LOCKSTEP_INLINE void PlanarBodies::eliminate(const PlanarNode& n, Node& b, Inertia& IA) {
   if (n.turns) {
     const double D_1 = 1.0 / IA.I;
-    b.g = D_1 * IA.h, b.u = -D_1 * IA.tau;
+    b.g = D_1 * IA.h, b.u = -D_1 * IA.tau, b.D_1 = D_1;
     IA.Mii -= b.g.i * IA.h.i, IA.Mij -= b.g.i * IA.h.j, IA.Mjj -= b.g.j * IA.h.j;
     IA.p += b.u * IA.h;
     IA.h = {}, IA.I = 0, IA.tau = 0;
@@ -124,9 +135,100 @@ LOCKSTEP_INLINE void PlanarBodies::shift(const Node& b, Inertia& IA) {
   IA.tau += dot(s, IA.p);
 }
 
+LOCKSTEP_INLINE FlatWrench& operator+=(FlatWrench& a, const FlatWrench& b) {
+  a.f += b.f, a.t += b.t;
+  return a;
+}
+LOCKSTEP_INLINE FlatWrench& operator-=(FlatWrench& a, const FlatWrench& b) {
+  a.f -= b.f, a.t -= b.t;
+  return a;
+}
+LOCKSTEP_INLINE FlatWrench operator*(double x, const FlatWrench& a) { return {x * a.f, x * a.t}; }
+LOCKSTEP_INLINE double dot(const FlatWrench& a, const FlatTwist& b) { return dot(a.f, b.a) + a.t * b.al; }
+LOCKSTEP_INLINE double moment2(const FlatWrench& a) { return a.t * a.t; }
+
+// What eliminate() and shift() do with IA, here with K: its rows are K' / D^-1 once the coordinates are gone. Of a hinge
+// u, g and gs are about the parent's point already.
+LOCKSTEP_INLINE void PlanarBodies::Joint::pass(FlatWrench& K, double& l, double* kappa, double* V) const {
+  const Flat s = across(b.r);
+  const int turn = n.n_slides;
+  if (n.turns) {
+    const double t = kappa[turn] = K.t;
+    V[turn] = t * b.D_1;
+    l += t * b.u;
+    if (turn == 0) {
+      l += dot(K.f, b.ca);
+      K.t = dot(K.f, s) - t * b.gs;
+      K.f -= t * b.g;
+      return;
+    }
+    K.f -= t * b.g, K.t = 0;
+  }
+  for (int i = 0; i < n.n_slides; ++i) {
+    const Slide& slide = slides[i];
+    kappa[i] = dot(K.f, slide.l), V[i] = kappa[i] * slide.D_1;
+    l += V[i] * slide.u;
+    K.f -= V[i] * slide.U, K.t -= V[i] * slide.U_turn;
+  }
+  l += dot(K.f, b.ca) + K.t * b.cal;
+  K.t += dot(K.f, s);
+}
+
+// u = -S' p, p <- p + U D^-1 u, one coordinate after another, then about the parent's point
+LOCKSTEP_INLINE void PlanarBodies::Joint::pass_again(FlatWrench& p, double* u) const {
+  const Flat s = across(b.r);
+  if (n.turns) {
+    const double x = u[n.n_slides] = -p.t;
+    if (n.n_slides == 0) {
+      p.t = dot(s, p.f) + x * b.gs, p.f += x * b.g;
+      return;
+    }
+    p.f += x * b.g, p.t = 0;
+  }
+  for (int i = 0; i < n.n_slides; ++i) {
+    u[i] = -dot(slides[i].l, p.f);
+    const double x = slides[i].D_1 * u[i];
+    p.f += x * slides[i].U, p.t += x * slides[i].U_turn;
+  }
+  p.t += dot(s, p.f);
+}
+
+// As solve(), without accelerations that the velocities and laws make.
+LOCKSTEP_INLINE FlatTwist PlanarBodies::Joint::solve_again(const FlatTwist& p, const double* u, const double* less,
+                                                           double* dv) const {
+  const int turn = n.n_slides;
+  FlatTwist own{p.a + p.al * across(b.r), p.al};
+  for (int i = n.n_slides; i-- > 0;) {
+    const Slide& slide = slides[i];
+    dv[i] = slide.D_1 * (u[i] - dot(slide.U, own.a) - slide.U_turn * own.al) - (less ? less[i] : 0.0);
+    own.a += dv[i] * slide.l;
+  }
+  if (!n.turns) return own;
+  const double by_parent = turn == 0 ? dot(b.g, p.a) + b.gs * p.al : dot(b.g, own.a);
+  own.al = b.D_1 * u[turn] - by_parent - (less ? less[turn] : 0.0);
+  dv[turn] = n.sign * (own.al - p.al);
+  return own;
+}
+
+LOCKSTEP_INLINE FlatWrench PlanarBodies::read_side(const RowView& rows, int i, int k, std::size_t node, const Motion&,
+                                                   double& diagonal) const {
+  const std::array<double, 3> J = rows.J_in_plane(i, k);
+  const Node& b = nodes_[node + 1];
+  diagonal += (J[0] * J[0] + J[1] * J[1]) / b.m;
+  if (b.J > 0) diagonal += J[2] * J[2] / b.J;  // else a particle
+  return {{J[0], J[1]}, J[2]};
+}
+
+// The mass centre has a + al n x d - w^2 d.
+LOCKSTEP_INLINE double PlanarBodies::move_to_joint(std::size_t node, FlatWrench& K) const {
+  const Node& b = nodes_[node + 1];
+  K.t += dot(K.f, across(b.d));
+  return -b.frame.w * b.frame.w * dot(K.f, b.d);
+}
+
 // Of a slot about its joint's point: M = m 1, h = m n x d, I = J + m d^2, p = -m w^2 d - f, tau = d x p - moment.
-template <int k>
-LOCKSTEP_INLINE void PlanarBodies::inward_along(const PlanarJoints& joints, const VecX& f) {
+template <int k, class Rows>
+LOCKSTEP_INLINE void PlanarBodies::inward_along(const PlanarJoints& joints, const VecX& f, Rows& rows) {
   constexpr int i = (k + 1) % 3, j = (k + 2) % 3;
   const std::vector<PlanarNode>& nodes = joints.nodes();
   for (Inertia& I : waiting_) I = {};
@@ -141,66 +243,152 @@ LOCKSTEP_INLINE void PlanarBodies::inward_along(const PlanarJoints& joints, cons
     const double moment = n.posture < 0 ? on[3 + k] : b.normal.dot(Vec3(on[3], on[4], on[5]));
     IA.Mii += b.m, IA.Mjj += b.m, IA.h += h, IA.p += p;
     IA.I += b.J + dot(e, h), IA.tau += dot(e, p) - moment;
+    rows.close(l, IA);
     if (is_hinge(n)) {
       pass_hinge(b, IA);
+      rows.pass_on(l, 1, joint(n, b));
     } else {
       eliminate(n, b, IA);
+      rows.pass_on(l, n.n_slides + (n.turns ? 1 : 0), joint(n, b));
       shift(b, IA);
     }
     if (b.to >= 0) waiting_[static_cast<std::size_t>(b.to)].add(IA);
   }
 }
 
-// a' = a_p + al_p x r + ca, al' = al_p + cal; who was eliminated last comes first: qdd = D^-1 (u - U' a')
-LOCKSTEP_INLINE PlanarBodies::Found PlanarBodies::solve(const PlanarNode& n, const Node& b, const Found& p,
-                                                        VecX& vd) const {
-  Found own{p.a + (p.al * across(b.r) + b.ca), p.al + b.cal};
+// a' = a_p + al_p x r + ca, al' = al_p + cal; who was eliminated last comes first: qdd = D^-1 (u - U' a') - less; less:
+// V' lambda of closures, null without
+LOCKSTEP_INLINE FlatTwist PlanarBodies::solve(const PlanarNode& n, const Node& b, const FlatTwist& p,
+                                              const double* less, VecX& vd) const {
+  FlatTwist own{p.a + (p.al * across(b.r) + b.ca), p.al + b.cal};
   const double before = own.al;
   if (is_hinge(n)) {
     own.al = b.u - dot(b.g, p.a) - b.gs * p.al;
+    if (less) own.al -= less[0];
     vd[n.first_v] = n.sign * (own.al - before);
     return own;
   }
   for (int i = n.n_slides; i-- > 0;) {
     const Slide& s = slides_[static_cast<std::size_t>(n.first_v + i)];
-    const double x = s.D_1 * (s.u - dot(s.U, own.a) - s.U_turn * own.al);
+    double x = s.D_1 * (s.u - dot(s.U, own.a) - s.U_turn * own.al);
+    if (less) x -= less[i];
     vd[n.first_v + i] = x;
     own.a += x * s.l;
   }
   if (!n.turns) return own;
   own.al = b.u - dot(b.g, own.a);
+  if (less) own.al -= less[n.n_slides];
   vd[n.first_v + n.n_slides] = n.sign * (own.al - before);
   return own;
 }
 
-LOCKSTEP_FLAT_CLONES void PlanarBodies::accelerate(const JointTree& tree, const VecX& f, VecX& vd) {
+template <class Rows>
+LOCKSTEP_INLINE void PlanarBodies::accelerate_with(const JointTree& tree, const VecX& f, Rows& rows, VecX& vd) {
   vd.resize(tree.n_v());
   const PlanarJoints& joints = *tree.planar();
   switch (joints.plane().n) {
     case 0:
-      inward_along<0>(joints, f);
+      inward_along<0>(joints, f, rows);
       break;
     case 1:
-      inward_along<1>(joints, f);
+      inward_along<1>(joints, f, rows);
       break;
     default:
-      inward_along<2>(joints, f);
+      inward_along<2>(joints, f, rows);
   }
+  rows.close_at_ground();
   double a2 = 0, al = 0;
-  Found last;
+  FlatTwist last;
   for (std::size_t l = 0; l < joints.nodes().size(); ++l) {
     const PlanarNode& n = joints.nodes()[l];
     const auto parent = static_cast<std::size_t>(n.parent + 1);
     Node& b = nodes_[l + 1];
     if (parent != l) last = nodes_[parent].found;
-    b.found = last = solve(n, b, last, vd);
+    b.found = last = solve(n, b, last, rows.less(l, n.n_slides + (n.turns ? 1 : 0)), vd);
+    rows.find(l, last);
     const Flat a = at_centre(b);
     a2 = std::max(a2, dot(a, a)), al = std::max(al, std::abs(last.al));
   }
   largest_a_ = std::sqrt(a2), largest_alpha_ = al;
 }
 
-void PlanarBodies::accelerations(const JointTree& tree, VecX& a) const {
+LOCKSTEP_FLAT_CLONES void PlanarBodies::accelerate_tree(const JointTree& tree, const VecX& f, VecX& vd) {
+  NoClosures none;
+  accelerate_with(tree, f, none, vd);
+}
+
+LOCKSTEP_FLAT_CLONES void PlanarBodies::accelerate_loops(const JointTree& tree, const VecX& f, VecX& vd) {
+  accelerate_with(tree, f, closures_, vd);
+}
+
+void PlanarBodies::accelerate(const JointTree& tree, std::span<const Motion>, const VecX& f, VecX& vd) {
+  closures_.empty() ? accelerate_tree(tree, f, vd) : accelerate_loops(tree, f, vd);
+}
+
+LOCKSTEP_FLAT_CLONES void PlanarBodies::read_rows(const JointTree& tree, std::span<const Motion> motions,
+                                                  const RowTable& rows) {
+  closures_.read(*this, tree, motions, rows);
+}
+
+LOCKSTEP_FLAT_CLONES bool PlanarBodies::measure_rows() { return closures_.met(*this); }
+
+LOCKSTEP_FLAT_CLONES void PlanarBodies::find_change(const JointTree& tree, const VecX& r, VecX& dv) {
+  closures_.correct(*this, tree, r, dv);
+}
+
+void PlanarBodies::outward(const JointTree& tree, const State& y, std::vector<Motion>& motions) {
+  pass_outward(tree, y, motions);
+}
+
+void PlanarBodies::read(const JointTree& tree, std::span<const Motion> motions, const RowTable& rows) {
+  read_rows(tree, motions, rows);
+}
+
+bool PlanarBodies::met() { return measure_rows(); }
+
+void PlanarBodies::correct(const JointTree& tree, const VecX& r, VecX& dv) { find_change(tree, r, dv); }
+
+void PlanarBodies::correct(const JointTree& tree, VecX& vd) {
+  find_change(tree, closures_.measured(), correction_);
+  closures_.add_correction();
+  vd += correction_;
+  for (std::size_t k = 0; k + 1 < nodes_.size(); ++k) {
+    FlatTwist& own = nodes_[k + 1].found;
+    own.a += closures_.change(k).a, own.al += closures_.change(k).al;
+  }
+  find_largest();
+}
+
+void PlanarBodies::find_largest() {
+  double a2 = 0, al = 0;
+  for (std::size_t k = 1; k < nodes_.size(); ++k) {
+    const Flat a = at_centre(nodes_[k]);
+    a2 = std::max(a2, dot(a, a)), al = std::max(al, std::abs(nodes_[k].found.al));
+  }
+  largest_a_ = std::sqrt(a2), largest_alpha_ = al;
+}
+
+// Against the parent, beyond what the velocities make.
+void PlanarBodies::read_off(const JointTree& tree, std::span<const Motion>, const VecX& a, VecX& vd) {
+  vd.resize(tree.n_v());
+  const PlanarJoints& joints = *tree.planar();
+  const Plane plane = joints.plane();
+  for (std::size_t l = 0; l < joints.nodes().size(); ++l) {
+    const PlanarNode& n = joints.nodes()[l];
+    const FlatTwist& p = nodes_[static_cast<std::size_t>(n.parent + 1)].found;
+    Node& b = nodes_[l + 1];
+    const double* of = a.data() + 6 * n.slot;
+    b.found.al = b.normal.dot(Vec3(of[3], of[4], of[5]));
+    b.found.a = Flat{of[plane.i()], of[plane.j()]} - (b.found.al * across(b.d) - (b.frame.w * b.frame.w) * b.d);
+    if (n.turns) vd[n.first_v + n.n_slides] = n.sign * (b.found.al - p.al - b.cal);
+    const Flat da = b.found.a - (p.a + (p.al * across(b.r) + b.ca));
+    for (int i = 0; i < n.n_slides; ++i)
+      vd[n.first_v + i] = dot(slides_[static_cast<std::size_t>(n.first_v + i)].l, da);
+  }
+  find_largest();
+}
+
+void PlanarBodies::accelerations(const JointTree& tree, std::span<const Motion>, VecX& a) const {
   a.setZero(6 * tree.n_slots());
   const Plane plane = tree.planar()->plane();
   for (const PlanarNode& n : tree.planar()->nodes()) {

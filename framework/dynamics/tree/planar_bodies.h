@@ -6,21 +6,36 @@
 #include <lockstep/state.h>
 #include <lockstep/system.h>
 #include "framework/dynamics/tree/joint_tree.h"
+#include "framework/dynamics/tree/loop_closures.h"
 #include "framework/dynamics/tree/planar_motion.h"
+#include "framework/dynamics/tree/tree_recursion.h"
 
 namespace lockstep {
 
-/// The recursion and its scratch, for a tree with planar() joints. Inertias, wrenches and accelerations of a slot about
-/// the point of its joint.
-class LOCKSTEP_API PlanarBodies {
+/// A force and a moment, an acceleration and an angular one, in the plane.
+struct FlatWrench {
+  Flat f;
+  double t = 0;
+};
+struct FlatTwist {
+  Flat a;
+  double al = 0;
+};
+
+/// The recursion in a plane, for a tree with planar() joints. Inertias, wrenches and accelerations of a slot about the
+/// point of its joint.
+class LOCKSTEP_API PlanarBodies final : public TreeRecursion {
  public:
-  /// As those of ArticulatedBodies.
-  void begin(const JointTree&, const System&);
-  void outward(const JointTree&, const State&, std::vector<Motion>& motions);
-  void accelerate(const JointTree&, const VecX& f, VecX& vd);
-  void accelerations(const JointTree&, VecX& a) const;
-  double largest_a() const { return largest_a_; }
-  double largest_alpha() const { return largest_alpha_; }
+  PlanarBodies(const JointTree&, const System&, const RowTable& closures);
+  void outward(const JointTree&, const State&, std::vector<Motion>& motions) override;
+  void read(const JointTree&, std::span<const Motion> motions, const RowTable&) override;
+  void accelerate(const JointTree&, std::span<const Motion> motions, const VecX& f, VecX& vd) override;
+  bool met() override;
+  void correct(const JointTree&, VecX& vd) override;
+  void correct(const JointTree&, const VecX& r, VecX& dv) override;
+  void read_off(const JointTree&, std::span<const Motion> motions, const VecX& a, VecX& vd) override;
+  void accelerations(const JointTree&, std::span<const Motion> motions, VecX& a) const override;
+  ClosureRows& closures() override { return closures_; }
 
  private:
   // force = M a + h al + p, moment = h' a + I al + tau
@@ -28,11 +43,7 @@ class LOCKSTEP_API PlanarBodies {
     double Mii = 0, Mij = 0, Mjj = 0, I = 0, tau = 0;
     Flat h, p;
     void add(const Inertia&);
-  };
-  // Accelerations: of the joint's point, and of the slot about the normal.
-  struct Found {
-    Flat a;
-    double al = 0;
+    void add_row(const FlatWrench& K, double l, double d_1);
   };
   static constexpr int kNext = -2;
   struct Node {
@@ -42,8 +53,8 @@ class LOCKSTEP_API PlanarBodies {
         ca,          // acceleration of the point where the coordinates' own are zero
         g;           // al = u - g' a', by the turn's D^-1 U and D^-1 u; of a hinge al = u - g' a_p - gs al_p
     double cal = 0,  // angular acceleration by laws
-        u = 0, gs = 0;
-    Found found;
+        u = 0, gs = 0, D_1 = 0;
+    FlatTwist found;             // of the joint's point
     double m = 0, J = 0;         // mass of the slot alone, inertia about its mass centre
     Vec3 normal = Vec3::Zero();  // in slot axes
     // Inward, a node takes over from the one that comes after it if that is its child; what other children pass on
@@ -57,10 +68,38 @@ class LOCKSTEP_API PlanarBodies {
     Flat l, U;
     double U_turn, u, D_1;
   };
+  // The passes of closures through a node's joint: LoopClosures.
+  struct Joint {
+    const PlanarNode& n;
+    const Node& b;
+    const Slide* slides;
+    void pass(FlatWrench& K, double& l, double* kappa, double* V) const;
+    void pass_again(FlatWrench& p, double* u) const;
+    FlatTwist solve_again(const FlatTwist& parent, const double* u, const double* less, double* dv) const;
+  };
+  Joint joint(const PlanarNode& n, const Node& b) const { return {n, b, slides_.data() + n.first_v}; }
+  Joint joint(const JointTree& tree, std::size_t node) const {
+    return joint(tree.planar()->nodes()[node], nodes_[node + 1]);
+  }
+  FlatWrench read_side(const RowView&, int i, int k, std::size_t node, const Motion&, double& diagonal) const;
+  double move_to_joint(std::size_t node, FlatWrench&) const;
+  FlatTwist acceleration(std::size_t node) const { return {at_centre(nodes_[node + 1]), nodes_[node + 1].found.al}; }
+  using Closures = LoopClosures<FlatWrench, FlatTwist>;
+  friend Closures;
   template <int k>
   void outward_along(const JointTree&, const PlanarJoints&, const State&, std::vector<Motion>&);
-  template <int k>
-  void inward_along(const PlanarJoints&, const VecX& f);
+  template <int k, class Rows>
+  void inward_along(const PlanarJoints&, const VecX& f, Rows&);
+  // What is compiled for several instruction sets, which a virtual function cannot be.
+  void pass_outward(const JointTree&, const State&, std::vector<Motion>& motions);
+  void read_rows(const JointTree&, std::span<const Motion> motions, const RowTable&);
+  bool measure_rows();
+  void find_change(const JointTree&, const VecX& r, VecX& dv);
+  template <class Rows>
+  void accelerate_with(const JointTree&, const VecX& f, Rows&, VecX& vd);
+  void accelerate_tree(const JointTree&, const VecX& f, VecX& vd);
+  void accelerate_loops(const JointTree&, const VecX& f, VecX& vd);
+  void find_largest();
   static bool is_hinge(const PlanarNode& n) { return n.turns && n.n_slides == 0; }
   static Flat at_centre(const Node& b) {
     return b.found.a + (b.found.al * across(b.d) - (b.frame.w * b.frame.w) * b.d);
@@ -68,13 +107,14 @@ class LOCKSTEP_API PlanarBodies {
   static void pass_hinge(Node&, Inertia&);
   void eliminate(const PlanarNode&, Node&, Inertia&);
   static void shift(const Node&, Inertia&);
-  Found solve(const PlanarNode&, const Node&, const Found& parent, VecX& vd) const;
+  FlatTwist solve(const PlanarNode&, const Node&, const FlatTwist& parent, const double* less, VecX& vd) const;
 
   std::vector<Node> nodes_;    // the ground first
   std::vector<Slide> slides_;  // by number of the velocity
   std::vector<Inertia> waiting_;
   std::vector<double> half_, cosine_, sine_;  // of the joints' angles
-  double largest_a_ = 0, largest_alpha_ = 0;
+  Closures closures_;
+  VecX correction_;
 };
 
 }  // namespace lockstep

@@ -24,6 +24,7 @@ LOCKSTEP_INLINE Flat operator+(const Flat& a, const Flat& b) { return {a.i + b.i
 LOCKSTEP_INLINE Flat operator-(const Flat& a, const Flat& b) { return {a.i - b.i, a.j - b.j}; }
 LOCKSTEP_INLINE Flat operator*(double x, const Flat& a) { return {x * a.i, x * a.j}; }
 LOCKSTEP_INLINE Flat& operator+=(Flat& a, const Flat& b) { return a = a + b; }
+LOCKSTEP_INLINE Flat& operator-=(Flat& a, const Flat& b) { return a = a - b; }
 LOCKSTEP_INLINE double dot(const Flat& a, const Flat& b) { return a.i * b.i + a.j * b.j; }
 /// n x a
 LOCKSTEP_INLINE Flat across(const Flat& a) { return {-a.j, a.i}; }

@@ -106,7 +106,7 @@ enum class Formulation {
   omega,       ///< six velocities per body
   quaternion,  ///< the paper's seven coordinates per body, with a unit-length row each
   joint,       ///< the free coordinates of the joints, and the rows of links that close loops (Dynamics::why_not_joint)
-  automatic    ///< joint where the mechanism is a tree and the integrator takes it, else omega
+  automatic    ///< joint where it costs less by a rule on counts and the integrator takes it, else omega
 };
 /// "omega", "quaternion", "joint", "auto".
 LOCKSTEP_API std::string to_string(Formulation);
@@ -354,14 +354,15 @@ class LOCKSTEP_API Dynamics {
 
   // -- the coordinates of a state. All of the above takes a state in any coordinates but for rate().
   /// Converts the state to the coordinates of the formulation: with Formulation::joint and automatic to joint
-  /// coordinates, if the links in force make a tree. `near`: angles are counted on from there; null: from zero.
+  /// coordinates, unless something stands in the way (why_not_joint). `near`: angles are counted on from there; null:
+  /// from zero.
   void to_formulation(State&, const State* near = nullptr);
   /// Converts the state to the slots' own coordinates, in which poses and twists can be set.
   void to_slots(State&);
   /// Whether the state can be read as it is: a change of masses, joints or links in force makes other joint coordinates.
   bool has_current_coordinates(const State&);
-  /// What stands in the way of joint coordinates with these links in force, by name; "" where nothing does. By
-  /// Formulation::automatic that includes laws and drives.
+  /// What stands in the way of joint coordinates with these links in force, by name; "" where nothing does. With
+  /// Formulation::automatic also what makes them the dearer ones.
   std::string why_not_joint(const std::vector<bool>& modes);
 
   // -- moving a state. In joint coordinates only the closures of loops are projected; a tree has nothing to project.

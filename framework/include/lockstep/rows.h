@@ -110,12 +110,21 @@ class BasicRowBlock {
     const double* a = p_ + shape_.J(i);
     if (shape_.layout == RowLayout::dense)
       return {a[k], a[ld_ + k], a[2 * ld_ + k], a[3 * ld_ + k], a[4 * ld_ + k], a[5 * ld_ + k]};
-    if (shape_.layout == RowLayout::planar || shape_.layout == RowLayout::pair) return in_space(i, k, a);
+    if (shape_.layout == RowLayout::planar || shape_.layout == RowLayout::pair) return in_space(i, k);
     if (k >= 3) return {0, 0, 0, a[k], a[ld_ + k], a[2 * ld_ + k]};
     const double* r = p_ + shape_.R() + k * ld_;  // column k of R: the link's axis k in the world
     const double s = shape_.sign_of(i);
     const auto turned = [&](int c) { return r[0] * a[c * ld_] + r[1] * a[c * ld_ + 1] + r[2] * a[c * ld_ + 2]; };
     return {s * r[0], s * r[1], s * r[2], turned(0), turned(1), turned(2)};
+  }
+
+  /// The same of a planar mechanism, layouts planar and pair: v along i and j of the plane, then w about its normal.
+  std::array<double, 3> J_in_plane(int i, int k) const {
+    const double* a = p_ + shape_.J(i);
+    if (shape_.layout == RowLayout::planar) return {a[k], a[ld_ + k], a[2 * ld_ + k]};
+    if (k >= 2) return {0, 0, a[k]};
+    const double *r = p_ + shape_.R() + k * ld_, s = shape_.sign_of(i);
+    return {s * r[0], s * r[1], r[0] * a[0] + r[1] * a[1]};
   }
 
   /// Sets the jacobian of row k on the link's i-th slot, v (world) and w (slot axes); i < 0, the ground, is ignored. A
@@ -169,21 +178,12 @@ class BasicRowBlock {
     for (int c = 0; c < M::ColsAtCompileTime; ++c)
       for (int k = 0; k < M::RowsAtCompileTime; ++k) a[c * ld_ + k] = A(k, c);
   }
-  std::array<double, 6> in_space(int i, int k, const double* a) const {
+  std::array<double, 6> in_space(int i, int k) const {
     const Plane& plane = shape_.plane;
+    const std::array<double, 3> flat = J_in_plane(i, k);
     std::array<double, 6> out{};
-    const auto set_out = [&](double vi, double vj, double w) {
-      out[static_cast<std::size_t>(plane.i())] = vi, out[static_cast<std::size_t>(plane.j())] = vj;
-      out[static_cast<std::size_t>(3 + plane.n)] = w;
-    };
-    if (shape_.layout == RowLayout::planar) {
-      set_out(a[k], a[ld_ + k], a[2 * ld_ + k]);
-    } else if (k < 2) {
-      const double *r = p_ + shape_.R() + k * ld_, s = shape_.sign_of(i);
-      set_out(s * r[0], s * r[1], r[0] * a[0] + r[1] * a[1]);
-    } else {
-      set_out(0, 0, a[k]);
-    }
+    out[static_cast<std::size_t>(plane.i())] = flat[0], out[static_cast<std::size_t>(plane.j())] = flat[1];
+    out[static_cast<std::size_t>(3 + plane.n)] = flat[2];
     return out;
   }
   Number* p_;

@@ -151,11 +151,17 @@ void list_channels(const System& system, const std::string& of, nlohmann::ordere
              system.bodies().empty() ? "body" : system.bodies().back().name);
 }
 
-/// Whether the mechanism, in space unless the scene names its plane, has joint coordinates.
-bool is_tree_in_space(const Loaded& loaded) {
-  Mechanism m = build_mechanism(in_space(loaded.scene), loaded.registry);
+/// What "auto" would integrate, in space unless the scene names its plane: "no rows", or the rows that are left; "" where it
+/// takes omega.
+std::string rows_along_joints(const Loaded& loaded) {
+  Scene scene = in_space(loaded.scene);
+  scene.run.formulation = Formulation::automatic;
+  Mechanism m = build_mechanism(scene, loaded.registry);
   Dynamics dynamics = make_dynamics(m, loaded.registry);
-  return dynamics.why_not_joint(m.system.start().modes).empty();
+  const std::vector<bool> modes = m.system.start().modes;
+  if (!dynamics.why_not_joint(modes).empty()) return "";
+  const std::vector<std::string> closures = closures_of(m.system, modes);
+  return closures.empty() ? "no rows" : "the rows of " + first_of(closures);
 }
 
 /// The scene in the plane with this normal, where only the word of a part is missing that it stays there.
@@ -313,17 +319,15 @@ struct Findings {
 };
 
 std::vector<std::string> all_proposals(const Arguments& args, const Loaded& loaded, const Mechanism& m,
-                                       const MobilityReport& r, bool joint) {
+                                       const MobilityReport& r, bool is_tree) {
   if (args.full) return {};
   if (m.system.bodies().size() > kMostProposed)  // each one builds it anew
     return {fmt::format("(not looked for in more than {} bodies)", kMostProposed)};
-  std::vector<std::string> more = proposals(loaded, m, !joint);
-  if (m.run.formulation == Formulation::omega && is_tree_in_space(loaded) &&
-      make_integrator(m.run, loaded.registry)->info().joint)
-    more.push_back(
-        fmt::format("\"formulation\": \"auto\" integrates the joints' own coordinates: {} unknown "
-                    "velocities and no rows instead of {} and {}",
-                    r.freedoms, r.unknowns, r.rows));
+  std::vector<std::string> more = proposals(loaded, m, !is_tree);
+  if (m.run.formulation != Formulation::omega || !make_integrator(m.run, loaded.registry)->info().joint) return more;
+  if (const std::string rows = rows_along_joints(loaded); !rows.empty())
+    more.push_back(fmt::format(
+        "\"formulation\": \"auto\" integrates the joints' own coordinates, with {} instead of {}", rows, r.rows));
   return more;
 }
 
@@ -339,7 +343,7 @@ std::string formulation_of(const Mechanism& m, const std::string& why_not_joint,
   if (found.closures.empty()) return fmt::format("joint{}: {} unknown velocities, no rows", where, r.freedoms);
   std::size_t unknowns = 0;
   for (const Branch& b : found.tree) unknowns += b.coordinates.size();
-  return fmt::format("joint: {} unknown velocities, and the rows of what closes loops: {}", unknowns,
+  return fmt::format("joint{}: {} unknown velocities, and the rows of what closes loops: {}", where, unknowns,
                      first_of(found.closures));
 }
 
@@ -360,7 +364,8 @@ Findings found_in(const Arguments& args, const Loaded& loaded, Mechanism& m) {
   if (r.freedoms > 0 && r.freedoms <= kMostMotions) found.moves = driven_by(dynamics, counted);
   found.left_out = left_out(m);
   const std::string not_joint = why_not_joint(m, dynamics, start, loaded.registry);
-  found.proposals = all_proposals(args, loaded, m, r, not_joint.empty());
+  const bool is_tree = not_joint.empty() && closures_of(m.system, start.modes).empty();
+  found.proposals = all_proposals(args, loaded, m, r, is_tree);
   if (not_joint.empty() && (m.run.formulation == Formulation::automatic || m.run.formulation == Formulation::joint))
     found.tree = tree_of(m.system, start.modes), found.closures = closures_of(m.system, start.modes);
   found.formulation = formulation_of(m, not_joint, r, found);

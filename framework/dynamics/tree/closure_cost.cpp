@@ -1,0 +1,37 @@
+#include "framework/dynamics/tree/closure_cost.h"
+
+#include <fmt/format.h>
+
+#include "framework/dynamics/tree/closure_fronts.h"
+
+namespace lockstep {
+
+namespace {
+
+constexpr double kLeastShare = 0.5;  // of all rows, held by the tree
+constexpr double kMostSquares = 15;  // of the numbers of rows at a node, for each row of all
+
+}  // namespace
+
+std::string why_dearer(const JointTree& tree, const System& system, const std::vector<bool>& modes) {
+  for (const auto& own : system.auxiliaries())
+    if (own->reads_solution() && !own->vanishes_without_laws())
+      return "the states of '" + own->name() +
+             "' read accelerations or reactions, which omega gives at every evaluation";
+  RowTable all, closures;
+  system.lay_out(modes, all);
+  std::vector<bool> shown(modes.size(), false);
+  for (const int link : tree.closures()) shown[static_cast<std::size_t>(link)] = true;
+  system.lay_out(shown, closures);
+  if (all.n_rows - closures.n_rows < kLeastShare * all.n_rows)
+    return fmt::format("the rows of what closes loops, {} of {}, cost more along joints than in omega", closures.n_rows,
+                       all.n_rows);
+  double squares = 0;
+  for (const ClosureFront& front : ClosureFronts(tree, system, closures).all) squares += double(front.n) * front.n;
+  if (squares > kMostSquares * all.n_rows)
+    return fmt::format("many loops pass through one body: {:.0f} products of rows along joints for {} rows in omega",
+                       squares, all.n_rows);
+  return "";
+}
+
+}  // namespace lockstep

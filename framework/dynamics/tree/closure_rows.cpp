@@ -1,0 +1,145 @@
+#include "framework/dynamics/tree/closure_rows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "framework/dynamics/solvers/scales.h"
+
+namespace lockstep {
+
+namespace {
+
+constexpr double kClosureProximal = 1e-9;  // of the scale s_j, as in the solver schur
+constexpr double kUnchanged = 0.9;    // of a residual, and its inverse: a correction that leaves this could not help
+constexpr double kRedundantRow = 10;  // in proximal terms: the pivot of a redundant row is at most this
+
+}  // namespace
+
+void ClosureRows::begin(ClosureFronts fronts, double length) {
+  fronts_ = std::move(fronts);
+  length_ = length, worst_ = 0, worst_row_ = -1, usually_small_ = kNone, floors_known_ = false;
+  Lambda_.assign(static_cast<std::size_t>(fronts_.n_Lambda), 0.0);
+  V_.assign(static_cast<std::size_t>(fronts_.n_V), 0.0);
+  l_.assign(fronts_.rows.size(), 0.0);
+  const auto n = static_cast<Eigen::Index>(fronts_.sources.size());
+  for (VecX* v : {&c_, &E_, &diagonal_, &scale_, &d_, &lambda_, &r_, &size_, &dlambda_}) v->setZero(n);
+  watch_.begin(static_cast<int>(n));
+}
+
+void ClosureRows::measure_scales(const RowTable& table, double arm2) {
+  scale_ = diagonal_;
+  for (const RowEntry& e : table.entries) average_scales(scale_.data() + e.first_row, e.m, KindBits(e.kind, e.m));
+  E_ = kClosureProximal * scale_;
+  if (floors_known_) return;
+  PivotFloors floors;
+  floors.arm2 = arm2;
+  for (std::size_t row = 0; row < fronts_.sources.size(); ++row)
+    floors.add(fronts_.sources[row].kind, E_[static_cast<Eigen::Index>(row)]);
+  for (const RowKind kind : {RowKind::translation, RowKind::rotation, RowKind::function})
+    pivot_floors_[static_cast<std::size_t>(kind)] = floors.of(kind);
+  floors_known_ = true;
+}
+
+void ClosureRows::subtract(const VecX& x) {
+  c_ -= x;
+  for (std::size_t row = 0; row < fronts_.sources.size(); ++row) l_of(row) += x[static_cast<Eigen::Index>(row)];
+}
+
+void ClosureRows::residuals(std::span<const Motion> motions, const RowTable& table, VecX& C, VecX& Cd) const {
+  C.resize(table.n_rows), Cd.resize(table.n_rows);
+  for (const RowEntry& e : table.entries) {
+    const RowView block = table.block(e);
+    for (int k = 0; k < e.m; ++k) {
+      const int row = e.first_row + k;
+      C[row] = block.C(k), Cd[row] = block.Ct(k);
+      for (int i = 0; i < e.slots.n; ++i) {
+        const Motion& O = motions[static_cast<std::size_t>(e.slots[i] + 1)];
+        const std::array<double, 6> J = block.J(i, k);
+        Cd[row] += Vec3(J[0], J[1], J[2]).dot(O.v) + Vec3(J[3], J[4], J[5]).dot(O.w);
+      }
+    }
+  }
+}
+
+double ClosureRows::norm(const VecX& c) const {
+  double worst = 0;
+  for (std::size_t row = 0; row < fronts_.sources.size(); ++row) {
+    const double x = length_per_unit(fronts_.sources[row].kind, length_) * std::abs(c[static_cast<Eigen::Index>(row)]);
+    worst = x > worst || std::isnan(x) ? x : worst;
+  }
+  return worst;
+}
+
+bool ClosureRows::is_met() {
+  std::array<double, 3> largest{};
+  for (std::size_t j = 0; j < fronts_.sources.size(); ++j) {
+    const auto row = static_cast<Eigen::Index>(j);
+    // What lambda alone would cause, and what other rows balance: its rounding is left where nothing moves.
+    size_[row] = std::max(size_[row], kScaleFloor * scale_[row] * std::abs(lambda_[row]));
+    double& most = largest[static_cast<std::size_t>(fronts_.sources[j].kind)];
+    most = std::max(most, size_[row]);
+  }
+  worst_ = 0, worst_row_ = -1, regular_met_ = true;
+  for (std::size_t j = 0; j < fronts_.sources.size(); ++j) {
+    const auto row = static_cast<Eigen::Index>(j);
+    const double least = residual_floor(largest[static_cast<std::size_t>(fronts_.sources[j].kind)]);
+    const double x = r_[row] == 0 ? 0.0 : std::abs(r_[row]) / std::max(size_[row], least);
+    if (!(x <= kRowTolerance) && !(d_[row] <= kRedundantRow * E_[row])) regular_met_ = false;
+    if (worst_row_ >= 0 && (x <= worst_ || std::isnan(worst_))) continue;
+    worst_ = x, worst_row_ = static_cast<int>(j);
+  }
+  const bool met = worst_ <= kRowTolerance;
+  if (met && (usually_small_ == kNone || n_small_ < usually_small_)) usually_small_ = n_small_;
+  return met;
+}
+
+bool ClosureRows::is_left_by_redundant_rows(double before) const {
+  const bool stays = worst_ > kUnchanged * before && kUnchanged * worst_ < before;
+  return stays && worst_ <= kContradiction && regular_met_ && n_small_ == usually_small_;
+}
+
+void ClosureRows::react(const RowTable& table, VecX& f) const {
+  for (const RowEntry& e : table.entries) {
+    const RowView block = table.block(e);
+    for (int i = 0; i < e.slots.n; ++i)
+      for (int k = 0; k < e.m; ++k) {
+        const std::array<double, 6> J = block.J(i, k);
+        for (int c = 0; c < 6; ++c) f[6 * e.slots[i] + c] -= lambda_[e.first_row + k] * J[static_cast<std::size_t>(c)];
+      }
+  }
+}
+
+void ClosureRows::save(Snapshot& out) const {
+  out.put(static_cast<double>(fronts_.sources.size()));
+  watch_.save(out);
+  out.put(floors_known_ ? 1 : 0), out.put(usually_small_), out.put_all(pivot_floors_);
+}
+
+void ClosureRows::restore(const Snapshot& in) {
+  const bool ours = in.get_count() == static_cast<long>(fronts_.sources.size());
+  PivotWatch watch = watch_;
+  watch.restore(in);
+  const bool known = in.get_flag();
+  const double small = in.get();
+  std::vector<double> floors;
+  in.get_all(floors);
+  if (!ours || floors.size() != pivot_floors_.size()) return;
+  watch_ = watch, floors_known_ = known;
+  usually_small_ = small >= 0 && small <= static_cast<double>(fronts_.sources.size()) ? static_cast<int>(small) : kNone;
+  std::ranges::copy(floors, pivot_floors_.begin());
+}
+
+void ClosureRows::complete(SolveReport& report) {
+  watch_.see([&](auto&& row) {
+    for (std::size_t j = 0; j < fronts_.sources.size(); ++j) {
+      const auto at = static_cast<Eigen::Index>(j);
+      row(d_[at], diagonal_[at], pivot_floors_[static_cast<std::size_t>(fronts_.sources[j].kind)]);
+    }
+  });
+  report.residual = worst_, report.worst_row = worst_row_;
+  report.smallest_pivot = watch_.smallest();
+  report.detector = watch_.singularity_indicator();
+}
+
+}  // namespace lockstep

@@ -1,0 +1,80 @@
+// ClosureRows: the rows of links that are not in the tree, but for what the recursion makes of them.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "framework/dynamics/solvers/stop_rule.h"
+#include "framework/dynamics/tree/closure_fronts.h"
+
+namespace lockstep {
+
+/// Right sides, scales, multipliers and residuals of the rows of closures.
+class LOCKSTEP_API ClosureRows {
+ public:
+  bool empty() const { return fronts_.sources.empty(); }
+  /// c <- c - x; after the rows were read.
+  void subtract(const VecX& x);
+  /// The residuals C and J v + Ct of rows gathered at these motions, one per row of the table.
+  void residuals(std::span<const Motion> motions, const RowTable&, VecX& C, VecX& Cd) const;
+  /// The largest number of c, one per row: as Evaluation::norm measures it.
+  double norm(const VecX& c) const;
+  double residual() const { return worst_; }  ///< the largest as found last, relative to its scale
+  /// Whether the residual that a correction has changed from `before` is that of redundant rows off the constraints: it
+  /// stays as it is, is below a contradiction, regular rows are met, and no more pivots are small than where all were met.
+  bool is_left_by_redundant_rows(double before) const;
+  /// Fills in residual, worst row, pivots and detector.
+  void complete(SolveReport&);
+
+  /// Writes what was learned of the pivots, and takes it back; of other rows nothing is taken.
+  void save(Snapshot&) const;
+  void restore(const Snapshot&);
+
+  const VecX& lambda() const { return lambda_; }  ///< one per row of the table
+  /// Adds what the closures do to forces of the slots: f <- f - J' lambda.
+  void react(const RowTable&, VecX& f) const;
+
+ protected:
+  ClosureRows() = default;
+  ~ClosureRows() = default;
+  void begin(ClosureFronts, double length);
+  double* Lambda(const ClosureFront& f, int i) { return Lambda_.data() + f.Lambda + i * f.n; }
+  const double* Lambda(const ClosureFront& f, int i) const { return Lambda_.data() + f.Lambda + i * f.n; }
+  int row_of(const ClosureFront& f, int i) const { return fronts_.row_of(f, i); }
+  /// Where l of a row begins: its place at the node of its first side.
+  double& l_of(std::size_t row) {
+    return l_[static_cast<std::size_t>(fronts_.sides[static_cast<std::size_t>(fronts_.sources[row].first_side)].place)];
+  }
+  inline double multiplier(const ClosureFront&, int j, double with, const VecX& lambda) const;
+  /// From diagonal_; arm2: as in PivotFloors, read the first time.
+  void measure_scales(const RowTable&, double arm2);
+  /// From r_ and size_: whether the residuals are small enough.
+  bool is_met();
+
+  ClosureFronts fronts_;
+  std::vector<double> Lambda_, V_, l_;                     // l by place
+  VecX c_, E_, diagonal_, scale_, d_, lambda_, r_, size_;  // by row; scale_: s_j
+  VecX dlambda_, du_;                                      // of a correction: by row, by coordinate
+  bool floors_known_ = false;
+  int n_small_ = 0;  // pivots of the last elimination that got a proximal term
+
+ private:
+  PivotWatch watch_;
+  std::array<double, 3> pivot_floors_{};
+  double length_ = 1, worst_ = 0;
+  int worst_row_ = -1;
+  int usually_small_ = kNone;  // the least n_small_ where all rows were met; kNone: that was nowhere
+  bool regular_met_ = false;
+  static constexpr int kNone = -1;
+};
+
+// lambda_j = (K_j a + l_j - sum of Lambda_ij lambda_i) / d_j over the rows that were eliminated later; `with`: K_j a + l_j
+LOCKSTEP_INLINE double ClosureRows::multiplier(const ClosureFront& front, int j, double with,
+                                               const VecX& lambda) const {
+  const double* at = Lambda(front, j);
+  for (int i = 0; i < j; ++i) with -= at[i] * lambda[row_of(front, i)];
+  return with / d_[row_of(front, j)];
+}
+
+}  // namespace lockstep

@@ -1,0 +1,51 @@
+// TreeRecursion: accelerations of a tree, with the rows that close its loops, by articulated inertias.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <lockstep/state.h>
+#include <lockstep/system.h>
+#include "framework/dynamics/tree/closure_rows.h"
+#include "framework/dynamics/tree/joint_tree.h"
+
+namespace lockstep {
+
+/// Three passes over the nodes of a tree, and their scratch (Featherstone 2008, chapter 7).
+class LOCKSTEP_API TreeRecursion {
+ public:
+  /// That of a plane where the tree and its closures lie in one, else that of space.
+  static std::unique_ptr<TreeRecursion> of(const JointTree&, const System&, const RowTable& closures);
+  virtual ~TreeRecursion();
+
+  /// First pass, outward: motions of all slots (the ground is motions[0], at rest), joint axes and velocity products.
+  virtual void outward(const JointTree&, const State&, std::vector<Motion>& motions) = 0;
+  /// Reads the rows of closures, gathered at these motions. Before accelerate(), where there are some.
+  virtual void read(const JointTree&, std::span<const Motion> motions, const RowTable&) = 0;
+  /// The other two passes: accelerations of the coordinates under f, 6 per slot: N (world) and N m (slot axes), -w x J w
+  /// included; and first multipliers of the closures.
+  virtual void accelerate(const JointTree&, std::span<const Motion> motions, const VecX& f, VecX& vd) = 0;
+  /// Whether the accelerations as found last meet the rows of the closures.
+  virtual bool met() = 0;
+  /// Corrects the accelerations by what met() has measured; vd: as found last.
+  virtual void correct(const JointTree&, VecX& vd) = 0;
+  /// The change of the velocities by which these residuals vanish, one per row: J (change) = -r, of least kinetic
+  /// energy.
+  virtual void correct(const JointTree&, const VecX& r, VecX& dv) = 0;
+  /// Takes accelerations of the slots, 6 per slot as in accelerations(), for those found last, and reads off the
+  /// coordinates' own; what the joints do not let happen is lost.
+  virtual void read_off(const JointTree&, std::span<const Motion> motions, const VecX& a, VecX& vd) = 0;
+  /// Accelerations as found last, 6 per slot: m/s^2 (world), rad/s^2 (slot axes).
+  virtual void accelerations(const JointTree&, std::span<const Motion> motions, VecX& a) const = 0;
+
+  virtual ClosureRows& closures() = 0;
+  /// Largest acceleration of a slot, m/s^2, and its largest angular acceleration, rad/s^2, as found last.
+  double largest_a() const { return largest_a_; }
+  double largest_alpha() const { return largest_alpha_; }
+
+ protected:
+  double largest_a_ = 0, largest_alpha_ = 0;
+};
+
+}  // namespace lockstep
