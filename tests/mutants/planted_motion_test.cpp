@@ -4,6 +4,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <lockstep/assembly.h>
@@ -327,6 +328,47 @@ TEST_CASE("a force that leaves the plane in mid-run is refused by name", "[mutan
   CHECK(refusal.find("out of the plane") != std::string::npos);
   CHECK(run.state().t <= 0.51);
   CHECK(run.state().t >= 0.4);
+}
+
+TEST_CASE("a drive that comes into force beside another one of another speed is refused", "[mutants]") {
+  for (const double speed : {1.0, 2.0}) {  // of the second, which stands where the first is after 1 s
+    System system;
+    Body& cart = system.add_body("cart", MassProperties{1, Vec3::Zero(), Mat3::Identity()});
+    Marker &P = system.add_marker("P", cart), &S = system.add_marker("S", system.ground());
+    system.add<Prismatic>("one", P, S).drive(Axis::z, laws::polynomial({0, 1}));
+    auto& two = system.add<Prismatic>("two", P, S);
+    two.drive(Axis::z, laws::polynomial({1 - speed, speed}));
+    two.set_active_at_start(false);
+    Dynamics dynamics(system, std::make_unique<SchurSolver>());
+    StepLoop run(dynamics, method_of("dopri5"), {});
+    run.add_event({.name = "both", .at = 1, .activate = {"two"}});
+    State start = system.start();
+    assemble(dynamics, start);
+    run.set_state(start);
+    std::string refusal;
+    try {
+      run.run_until(1.5);
+    } catch (const AssemblyError& error) {
+      refusal = error.what();
+    }
+    INFO(refusal);
+    CHECK((refusal.find("leaves inconsistent velocities") != std::string::npos) == (speed != 1));
+    CHECK(run.state().t == (speed == 1 ? 1.5 : 1.0));
+  }
+}
+
+TEST_CASE("the last output is at the end, though its multiple is beside it by rounding", "[mutants]") {
+  for (const auto& [interval, end, rows] : {std::tuple{0.3, 0.9, 4u}, {0.1, 0.7, 8u}, {0.1, 0.3, 4u}, {0.7, 2.1, 4u}}) {
+    Stone stone;
+    Recorder recorder(stone.system, {"stone.z"});
+    Dynamics dynamics = dynamics_of(stone.system);
+    StepLoop run(dynamics, method_of("dopri5"), {.output = interval});
+    run.add_observer(recorder);
+    run.run_until(end);
+    INFO(interval << ", " << end);
+    CHECK(recorder.table().n_rows() == rows);
+    CHECK(recorder.table().last("t") == end);
+  }
 }
 
 }  // namespace planted_motion_test

@@ -244,7 +244,9 @@ TEST_CASE("a plugin whose strings or symbols are damaged is refused", "[plugin][
          {"a symbol is 0 bytes at address ",  // a function that chooses a function, and is none
           [](auto& l) { l.symbol("lockstep_abi").st_info = ELF64_ST_INFO(STB_GLOBAL, STT_GNU_IFUNC); }},
          {"the place of a thread's variable is ",
-          [](auto& l) { l.symbol("lockstep_abi").st_info = ELF64_ST_INFO(STB_GLOBAL, STT_TLS); }}});
+          [](auto& l) { l.symbol("lockstep_abi").st_info = ELF64_ST_INFO(STB_GLOBAL, STT_TLS); }},
+         {"; rebuild the plugin against this lockstep",  // a record that ends before its last numbers
+          [](auto& l) { l.symbol("lockstep_abi").st_size -= 4; }}});
 }
 
 TEST_CASE("a plugin whose hash tables are damaged is refused", "[plugin][structure]") {
