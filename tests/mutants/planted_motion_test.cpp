@@ -143,24 +143,6 @@ TEST_CASE("rates of integrated states in a flat position come from both sides of
   CHECK(k.s[sum.first()] == Approx(0.5).epsilon(1e-9));
 }
 
-TEST_CASE("rattle begins anew where a velocity was changed", "[mutants]") {
-  for (const int order : {2, 4}) {
-    RodPendulum pendulum;
-    Dynamics dynamics = dynamics_of(pendulum.system);
-    Rattle going_on(order), fresh(order);
-    State s = pendulum.system.start();
-    going_on.begin(dynamics, s);
-    for (int i = 0; i < 5; ++i) going_on.step(dynamics, s, 0.05);
-    s.v *= 0.5;
-    State other = s;
-    going_on.step(dynamics, s, 0.05);
-    fresh.begin(dynamics, other);
-    fresh.step(dynamics, other, 0.05);
-    CHECK((s.q - other.q).norm() < 1e-12);
-    CHECK((s.v - other.v).norm() < 1e-11);
-  }
-}
-
 TEST_CASE("works in rattle are of the second order at least", "[mutants]") {
   // A particle that falls: the work of a constant force of 3 N along its way.
   for (const int order : {2, 4}) {
