@@ -254,10 +254,8 @@ TEST_CASE("a plugin whose strings or symbols are damaged is refused", "[plugin][
           [](auto& l) { l.symbol("lockstep_register_plugin").st_value = kFar; }},
          {"a symbol is 0 bytes at address ",  // a function that chooses a function, and is none
           [](auto& l) { l.symbol("lockstep_abi").st_info = ELF64_ST_INFO(STB_GLOBAL, STT_GNU_IFUNC); }},
-         {
-    "the place of a thread's variable is ",
-        [](auto& l) { l.symbol("lockstep_abi").st_info = ELF64_ST_INFO(STB_GLOBAL, STT_TLS); }
-  }}});
+         {"the place of a thread's variable is ",
+          [](auto& l) { l.symbol("lockstep_abi").st_info = ELF64_ST_INFO(STB_GLOBAL, STT_TLS); }}});
 }
 
 TEST_CASE("a plugin whose hash tables are damaged is refused", "[plugin][structure]") {
