@@ -147,8 +147,9 @@ TEST_CASE("a checkpoint that the disk does not take is told, and one that is the
   const std::string whole = bytes_of(table);
   CHECK_FALSE(fs::exists(saved));
   const char* kinds[] = {"", "write", "fsync", "rename"};
-  long of_checkpoints = 0, resumed = 0;
-  for (std::size_t kind = 1; kind < 4; ++kind)
+  long resumed = 0;
+  for (std::size_t kind = 1; kind < 4; ++kind) {
+    long of_checkpoints = 0;
     for (long k = 1; k <= counts[kind]; ++k) {
       for (const std::string& name : {table, table + ".partial", saved}) fs::remove(name);
       const Called r = with_failing(kinds[kind] + std::string(":") + std::to_string(k), words);
@@ -164,7 +165,9 @@ TEST_CASE("a checkpoint that the disk does not take is told, and one that is the
       CHECK((bytes_of(table) == whole));
       ++resumed;
     }
-  CHECK(of_checkpoints >= 9);
+    INFO(kinds[kind]);
+    CHECK(of_checkpoints >= 3);
+  }
   CHECK(resumed >= 3);
 }
 
