@@ -353,4 +353,17 @@ TEST_CASE("the last output is at the end, though its multiple is beside it by ro
   }
 }
 
+TEST_CASE("a run to its own start has one row", "[mutants]") {
+  for (const double interval : {0.0, 0.1}) {
+    Stone stone;
+    Recorder recorder(stone.system, {"stone.z"});
+    Dynamics dynamics = dynamics_of(stone.system);
+    StepLoop run(dynamics, method_of("dopri5"), {.output = interval});
+    run.add_observer(recorder);
+    run.run_until(0);
+    CHECK(recorder.table().n_rows() == 1);
+    CHECK(run.report().steps == 0);
+  }
+}
+
 }  // namespace planted_motion_test
