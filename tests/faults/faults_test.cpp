@@ -139,6 +139,57 @@ TEST_CASE("a disk that is full, cannot be synchronised or forbids the name costs
   fs::remove(old + ".partial");
 }
 
+TEST_CASE("a checkpoint that the disk does not take is told, and one that is there is whole", "[faults]") {
+  const std::string scene = arm_scene("checkpoint", kShort), table = kFolder + "/checkpoint.csv";
+  const std::string saved = kFolder + "/checkpoint.saved";
+  const std::string words = "run '" + scene + "' --record '" + table + "' --checkpoint '" + saved + "' --every 1e-9s";
+  const std::vector<long> counts = counts_of(words);
+  const std::string whole = bytes_of(table);
+  CHECK_FALSE(fs::exists(saved));
+  const char* kinds[] = {"", "write", "fsync", "rename"};
+  long resumed = 0;
+  for (std::size_t kind = 1; kind < 4; ++kind) {
+    long of_checkpoints = 0;
+    for (long k = 1; k <= counts[kind]; ++k) {
+      for (const std::string& name : {table, table + ".partial", saved}) fs::remove(name);
+      const Called r = with_failing(kinds[kind] + std::string(":") + std::to_string(k), words);
+      INFO(kinds[kind] << ":" << k << ", exit code " << r.exit << ":\n" << r.text);
+      CHECK(r.exit == 8);
+      CHECK((contains(r.text, "checkpoint '") || contains(r.text, "checkpoint.csv")));
+      of_checkpoints += contains(r.text, "checkpoint '") ? 1 : 0;
+      CHECK_FALSE(fs::exists(saved + ".partial"));
+      if (!fs::exists(saved)) continue;
+      const Called again = call("resume '" + saved + "'");
+      INFO(again.text);
+      CHECK(again.exit == 0);
+      CHECK((bytes_of(table) == whole));
+      ++resumed;
+    }
+    INFO(kinds[kind]);
+    CHECK(of_checkpoints >= 3);
+  }
+  CHECK(resumed >= 3);
+}
+
+TEST_CASE("a sweep goes on in rows of its own columns only", "[faults]") {
+  const std::string scene = arm_scene("columns", kShort), table = kFolder + "/columns.csv";
+  const std::string words = "sweep --jobs 1 --vary gravity.2=-9.81,-1.62 '" + scene + "' --record '" + table + "'";
+  const std::vector<long> counts = counts_of(words);
+  fs::remove(table);
+  CHECK(with_failing("rename:" + std::to_string(counts[3]), words).exit == 8);
+  const std::string rows = bytes_of(table + ".partial");
+  REQUIRE(rows.starts_with("run,"));
+  std::ofstream(table + ".partial", std::ios::trunc | std::ios::binary) << "row," << rows.substr(4);
+  const Called other = call(words + " --resume");
+  INFO(other.text);
+  CHECK(other.exit == 8);
+  CHECK(contains(other.text, "does not hold the rows of this sweep"));
+  CHECK(bytes_of(table + ".partial").starts_with("row,"));
+  std::ofstream(table + ".partial", std::ios::trunc | std::ios::binary) << rows;
+  CHECK(call(words + " --resume").exit == 0);
+  CHECK(bytes_of(table).starts_with("run,"));
+}
+
 TEST_CASE("a run or sweep that a signal ends at any instant leaves whole rows and the old results", "[faults]") {
   const std::string scene =
       arm_scene("killed", R"("until": 1e6, "output": 0.01, "integrator": "rk4", "step": 0.01, "record": ["arm.x"])");

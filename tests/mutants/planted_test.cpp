@@ -1,6 +1,8 @@
 // What slips that were planted in the sources once got past: each test fails with one of tests/mutants/*.patch.
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 #include <string>
 #include <vector>
@@ -17,6 +19,7 @@
 #include "framework/mechanism/params/units.h"
 #include "framework/tools/precision/history.h"
 #include "tests/support/catch.h"
+#include "tests/support/paths.h"
 
 namespace planted_test {
 
@@ -247,6 +250,49 @@ TEST_CASE("a condition that is zero at first is met when it comes back to zero, 
     REQUIRE(met.size() == 1);
     CHECK(met[0] == Approx(1.0).epsilon(1e-9));
   }
+}
+
+TEST_CASE("a Fourier series by its frequency is the one by its circular frequency", "[mutants]") {
+  const auto turned = [](const std::string& key, const std::string& value) {
+    return run(kArm + R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0],
+      "drive": {"axis": "rz", "law": {"type": "fourier", ")" +
+               key + "\": " + value + R"(, "sines": [0.1, 0.05]}}}],
+      "run": {"until": 0.5, "output": 0.5, "record": ["A.angle_z", "A.angle_z_d"]})");
+  };
+  const Table cycles = turned("frequency", "0.5"), circular = turned("omega", std::to_string(kPi));
+  CHECK(cycles.last("A.angle_z") == Approx(0.1).epsilon(1e-9));           // sin(pi/2), sin(pi)
+  CHECK(cycles.last("A.angle_z_d") == Approx(-0.1 * kPi).epsilon(1e-6));  // 2 pi 0.05 cos(pi)
+  CHECK(circular.last("A.angle_z") == Approx(cycles.last("A.angle_z")).epsilon(1e-5));
+}
+
+TEST_CASE("an angular velocity in world axes is turned into those of the body", "[mutants]") {
+  const Mechanism m = made(R"("bodies": [{"name": "a", "sphere": {"mass": 1, "radius": 1}, "omega_world": [1, 2, 3],
+    "orientation": {"axis": "z", "angle": "90 deg"}}])");
+  CHECK((m.system.body("a").start.w - Vec3(2, -1, 3)).norm() < 1e-12);
+}
+
+TEST_CASE("a negative index of a repeated part is one number in its formulas", "[mutants]") {
+  const Mechanism m = made(R"("repeat": [{"times": 3, "from": -2, "index": "i",
+    "bodies": [{"name": "b{i+3}", "particle": 1, "position": ["=i^2", "=2 - i", "=3*i"]}]}])");
+  for (int i = -2; i <= 0; ++i) {
+    const Vec3 x = m.system.body("b" + std::to_string(i + 3)).home.x;
+    CHECK((x - Vec3(i * i, 2 - i, 3 * i)).norm() < 1e-12);
+  }
+}
+
+TEST_CASE("what an event of an included scene switches has the prefix", "[mutants]") {
+  const std::string folder = std::string(paths::kBuild) + "/output/planted";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder + "/part.json") << R"({"lockstep": 1, "bodies": [{"name": "b", "particle": 1}],
+    "links": [{"name": "L", "type": "spherical", "p": "b", "s": "ground", "at": [0,0,0]},
+              {"name": "M", "type": "point_on_plane", "p": "b", "s": "ground", "at": [0,0,0], "active": false}],
+    "events": [{"name": "e", "at": 1, "deactivate": ["L"], "activate": ["M"]}]})";
+  const Scene scene = scene_from_text(R"({"lockstep": 1, "include": [{"scene": "part.json", "prefix": "left_"}]})",
+                                      folder + "/whole.json");
+  const Mechanism m = build_mechanism(scene, registry());
+  REQUIRE(m.events.size() == 1);
+  CHECK(m.events[0].event.deactivate == std::vector<std::string>{"left_L"});
+  CHECK(m.events[0].event.activate == std::vector<std::string>{"left_M"});
 }
 
 }  // namespace planted_test

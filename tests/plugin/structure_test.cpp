@@ -220,6 +220,17 @@ TEST_CASE("a plugin whose dynamic table is damaged is refused", "[plugin][struct
          {"tag 0x14 of its dynamic table is 17; must be 7", [](auto& l) { l.value(DT_PLTREL) = DT_REL; }}});
 }
 
+TEST_CASE("a plugin whose record ends before its last numbers is refused", "[plugin][structure]") {
+  Library library(kModules + "/probe.so");
+  const auto whole = library.symbol("lockstep_abi").st_size;
+  library.symbol("lockstep_abi").st_size -= 4;
+  const std::string answer = answer_of(plugin_file("structure", "short_record.so", library.bytes()));
+  INFO(answer);
+  CHECK(contains(answer, "short_record.so' has a record of " + number(whole) + " bytes, of which " + number(whole - 4) +
+                             " are there; rebuild"));
+  fs::remove_all(kModules + "/structure");
+}
+
 TEST_CASE("a plugin whose strings or symbols are damaged is refused", "[plugin][structure]") {
   check("probe.so",
         {{"its table of strings is 1073741824 bytes at address ", [](auto& l) { l.value(DT_STRSZ) = kFar; }},

@@ -300,7 +300,7 @@ TEST_CASE("orientations in all their forms", "[unit][model]") {
   CHECK(distance(turn_of(R"({"x": "y", "z": "z"})"), quarter) < 1e-15);
   CHECK(distance(turn_of(R"({"x": "y", "y": "-x"})"), quarter) < 1e-15);
   CHECK(distance(turn_of(R"({"z": "z", "y": "-x"})"), quarter) < 1e-15);
-  CHECK(distance(turn_of(R"({"x": [0, 2, 0], "z": [0, 1, 1]})"), quarter) <
+  CHECK(distance(turn_of(R"({"x": [0, 2, 0], "z": [0, 0.0009, 1]})"), quarter) <
         1e-15);  // x is kept, z turned upright to it
 }
 
@@ -322,6 +322,8 @@ TEST_CASE("orientations that cannot be are refused", "[unit][model]") {
   check_words(problem_of("turn", R"({"matrix": [1, 0, 0]})"), {"3 numbers"});
   check_words(problem_of("turn", R"({"x": "y"})"), {"two of"});
   check_words(problem_of("turn", R"({"x": "y", "z": "-y"})"), {"parallel"});
+  check_words(problem_of("turn", R"({"x": [0, 2, 0], "z": [0, 1, 1]})"), {"\"x\" and \"z\"", "45 deg", "right angles"});
+  check_words(problem_of("turn", R"({"x": "x", "y": [-0.0011, 1, 0]})"), {"90.1 deg"});
   check_words(problem_of("turn", R"({"x": "y", "y": "z", "z": "x"})"), {"two of"});
 }
 

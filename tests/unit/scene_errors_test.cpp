@@ -1,6 +1,7 @@
 // Every kind of bad scene: refused at its place, with the name of the thing, the value and the next move.
 #include <algorithm>
 #include <fstream>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -322,6 +323,44 @@ TEST_CASE("what is wrong with the things of a list is said of all of them at onc
   const std::string many = refusal_of(scene + "{\"name\": \"last\"}]}");
   CHECK(std::count(many.begin(), many.end(), '\n') == 20);
   CHECK(many.find("perhaps more") != std::string::npos);
+}
+
+TEST_CASE("what is wrong with things of several lists is said at once, but for what hangs on another error",
+          "[unit][scene]") {
+  const std::string message = refusal_of(R"({"lockstep": 1,
+    "bodies": [{"name": "a", "particle": 0}, {"name": "b", "particle": 1, "velocit": [0,0,0], "positoin": [0,0,0]}, {"name": "c", "particle": 1, "velocity": [0,0], "position": 3}, {"name": "d", "particle": 1}],
+    "markers": [{"name": "on_a", "body": "a", "at": [0,0,0]}, {"name": "on_d", "body": "d", "att": [0,0,0]}],
+    "links": [{"name": "L", "type": "spherical", "p": "on_a", "s": "ground"}, {"name": "M", "type": "spherical", "p": "x", "s": "ground"}, {"name": "N", "type": "gear", "pairs": ["L", "M"], "ratio": 2}],
+    "forces": [{"name": "f", "type": "applied_force", "p": "d", "at": [0,0,0], "forc": [0,0,1]}, {"name": "g", "type": "joint_friction", "link": "L", "coefficient": 0.1}],
+    "events": [{"name": "e", "at": -1, "activate": ["M"]}, {"name": "h", "at": "1 m"}],
+    "run": {"integrator": "rk5", "until": 1}})");
+  INFO(message);
+  const std::vector<std::string> lines = [&] {
+    std::vector<std::string> all;
+    std::istringstream in(message);
+    for (std::string line; std::getline(in, line);) all.push_back(line);
+    return all;
+  }();
+  const std::vector<std::vector<std::string>> wanted = {
+      {"body 'a'", "mass is 0"}, {"body 'b'", "\"velocit\""},  {"body 'b'", "\"positoin\""}, {"body 'c', position"},
+      {"body 'c', velocity"},    {"marker 'on_d'", "\"att\""}, {"link 'M', p", "\"x\""},     {"force 'f'", "\"forc\""},
+      {"event 'h', at"},         {"run.integrator", "rk5"}};
+  REQUIRE(lines.size() == wanted.size());
+  for (std::size_t i = 0; i < wanted.size(); ++i)
+    for (const std::string& word : wanted[i]) CHECK(lines[i].find(word) != std::string::npos);
+}
+
+TEST_CASE("of a thing whose type is missing its own keys are not called unknown", "[unit][scene]") {
+  const std::string message = refusal_of(R"({"lockstep": 1, "bodies": [{"name": "a", "particle": 1}],
+    "forces": [{"name": "f", "typ": "spring_damper", "p": "a", "s": "ground", "stiffness": 5}]})");
+  CHECK(message.find("\"typ\"; did you mean \"type\"") != std::string::npos);
+  CHECK(message.find("stiffness") == std::string::npos);
+}
+
+TEST_CASE("a part of a compound is not advised to be a particle", "[unit][scene]") {
+  const std::string message = refusal_of(R"({"lockstep": 1, "bodies": [{"name": "a", "compound": [{"mass": 1}]}]})");
+  CHECK(message.find("body 'a', compound[0].mass: a part needs an inertia") != std::string::npos);
+  CHECK(message.find("particle") == std::string::npos);
 }
 
 }  // namespace scene_errors_test

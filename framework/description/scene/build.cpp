@@ -45,6 +45,22 @@ double positive(const Params& p, const std::string& key, const std::string& what
   return x;
 }
 
+// `read`: what was being read; null: an error that is told of no place.
+void SceneErrors::note(const Value& read, const SceneError* error) {
+  if (error != nullptr && !names_failed(read)) refusals_.add(*error);
+  if (const Value* name = read.find("name"); name != nullptr && name->text() != nullptr) failed_.insert(*name->text());
+}
+
+// Whether the object names a thing that failed, or what such a thing brings with it ("A.friction").
+bool SceneErrors::names_failed(const Value& v) const {
+  if (const Value::List* items = v.list())
+    return std::any_of(items->begin(), items->end(), [&](const Value& each) { return names_failed(each); });
+  if (const Value::Object* members = v.object())
+    return std::any_of(members->begin(), members->end(),
+                       [&](const Value::Member& m) { return m.key != "name" && names_failed(m.value); });
+  return v.text() != nullptr && failed_.contains(std::string_view(*v.text()).substr(0, v.text()->find('.')));
+}
+
 bool Builder::is_taken(const std::string& kind, const std::string& name) const {
   const auto found = taken_.find(kind);
   return found != taken_.end() && found->second.contains(name);
@@ -92,9 +108,10 @@ void Builder::build() {
   links(root);
   forces(root);
   events(root);
+  errors_.attempt(root.value("run"), [&] { make_integrator(out_.run, registry_); });
+  errors_.attempt(root.value("run"), [&] { make_solver(out_.run, registry_); });
+  errors_.raise();
   set_merge(root.text("merge"));
-  make_integrator(out_.run, registry_);
-  make_solver(out_.run, registry_);
   set_up(root);
 }
 

@@ -95,12 +95,15 @@ Mat3 read_inertia(const Params& body) {
   return read_vector3(v, Unit::inertia, place).asDiagonal();
 }
 
-MassProperties read_mass(const Params& body) {
+// Of a body, or of a part of one, which has no key "particle".
+MassProperties read_mass(const Params& body, bool is_part) {
   const double mass = positive(body, "mass", "mass");
   if (!body.has("inertia"))
     body.refuse("mass",
-                "a body that turns needs an inertia; add \"inertia\", use a shape (\"rod\", \"box\", ...), or make it "
-                "a \"particle\"");
+                is_part ? "a part needs an inertia; add \"inertia\", or use a shape (\"rod\", \"box\", ...; a small "
+                          "\"sphere\" for a point mass)"
+                        : "a body that turns needs an inertia; add \"inertia\", use a shape (\"rod\", \"box\", "
+                          "...), or make it a \"particle\"");
   const Vec3 center = body.vector3("center");
   Vec3 origin = center;
   if (const Value& at = body.value("inertia_at"); !at.is_null() && (at.text() == nullptr || *at.text() != "center")) {
@@ -132,8 +135,8 @@ using Solids = std::vector<Solid>;
 
 // Mass and, for a rod, the pose of its frame; what it looks like is added to `solids`. `kind` is the given key, a shape
 // or "mass".
-Shape read_matter(const Params& body, const std::string& kind, Solids& solids) {
-  if (kind == "mass") return {read_mass(body), {}};
+Shape read_matter(const Params& body, const std::string& kind, Solids& solids, bool is_part = false) {
+  if (kind == "mass") return {read_mass(body, is_part), {}};
   refuse_beside(body, "\"" + kind + "\" defines mass and inertia",
                 {"mass", "inertia", "inertia_at", "inertia_axes", "center"});
   const Params shape = params_of(body.value(kind), kind, part_of(body.owner(), kind), nullptr);
@@ -161,7 +164,7 @@ MassProperties read_part(const Value& v, const std::string& owner, Solids& solid
   kinds.push_back("mass");
   const std::string kind = the_kind(part, kinds);
   const std::size_t n_before = solids.size();
-  const Shape shape = read_matter(part, kind, solids);
+  const Shape shape = read_matter(part, kind, solids, true);
   if (kind == "rod") refuse_beside(part, "\"rod\" itself places the part", {"position", "orientation"});
   const Pose pose = kind == "rod" ? shape.home : Pose{part.vector3("position"), part.orientation("orientation")};
   for (std::size_t k = n_before; k < solids.size(); ++k) solids[k].at = pose * solids[k].at;
@@ -275,7 +278,7 @@ void keep(const std::string& body, const Solids& solids, Mechanism& out) {
 }  // namespace
 
 void Builder::bodies(const Params& root) {
-  for_each_object(root, "bodies", "body", [&](const Value& object, const std::string& owner) { body(object, owner); });
+  errors_.for_each(root, "bodies", "body", [&](const Value& object, const std::string& owner) { body(object, owner); });
 }
 
 // What it looks like: colour, and shapes beside or in place of those that give its mass.
@@ -343,8 +346,8 @@ void Builder::matter(const Value& object, const Params& p, const std::string& na
 }
 
 void Builder::markers(const Params& root) {
-  for_each_object(root, "markers", "marker",
-                  [&](const Value& object, const std::string& owner) { marker(object, owner); });
+  errors_.for_each(root, "markers", "marker",
+                   [&](const Value& object, const std::string& owner) { marker(object, owner); });
 }
 
 void Builder::marker(const Value& object, const std::string& owner) {

@@ -8,8 +8,8 @@
 namespace lockstep {
 
 void Builder::forces(const Params& root) {
-  for_each_object(root, "forces", "force",
-                  [&](const Value& object, const std::string& owner) { force(object, owner); });
+  errors_.for_each(root, "forces", "force",
+                   [&](const Value& object, const std::string& owner) { force(object, owner); });
 }
 
 // The markers of the link on whose coordinate a force acts.
@@ -43,8 +43,8 @@ void Builder::force(const Value& object, const std::string& owner) {
 }
 
 void Builder::events(const Params& root) {
-  for_each_object(root, "events", "event",
-                  [&](const Value& object, const std::string& owner) { event(object, owner); });
+  errors_.for_each(root, "events", "event",
+                   [&](const Value& object, const std::string& owner) { event(object, owner); });
 }
 
 // The links and forces that an event switches.

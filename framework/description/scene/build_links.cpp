@@ -129,7 +129,7 @@ Attachment Builder::pairs(const Params& p, const std::string& name) {
 }
 
 void Builder::links(const Params& root) {
-  for_each_object(root, "links", "link", [&](const Value& object, const std::string& owner) { link(object, owner); });
+  errors_.for_each(root, "links", "link", [&](const Value& object, const std::string& owner) { link(object, owner); });
 }
 
 void Builder::link(const Value& object, const std::string& owner) {

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,6 +12,7 @@
 #include <lockstep/scene.h>
 #include "framework/description/scene/tables.h"
 #include "framework/mechanism/params/read.h"
+#include "framework/mechanism/params/refusals.h"
 
 namespace lockstep {
 
@@ -47,26 +49,41 @@ decltype(auto) placed(const Where& where, F&& f) {
   return placed(where, "", std::forward<F>(f));
 }
 
-/// Calls build(object, owner) for the objects of a list, each "bodies[2]" or "body 'a'". All of them are tried: one
-/// SceneError says what is wrong with up to twenty, a line each, with the data of the first.
-template <class Build>
-void for_each_object(const Params& root, const std::string& list, const std::string& kind, Build&& build) {
-  constexpr std::size_t kMost = 20;
-  const Value::List& items = objects_of(root, list);
-  std::vector<SceneError> errors;
-  for (std::size_t i = 0; i < items.size() && errors.size() < kMost; ++i) {
+/// What is wrong with the things of a scene. All of them are tried; of those that hang on one that failed nothing is said,
+/// since that one may be all that is wrong.
+class SceneErrors {
+ public:
+  /// Calls build(object, owner) for the objects of a list, each "bodies[2]" or "body 'a'".
+  template <class Build>
+  void for_each(const Params& root, const std::string& list, const std::string& kind, Build&& build) {
+    attempt(root.value(list), [&] {
+      const Value::List& items = objects_of(root, list);
+      for (std::size_t i = 0; i < items.size() && !refusals_.full(); ++i)
+        attempt(items[i], [&] { build(items[i], owner_of(kind, items[i], list, i)); });
+    });
+  }
+  /// Runs what reads the value, and keeps what is refused.
+  template <class F>
+  void attempt(const Value& read, F&& act) {
     try {
-      build(items[i], owner_of(kind, items[i], list, i));
+      std::forward<F>(act)();
     } catch (const SceneError& error) {
-      errors.push_back(error);
+      note(read, &error);
+    } catch (const ModelError&) {  // of a System that lacks what failed
+      if (refusals_.empty()) throw;
+      note(read, nullptr);
     }
   }
-  if (errors.empty()) return;
-  std::string all = errors.front().what();
-  for (std::size_t i = 1; i < errors.size(); ++i) all += std::string("\n") + errors[i].what();
-  if (errors.size() == kMost) all += "\nand perhaps more; these were the first";
-  throw SceneError(all, static_cast<const ErrorData&>(errors.front()));
-}
+  /// Throws one SceneError of all, a line each, where there are any.
+  void raise() const { refusals_.raise(); }
+
+ private:
+  void note(const Value& read, const SceneError* error);
+  bool names_failed(const Value&) const;
+
+  Refusals refusals_;
+  std::set<std::string, std::less<>> failed_;  // names
+};
 
 class Builder {
  public:
@@ -113,6 +130,7 @@ class Builder {
   const Registry& registry_;
   Mechanism& out_;
   std::map<std::string, std::map<std::string, Where>> taken_;  // kind -> name -> place
+  SceneErrors errors_;
 };
 
 }  // namespace lockstep

@@ -7,9 +7,10 @@
 #include <vector>
 
 #include <lockstep/registry.h>
-#include "framework/description/scene/tables.h"
 #include <lockstep/text.h>
+#include "framework/description/scene/tables.h"
 #include "framework/mechanism/params/read.h"
+#include "framework/mechanism/params/refusals.h"
 
 namespace lockstep {
 
@@ -53,7 +54,14 @@ Split split(const Value& object, const SceneTable& table, const Shelf& shelf, co
   // messages list the type's own keys first
   const TypeInfo both{table.info.name, table.info.help, keys_together(own_keys, without(table.info.keys, own_keys))};
   // refuses a missing type, unknown keys and wrong forms
-  const Params all = checked_params(Params::unchecked(object), both, owner, &laws);
+  const Params all = [&] {
+    try {
+      return checked_params(Params::unchecked(object), both, owner, &laws);
+    } catch (const SceneError& error) {
+      if (entry == nullptr) throw first_line_of(error);  // keys of a type that is not known may be its own
+      throw;
+    }
+  }();
   return {all.text("type"), all.only(without(table.info.keys, own_keys)), all.only(own_keys)};
 }
 

@@ -36,7 +36,7 @@ constexpr Word kForms[] = {
   {"axis": "z", "angle": "30 deg"}
   {"angles": ["10 deg", "20 deg", "30 deg"], "sequence": "zxz"}
   {"matrix": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}
-  {"x": [1, 1, 0], "z": [0, 0, 1]}    two of x, y, z: where these axes point
+  {"x": [1, 1, 0], "z": [0, 0, 1]}    two of x, y, z, at right angles: where these axes point
 )_"},
     {"law",
      R"_(a law y(t): an object with its type and keys (`lockstep list laws`), or a number for a constant

@@ -73,11 +73,11 @@ double Dynamics::Tree::velocities(State& state, bool factored, double goal) {
     state.v += correction;
     coordinates->motions(state, motions);
     closures().residuals(motions, closure_rows, C, Cd);
-    const double before = left;
+    const double last = left;
     left = closures().norm(Cd);
-    if (old && !(left <= 0.1 * before))
+    if (old && !(left <= 0.1 * last))
       factored = old = false;
-    else if (!(left < kFalls * before))
+    else if (!(left < kFalls * last))
       break;
   }
   velocities_met = left <= goal || left <= kMet * first;

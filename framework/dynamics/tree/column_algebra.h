@@ -5,6 +5,9 @@
 #include <lockstep/math.h>
 #include "framework/dynamics/tree/columns.h"
 
+// Here and in what includes it: all of it is inlined, no Column is passed between functions.
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 namespace lockstep {
 
 LOCKSTEP_INLINE Column column(const Vec3& v) { return Column{v[0], v[1], v[2], 0.0}; }

@@ -67,7 +67,7 @@ void check_mass(const MassProperties& p, const std::string& owner) {
       "principal moments " + text::brief(I[0]) + ", " + text::brief(I[1]) + ", " + text::brief(I[2]) + " kg m^2";
   if (!(I[0] > 1e-14 * I[2]))
     throw ModelError(who + "the inertia is not positive definite (" + principal +
-                     "); give a moment about every axis, or make the body a particle");
+                     "); give a moment about every axis; a body without any is a particle");
   if (I[0] + I[1] < I[2] * (1 - 1e-10))
     throw ModelError(who + "the inertia breaks the triangle rule (" + principal +
                      "): the two smaller must add up to at least the largest; "

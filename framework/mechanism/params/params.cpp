@@ -8,6 +8,7 @@
 #include <lockstep/log.h>
 #include <lockstep/text.h>
 #include "framework/mechanism/params/read.h"
+#include "framework/mechanism/params/refusals.h"
 #include "framework/mechanism/params/units.h"
 
 namespace lockstep {
@@ -197,8 +198,12 @@ Params::Params(Value object, const TypeInfo& info, std::string owner)
   if (object_.object() == nullptr)
     lockstep::refuse(object_.where, owner_,
                      "expected an object with keys of '" + info.name + "', got " + shown(object_));
-  check_known();
-  for (const Key& key : keys_) check_form(key);
+  Refusals wrong;
+  wrong.attempt([&] { check_known(); });
+  const bool unknown = !wrong.empty();  // it may be meant for a key that is missing
+  for (const Key& key : keys_)
+    if (!unknown || object_.find(key.name) != nullptr) wrong.attempt([&] { check_form(key); });
+  wrong.raise();
 }
 
 Params Params::checked(const TypeInfo& info, std::string owner) const {
@@ -221,16 +226,20 @@ Params Params::only(Keys keys) const {
 
 void Params::check_known() const {
   const Value::Object& members = *object_.object();
-  for (auto member = members.begin(); member != members.end(); ++member) {
+  Refusals wrong;
+  for (auto member = members.begin(); member != members.end() && !wrong.full(); ++member) {
     const auto same = [&](const auto& other) { return other.key == member->key; };
     const auto named = [&](const Key& key) { return key.name == member->key; };
-    if (std::find_if(members.begin(), member, same) != member)
-      lockstep::refuse(member->where, owner_, "key \"" + member->key + "\" is given twice; remove one of the two");
-    if (std::none_of(keys_.begin(), keys_.end(), named))
-      lockstep::refuse(member->where, owner_,
-                       "unknown key \"" + member->key + "\"" +
-                           (keys_.empty() ? "; it takes no keys" : text::suggestion(member->key, names_of(keys_))));
+    wrong.attempt([&] {
+      if (std::find_if(members.begin(), member, same) != member)
+        lockstep::refuse(member->where, owner_, "key \"" + member->key + "\" is given twice; remove one of the two");
+      if (std::none_of(keys_.begin(), keys_.end(), named))
+        lockstep::refuse(member->where, owner_,
+                         "unknown key \"" + member->key + "\"" +
+                             (keys_.empty() ? "; it takes no keys" : text::suggestion(member->key, names_of(keys_))));
+    });
   }
+  wrong.raise();
 }
 
 void Params::check_form(const Key& key) const {

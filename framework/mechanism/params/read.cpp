@@ -76,6 +76,7 @@ Quat read_matrix_orientation(const Value& v, const std::string& context) {
 }
 
 Quat read_direction_orientation(const Value& v, const std::string& context) {
+  constexpr double kSkew = 1e-3;  // rad; what numbers of three digits leave is made perpendicular
   const char* names[] = {"x", "y", "z"};
   std::vector<int> k;
   for (int i = 0; i < 3; ++i)
@@ -90,6 +91,12 @@ Quat read_direction_orientation(const Value& v, const std::string& context) {
     refuse(v.where, context,
            std::string("the directions \"") + names[k[0]] + "\" and \"" + names[k[1]] +
                "\" are parallel; turn one of them");
+  if (std::abs(first.dot(given)) > kSkew)
+    refuse(v.where, context,
+           std::string("the directions \"") + names[k[0]] + "\" and \"" + names[k[1]] + "\" are " +
+               text::brief(std::acos(first.dot(given)) * 180 / kPi) +
+               " deg apart; axes are at right angles: turn one of "
+               "them");
   const Vec3 second = upright.normalized();
   Mat3 A;
   A.col(k[0]) = first;

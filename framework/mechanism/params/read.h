@@ -41,8 +41,8 @@ LOCKSTEP_API Vec3 read_axis(const Value&, const std::string& context);
 
 /// A unit quaternion, from one of: [w, x, y, z] (not zero, any length); {"axis": direction, "angle": angle};
 /// {"angles": [a, b, c], "sequence": "xyz" or a name that angle_sequence() knows}; {"matrix": three rows} (axes of the
-/// frame as columns); two of {"x": direction, "y": ..., "z": ...}: the alphabetically first is kept, the other made
-/// perpendicular to it.
+/// frame as columns); two of {"x": direction, "y": ..., "z": ...}, at right angles to 1e-3: the alphabetically first is
+/// kept, the other made perpendicular to it.
 LOCKSTEP_API Quat read_orientation(const Value&, const std::string& context);
 
 }  // namespace lockstep

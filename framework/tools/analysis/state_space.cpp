@@ -337,7 +337,8 @@ StateSpace linearize(Dynamics& dynamics, const State& given, const std::vector<L
   for (const LinearInput& input : inputs)
     for (InputColumn& column : columns_of(input, Actuator(system, input), m, r, response, outputs, out.accuracy))
       columns.push_back(std::move(column));
-  std::ranges::stable_partition(columns, [](const InputColumn& one) { return one.of == InputColumn::Of::state; });
+  std::stable_partition(columns.begin(), columns.end(),
+                        [](const InputColumn& one) { return one.of == InputColumn::Of::state; });
   const Eigen::Index driven =
       std::ranges::count_if(columns, [](const InputColumn& one) { return one.of == InputColumn::Of::state; });
   const Eigen::Index n = 2 * f + driven, n_in = static_cast<Eigen::Index>(columns.size()) - driven;

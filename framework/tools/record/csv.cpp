@@ -25,13 +25,14 @@ void append_number(std::string& line, double value) {
   line.append(text, end.ptr);
 }
 
-// "Bx [N]" -> Bx, N
-void add_titled_column(Table& table, const std::string& text) {
+// "Bx [N]" -> Bx, N; "n []" -> n, of no unit
+void add_titled_column(Table& table, std::string_view text) {
   const auto open = text.rfind(" [");
-  if (open == std::string::npos || text.back() != ']')
-    table.add_column(text);
-  else
-    table.add_column(std::string(text::trimmed(text.substr(0, open))), text.substr(open + 2, text.size() - open - 3));
+  if (open == std::string_view::npos || text.back() != ']') return table.add_column(std::string(text));
+  const std::string_view name = text::trimmed(text.substr(0, open)),
+                         unit = text.substr(open + 2, text.size() - open - 3);
+  if (unit.empty()) return add_titled_column(table, name);  // as it is written again
+  table.add_column(std::string(name), std::string(unit));
 }
 
 double read_number(std::string_view cell, const std::string& file, int line, const std::string& column) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include <lockstep/dynamics.h>
 #include <lockstep/error.h>
 #include <lockstep/relative.h>
 #include <lockstep/system.h>
@@ -113,9 +114,12 @@ void Frames::put(const Quat& q) {
   for (const double c : {q.w, q.x, q.y, q.z}) rows_.push_back(static_cast<float>(c));
 }
 
-// Where there is no solution, the motion is shown all the same.
-void Frames::put_loads(const Sample& sample) {
+// Where there is no solution, the motion is shown all the same. What is solved for here is not the run's, which must not
+// depend on who looks at it.
+void Frames::put_loads(const Sample& of_run) {
   if (loads_.empty()) return;
+  const Dynamics::Aside aside(of_run.dynamics());
+  const Sample sample(of_run.dynamics(), of_run.state, of_run.report);
   const std::size_t first = rows_.size();
   try {
     const Solution& v = sample.values();

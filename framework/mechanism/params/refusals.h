@@ -1,0 +1,39 @@
+// Refusals: several refusals of one input as one.
+#pragma once
+
+#include <string>
+#include <utility>
+
+#include <lockstep/error.h>
+#include <lockstep/export.h>
+
+namespace lockstep {
+
+/// What is wrong with an input, a line each; of more than twenty lines the first.
+class LOCKSTEP_API Refusals {
+ public:
+  /// Runs `act`, and keeps what it refuses.
+  template <class F>
+  void attempt(F&& act) {
+    try {
+      std::forward<F>(act)();
+    } catch (const SceneError& error) {
+      add(error);
+    }
+  }
+  void add(const SceneError&);
+  bool empty() const { return n_ == 0; }
+  bool full() const;
+  /// Throws one SceneError of all, with the data of the first; does nothing where there is none.
+  void raise() const;
+
+ private:
+  int n_ = 0;  // lines
+  std::string lines_;
+  ErrorData first_;
+};
+
+/// The same refusal with its first line alone.
+LOCKSTEP_API SceneError first_line_of(const SceneError&);
+
+}  // namespace lockstep
