@@ -24,8 +24,7 @@ constexpr double kRedundant = 1e-6;  // pivot of a row that others make redundan
 constexpr double kFell = 1e-2;       // part of the indicator that is left when a row was no usual redundant one
 constexpr double kBothSides = 1e-9;  // relative accuracy of rates from both sides
 constexpr double kShortTurn = 1e-3;  // rad: in a step that turns less, errors near a singular position are round-off's,
-constexpr double kNoiseOfSteps = 3e-12;  // if they are within this, relative, over the indicator
-constexpr double kUnmet = 1e-6;      // residual of rows that could not be met, where no position is near
+constexpr double kNoiseOfSteps = 3e-12;   // if they are within this, relative, over the indicator
 constexpr double kContradictRows = 1e-8;  // residual of rows that contradict one another
 constexpr double kOff = 0.3;          // rad: turn that leads far enough off the constraints to see whether it stays so
 constexpr double kRoundOff = 1e-17;  // relative round-off of the accelerations times the indicator
@@ -293,7 +292,7 @@ bool SingularPassage::near(const Stages& stages) const { return stages.indicator
 bool SingularPassage::ill_conditioned(const Stages& stages, int stage) const {
   const Conditioning& c = stages.conditioning(stage);
   const bool faded = c.detector < usual_.limit_from(c.detector);
-  const double most = faded ? std::max(kRowTolerance, kBothSides * std::sqrt(c.detector)) : kUnmet;
+  const double most = std::max(kRowTolerance, kBothSides * std::sqrt(c.detector));
   return c.residual > most || c.detector < kNowhere * spread_ ||
          (faded && c.detector * relative_ < kRoundOff * spread_);
 }
