@@ -2,15 +2,18 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <string>
 
 #include <nlohmann/json.hpp>
 
 #include "tests/support/catch.h"
+#include "tests/support/paths.h"
 #include "tests/support/program.h"
 
 namespace runner_atlas_test {
 
+using namespace lockstep;
 using namespace lockstep::testing;
 using Json = nlohmann::json;
 
@@ -80,6 +83,100 @@ TEST_CASE("atlas: Baumgarte's gain has the limit of (2.16)", "[runner][atlas]") 
     const double gain = j["axes"][1]["values"][k];
     CHECK(j["maps"][0]["limit"]["x"][k].get<double>() * gain == Approx(2.785).epsilon(0.04));
     CHECK(j["maps"][1]["limit"]["x"][k].get<double>() * gain == Approx(2 * std::sqrt(2.0) - 2).epsilon(0.01));
+  }
+}
+
+namespace {
+
+std::string scene_of_map(const char* name) {
+  return std::string(paths::kSource) + "/tests/stability/scenes/" + name + ".json";
+}
+
+// The outcomes of all runs of a map, and the positions that they passed.
+void each_run(const Json& map, const std::function<void(const std::string& outcome, long passed)>& check) {
+  const Json &outcomes = map["outcomes"], &passed = map["passed_singular_positions"];
+  REQUIRE(!outcomes.empty());
+  for (std::size_t i = 0; i < outcomes.size(); ++i)
+    for (std::size_t k = 0; k < outcomes[i].size(); ++k) check(outcomes[i][k], passed[i][k]);
+}
+
+}  // namespace
+
+// Points of the committed maps (framework/docs/stability.md).
+TEST_CASE("atlas: singular positions that were passed with plain stages are told", "[runner][atlas]") {
+  const Called called = call("atlas '" + scene_of_map("flat_cranks") +
+                             "' --vary before=1e-6,1e-3,0.1 --vary run.tolerance=1e-10,1e-6 "
+                             "--integrators dop853,dop853:stages=plain,rk4,rattle4 --json --out atlas_flat");
+  INFO(called.text);
+  REQUIRE(called.exit == 0);
+  const Json j = Json::parse(called.text);
+  each_run(j["maps"][0], [](const std::string& outcome, long passed) {
+    CHECK(outcome == "works");
+    CHECK(passed == 0);
+  });
+  for (const std::size_t plain : {1, 2})
+    each_run(j["maps"][plain], [](const std::string& outcome, long passed) {
+      CHECK(outcome == "works");
+      CHECK(passed > 0);
+    });
+  each_run(j["maps"][3], [](const std::string& outcome, long) { CHECK(outcome == "stops with an error"); });
+  std::ifstream csv(kRunnerFolder + "/atlas_flat/flat_cranks_atlas.csv");
+  std::string header;
+  std::getline(csv, header);
+  CHECK(contains(header, ",drift [m],singular positions,steps,"));
+  const Called words = call("atlas '" + scene_of_map("flat_cranks") +
+                            "' --vary before=1e-3,0.1 --vary run.tolerance=1e-10,1e-6 --integrators dop853,rk4 "
+                            "--out atlas_flat");
+  INFO(words.text);
+  CHECK(contains(words.text, "4 works; 4 passed singular positions with plain stages"));
+}
+
+TEST_CASE("atlas: where Newton's method of implicit methods ends", "[runner][atlas]") {
+  const Called called = call("atlas '" + scene_of_map("turning_rod") +
+                             "' --vary run.step=1e-3,0.01,0.1,1 --vary forces.s.stiffness=1,100 "
+                             "--integrators generalized_alpha,radau5:fixed=true,radau5 --json --out atlas_newton");
+  INFO(called.text);
+  REQUIRE(called.exit == 0);
+  const Json j = Json::parse(called.text);
+  const Json &alpha = j["maps"][0]["outcomes"], &fixed = j["maps"][1]["outcomes"];
+  for (const std::size_t k : {0, 1}) {
+    CHECK(alpha[0][k] == "works");  // 0.01 rad a step
+    CHECK(alpha[1][k] != "stops with an error");
+    CHECK(fixed[0][k] == "works");
+    for (const std::size_t step : {1, 2, 3}) CHECK(fixed[step][k] == "stops with an error");
+  }
+  for (const std::size_t map : {0, 1})
+    each_run(j["maps"][map], [](const std::string& outcome, long) { CHECK(outcome != "wrong without a word"); });
+  each_run(j["maps"][2], [](const std::string& outcome, long) { CHECK(outcome == "works"); });  // it chooses its steps
+}
+
+TEST_CASE("atlas: damping and spin against the step", "[runner][atlas]") {
+  const Called damped =
+      call("atlas '" + scene_of_map("spring") +
+           "' --vary run.step=0.002,0.02 --vary forces.spring.damping=50,1000 "
+           "--integrators rk4,semi_implicit_euler,radau5:fixed=true --error 0.1 --json --out atlas_damping");
+  INFO(damped.text);
+  REQUIRE(damped.exit == 0);
+  const Json maps = Json::parse(damped.text)["maps"];
+  for (const std::size_t explicit_one : {0, 1}) {  // c h/m: 0.1, 2, 1, 20; the limits are 2.79 and 2
+    const Json& outcomes = maps[explicit_one]["outcomes"];
+    CHECK(outcomes[0][0] == "works");
+    CHECK(outcomes[1][0] == "works");
+    CHECK((outcomes[1][1] == "stops with an error" || outcomes[1][1] == "wrong, and says so"));
+  }
+  CHECK(maps[0]["outcomes"][0][1] == "works");
+  CHECK(maps[2]["counts"]["works"] == 4);
+
+  const Called spun = call("atlas '" + scene_of_map("spinning_body") +
+                           "' --vary run.step=1e-6,1e-5,1e-4 --vary spin=1e3,1e5 "
+                           "--integrators rk4,rattle4,radau5:fixed=true --json --out atlas_spin");
+  INFO(spun.text);
+  REQUIRE(spun.exit == 0);
+  for (const Json& map : Json::parse(spun.text)["maps"]) {
+    const Json& outcomes = map["outcomes"];
+    for (const std::size_t step : {0, 1, 2}) CHECK(outcomes[step][0] == "works");                // to 0.1 rad a step
+    CHECK(outcomes[0][1] == "works");                                                            // 0.1 rad at 1e5 rad/s
+    CHECK((outcomes[2][1] == "stops with an error" || outcomes[2][1] == "wrong, and says so"));  // 10 rad
   }
 }
 

@@ -165,6 +165,149 @@ TEST_CASE("linearize: the law of a drive has three columns", "[runner][linear]")
   CHECK(j["A"][1][0].get<double>() == Approx(-kSwing * kSwing).epsilon(1e-11));
 }
 
+namespace {
+
+// The entry of one of the matrices of `linearize --json` by the names of its row and its column.
+double entry(const json& j, const char* matrix, const std::string& row, const std::string& column) {
+  const auto place = [](const json& signals, const std::string& name) {
+    for (std::size_t k = 0; k < signals.size(); ++k)
+      if (signals[k]["name"] == name) return k;
+    FAIL(name << " is none of " << signals.dump());
+    return std::size_t{0};
+  };
+  const bool of_states = std::string(matrix) == "A" || std::string(matrix) == "B",
+             by_states = std::string(matrix) == "A" || std::string(matrix) == "C";
+  return j[matrix][place(j[of_states ? "states" : "outputs"], row)][place(j[by_states ? "states" : "inputs"], column)];
+}
+
+json linearized(const std::string& scene, const std::string& options) {
+  const Called called = call("linearize '" + scene + "' " + options + " --json");
+  INFO(called.text);
+  REQUIRE(called.exit == 0);
+  return json::parse(called.text);
+}
+
+// Four things beside one another, and what may be an input of each: a bob on a rope with a law, a cart on a rail
+// with a spring to a marker that a law moves, an arm held by laws, a wheel with a brake by a formula.
+const std::string kFour = R"("gravity": [0, -10, 0],
+  "bodies": [{"name": "bob", "mass": 2, "inertia": [0.2, 0.25, 0.3], "position": [0, -0.5, 0]},
+             {"name": "cart", "mass": 3, "inertia": [1, 1, 1], "position": [2, 0, 0]},
+             {"name": "arm", "mass": 1, "inertia": [1, 1, 1], "position": [5, 0, 0]},
+             {"name": "wheel", "mass": 1, "inertia": [1, 1, 0.5], "position": [8, 0, 0]}],
+  "markers": [{"name": "table", "body": "ground", "at": [1, 0, 0], "translation": [0, 0, 0], "rotation": [1, 0, 0, 0]},
+              {"name": "eye", "body": "bob"}],
+  "links": [{"name": "rope", "type": "distance", "p": "bob", "s": "ground", "at_p": [0, -0.5, 0], "at_s": [0, 0, 0], "length": 0.5},
+            {"name": "rail", "type": "prismatic", "p": "cart", "s": "ground", "at": [2, 0, 0], "axis": "x"},
+            {"name": "held", "type": "fixed", "p": "arm", "s": "ground", "at": [4, 0, 0], "move": [0, 0, 0],
+             "turn": {"type": "axis_rotation", "axis": "z", "law": 0}},
+            {"name": "hinge", "type": "revolute", "p": "wheel", "s": "ground", "at": [8, 0, 0]}],
+  "forces": [{"name": "spring", "type": "spring_damper", "p": "cart", "s": "table", "at_p": [2, 0, 0], "stiffness": 50,
+              "damping": 4, "free_length": 1},
+             {"name": "brake", "type": "function_force", "link": "hinge", "torque": "=-3*q - 0.5*qd"},
+             {"name": "gust", "type": "applied_force", "p": "cart", "at": [2, 0, 0], "laws": [0, 0, 0]}],
+  "run": {"until": 1})";
+
+}  // namespace
+
+TEST_CASE("linearize: a force along an axis of a bushing and a torque about it", "[runner][linear]") {
+  const std::string scene = scene_file("pad", R"("bodies": [{"name": "block", "mass": 2, "inertia": [0.2, 0.2, 0.3]}],
+    "forces": [{"name": "pad", "type": "bushing", "p": "block", "s": "ground", "at": [0, 0, 0],
+                "orientation": {"axis": "z", "angle": "30 deg"}, "stiffness": [300, 400, 500], "damping": [1, 2, 3],
+                "torsion_stiffness": [20, 30, 40], "torsion_damping": [0.1, 0.2, 0.3]}],
+    "run": {"until": 1})");
+  const json j = linearized(scene, "--inputs pad.x,pad.rz,pad.ry --outputs block.ax,pad.x");
+  // along x of S: m x'' = u; about z: J th'' = u
+  CHECK(entry(j, "B", "block.move_x_d", "pad.x") == Approx(std::cos(kPi / 6) / 2).epsilon(1e-12));
+  CHECK(entry(j, "B", "block.move_y_d", "pad.x") == Approx(std::sin(kPi / 6) / 2).epsilon(1e-12));
+  CHECK(entry(j, "B", "block.turn_z_d", "pad.rz") == Approx(1 / 0.3).epsilon(1e-12));
+  CHECK(entry(j, "B", "block.turn_x_d", "pad.ry") == Approx(-std::sin(kPi / 6) / 0.2).epsilon(1e-12));
+  CHECK(entry(j, "B", "block.turn_y_d", "pad.ry") == Approx(std::cos(kPi / 6) / 0.2).epsilon(1e-12));
+  CHECK(entry(j, "D", "block.ax", "pad.x") == Approx(std::cos(kPi / 6) / 2).epsilon(1e-12));
+  CHECK(j["inputs"][0]["unit"] == "N");
+  CHECK(j["inputs"][1]["unit"] == "N m");
+}
+
+TEST_CASE("linearize: laws of links and markers, and a brake by a formula", "[runner][linear]") {
+  const std::string scene = scene_file("four", kFour);
+  const json j =
+      linearized(scene,
+                 "--inputs rope.length,table.translation.x,held.move.y,held.turn.z,brake,gust.x,spring.force "
+                 "--outputs bob.ay,cart.ax,arm.ax,arm.ay,wheel.alpha_world_z");
+  CHECK(j["inputs"].size() == 15);                                               // four laws, three columns each
+  CHECK(entry(j, "D", "bob.ay", "rope.length_dd") == Approx(-1).epsilon(1e-9));  // it hangs
+  CHECK(entry(j, "B", "cart.move_x_d", "table.translation.x") == Approx(50. / 3).epsilon(1e-8));   // m x'' = k (u - x)
+  CHECK(entry(j, "B", "cart.move_x_d", "table.translation.x_d") == Approx(4. / 3).epsilon(1e-8));  // + c (u' - x')
+  CHECK(entry(j, "B", "cart.move_x_d", "table.translation.x_dd") == 0);
+  CHECK(entry(j, "D", "arm.ay", "held.move.y_dd") == Approx(1).epsilon(1e-9));
+  CHECK(entry(j, "D", "arm.ay", "held.turn.z_dd") == Approx(1).epsilon(1e-9));  // 1 m from its axis
+  CHECK(std::abs(entry(j, "D", "arm.ax", "held.turn.z_dd")) < 1e-9);
+  CHECK(entry(j, "B", "wheel.turn_z_d", "brake") == Approx(1 / 0.5).epsilon(1e-12));
+  CHECK(entry(j, "A", "wheel.turn_z_d", "wheel.turn_z") == Approx(-3 / 0.5).epsilon(1e-7));
+  CHECK(entry(j, "B", "cart.move_x_d", "gust.x") == Approx(1. / 3).epsilon(1e-12));
+  CHECK(entry(j, "B", "cart.move_x_d", "spring.force") == Approx(-1. / 3).epsilon(1e-12));  // it pulls to the left
+  CHECK(j["accuracy"].get<double>() < 1e-7);
+}
+
+TEST_CASE("linearize refuses what can be no input, with the next move", "[runner][linear]") {
+  const std::string scene =
+      scene_file("no_input", kFour.substr(0, kFour.find("\n             {\"name\": \"brake\"")) +
+                                 R"({"name": "pad", "type": "bushing", "p": "bob", "s": "ground", "at": [0, -0.5, 0]},
+                         {"name": "rub", "type": "joint_friction", "link": "rail", "mu": 0},
+                         {"name": "tide", "type": "applied_force", "p": "bob", "at": [0, -0.5, 0], "laws": [0, 0, 0]}],
+                       "run": {"until": 1})");
+  const auto refusal = [&](const std::string& input) {
+    const Called called = call("linearize '" + scene + "' --inputs " + input);
+    INFO(input << ": " << called.text);
+    CHECK(called.exit == 2);
+    return called.text;
+  };
+  for (const auto& [input, next] :
+       std::vector<std::pair<std::string, std::string>>{{"pad", "as \"pad.x\""},
+                                                        {"rub", "as \"rub.x\""},
+                                                        {"tide", "\"tide.x\""},
+                                                        {"bob", "add an applied_force or a motor on it"},
+                                                        {"eye", "give it a \"translation\""},
+                                                        {"table", "as \"table.translation.x\""},
+                                                        {"table.translation", "name one axis of it"},
+                                                        {"held.turn", "\"held.turn.x\""},
+                                                        {"held", "as \"held.move.x\""},
+                                                        {"hinge", "give it one, or add a motor"},
+                                                        {"rope.lenght", "did you mean \"rope.length\""},
+                                                        {"pad.x,pad.x", "given twice"}})
+    CHECK(contains(refusal(input), next));
+  // nothing that hangs on the marker asks for its axes
+  const Called nothing = call("linearize '" + scene + "' --inputs table.rotation.z");
+  CHECK(nothing.exit == 3);
+  CHECK(contains(nothing.text, "'table.rotation.z' acts on nothing at this state"));
+}
+
+TEST_CASE("linearize: a particle that cannot turn, and the law of a cam", "[runner][linear]") {
+  const std::string particle = scene_file("no_turn", R"("bodies": [{"name": "bead", "particle": 1}],
+    "forces": [{"name": "pad", "type": "bushing", "p": "bead", "s": "ground", "at": [0, 0, 0], "stiffness": [9, 9, 9]}],
+    "run": {"until": 1})");
+  CHECK(entry(linearized(particle, "--inputs pad.y"), "B", "bead.move_y_d", "pad.y") == Approx(1).epsilon(1e-12));
+  const Called turn = call("linearize '" + particle + "' --inputs pad.rz");
+  CHECK(turn.exit == 3);
+  CHECK(contains(turn.text, "'bead', which is a particle and cannot turn; name a force along x, y or z"));
+  const Called cam = call("linearize '" + std::string(paths::kScenes) + "/cam.json' --inputs contact_1.radius");
+  CHECK(cam.exit == 2);
+  CHECK(contains(cam.text, "not of time"));
+}
+
+TEST_CASE("linearize: an input on a drive of a speed that is switched off acts on nothing", "[runner][linear]") {
+  const std::string scene =
+      scene_file("idle_speed", R"("bodies": [{"name": "wheel", "mass": 1, "inertia": [1, 1, 0.5]}],
+    "links": [{"name": "hinge", "type": "revolute", "p": "wheel", "s": "ground", "at": [0, 0, 0]},
+              {"name": "gear", "type": "revolute", "p": "wheel", "s": "ground", "at": [0, 0, 0],
+               "drive": {"axis": "rz", "speed": 0}, "active": false}],
+    "run": {"until": 1})");
+  const Called called = call("linearize '" + scene + "' --inputs gear");
+  INFO(called.text);
+  CHECK(called.exit == 3);
+  CHECK(contains(called.text,
+                 "'gear' acts on nothing at this state; put its law in a drive or a force that is in force"));
+}
+
 TEST_CASE("matrices as files that agree with one another", "[runner][linear]") {
   const std::string scene = std::string(paths::kScenes) + "/four_bar.json",
                     folder = kRunnerFolder + "/four_bar_matrices";

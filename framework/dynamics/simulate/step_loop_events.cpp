@@ -3,6 +3,7 @@
 
 #include <lockstep/error.h>
 #include "framework/dynamics/simulate/consistency.h"
+#include "framework/dynamics/simulate/decided_rows.h"
 #include "framework/dynamics/simulate/keep_state.h"
 #include "framework/dynamics/simulate/step_loop_parts.h"
 
@@ -56,6 +57,7 @@ bool StepLoop::apply_events(std::size_t first) {
 }
 
 void StepLoop::apply(const Event& e) {
+  refuse_switch_of_decided(system(), state_.modes, e);
   std::vector<std::string> engaged;
   const auto put = [&](const std::string& name, bool on) {  // a unilateral link comes into force at contact
     if (const Force* force = force_named(system(), name)) {

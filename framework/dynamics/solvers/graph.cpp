@@ -1,7 +1,13 @@
 #include "framework/dynamics/solvers/graph.h"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
+
+#include <boost/graph/adjacency_list.hpp>
+#include <boost/graph/biconnected_components.hpp>
+
+#include <lockstep/lock.h>
 
 namespace lockstep {
 namespace {
@@ -58,6 +64,34 @@ bool has_loops(const System& system, const std::vector<bool>& modes) {
   RowTable rows;
   system.lay_out(modes, rows);
   return !link_graph(rows, system.n_slots()).is_tree();
+}
+
+std::vector<int> ends_of(const System& system, const Lock& link) {
+  const SlotList& slots = link.slots();
+  std::vector<int> ends(slots.slot.begin(), slots.slot.begin() + slots.n);
+  bool grounded = link.jointed() == nullptr || ends.size() == 1;
+  for (const int slot : ends) grounded = grounded || system.slot(slot).freedoms == Freedoms::particle;
+  for (const auto& [p, s] : link.pairs()) grounded = grounded || p->body->fixed || s->body->fixed;
+  if (grounded) ends.push_back(kGround);
+  std::ranges::sort(ends);
+  return ends;
+}
+
+std::vector<std::size_t> loop_groups(int n_slots, const std::vector<std::pair<int, int>>& edges) {
+  using Graph = boost::adjacency_list<boost::vecS, boost::vecS, boost::undirectedS, boost::no_property,
+                                      boost::property<boost::edge_index_t, std::size_t>>;
+  // Parallel edges are one: boost gives each of them a group of its own.
+  std::map<std::pair<int, int>, std::size_t> distinct;
+  for (const auto& [a, b] : edges) distinct.emplace(std::minmax(a, b), 0);
+  Graph graph(static_cast<std::size_t>(n_slots + 1));  // the ground first
+  std::size_t n = 0;
+  for (auto& [ends, number] : distinct)
+    boost::add_edge(static_cast<std::size_t>(ends.first + 1), static_cast<std::size_t>(ends.second + 1), number = n++,
+                    graph);
+  std::vector<std::size_t> group(n), of_edge;
+  boost::biconnected_components(graph, boost::make_iterator_property_map(group.begin(), get(boost::edge_index, graph)));
+  for (const auto& [a, b] : edges) of_edge.push_back(group[distinct.at(std::minmax(a, b))]);
+  return of_edge;
 }
 
 MinimumDegree::MinimumDegree(Neighbours neighbours, std::vector<int> weights)

@@ -5,6 +5,7 @@
 #include <set>
 #include <span>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include <lockstep/export.h>
@@ -44,6 +45,14 @@ LinkGraph link_graph(const RowTable&, int n_slots);
 /// Whether links in force close a loop, so that rows may depend on one another in some positions. Of a system that is
 /// set up.
 LOCKSTEP_API bool has_loops(const System&, const std::vector<bool>& modes);
+
+/// What the rows of a link touch, sorted: its slots, and the ground where a marker is fixed. Rows of the user's own may
+/// know where they are in the world, and those of a particle how it is turned: they count as touching the ground.
+LOCKSTEP_API std::vector<int> ends_of(const System&, const Lock&);
+
+/// The number of the group of each edge; edges of one group lie on common loops (biconnected components), or join the same
+/// nodes. An edge joins two nodes of kGround, 0, 1, ... n_slots - 1.
+LOCKSTEP_API std::vector<std::size_t> loop_groups(int n_slots, const std::vector<std::pair<int, int>>& edges);
 
 /// Order of elimination by minimum degree: next is the node whose neighbours weigh least, and of equals the one touched
 /// longest ago, so that successive pivots do not wait for each other. Leaves go first, and a tree makes no fill.

@@ -5,52 +5,26 @@
 #include <cmath>
 #include <utility>
 
-#include <boost/graph/adjacency_list.hpp>
-#include <boost/graph/biconnected_components.hpp>
+#include "framework/dynamics/solvers/graph.h"
 
 namespace lockstep {
-namespace {
-
-using SlotPair = std::pair<int, int>;
-
-// What the rows of a link touch: its slots, and the ground where a marker is fixed. Rows of the user's own may know where
-// they are in the world, and those of a particle how it is turned: they count as touching the ground.
-std::vector<int> ends_of(const System& system, const RowEntry& e) {
-  std::vector<int> ends(e.slots.slot.begin(), e.slots.slot.begin() + e.slots.n);
-  const Lock& link = *system.links()[static_cast<std::size_t>(e.link)];
-  bool grounded = link.jointed() == nullptr || ends.size() == 1;
-  for (const int slot : ends) grounded = grounded || system.slot(slot).freedoms == Freedoms::particle;
-  for (const auto& [p, s] : link.pairs()) grounded = grounded || p->body->fixed || s->body->fixed;
-  if (grounded) ends.push_back(kGround);
-  std::ranges::sort(ends);
-  return ends;
-}
-
-}  // namespace
-
 // At a slot that two groups share, what the rows of one of them carry is balanced within it, since it does not reach the
 // ground otherwise.
 std::vector<std::vector<int>> loops_of(const System& system, const RowTable& table) {
-  std::map<SlotPair, std::vector<int>> entries;  // by the two slots that they join
+  std::map<std::pair<int, int>, std::vector<int>> entries;  // by the two slots that they join
   std::vector<std::vector<int>> groups;
   for (std::size_t k = 0; k < table.entries.size(); ++k) {
-    const std::vector<int> ends = ends_of(system, table.entries[k]);
+    const std::vector<int> ends = ends_of(system, *system.links()[static_cast<std::size_t>(table.entries[k].link)]);
     if (ends.size() < 2) groups.push_back({static_cast<int>(k)});  // its rows touch nothing that moves
     for (std::size_t i = 0; i < ends.size(); ++i)
       for (std::size_t j = i + 1; j < ends.size(); ++j) entries[{ends[i], ends[j]}].push_back(static_cast<int>(k));
   }
-  using Graph = boost::adjacency_list<boost::vecS, boost::vecS, boost::undirectedS, boost::no_property,
-                                      boost::property<boost::edge_index_t, std::size_t>>;
-  Graph graph(static_cast<std::size_t>(system.n_slots() + 1));  // the ground first
-  std::size_t n = 0;
-  for (const auto& [ends, at] : entries)
-    boost::add_edge(static_cast<std::size_t>(ends.first + 1), static_cast<std::size_t>(ends.second + 1), n++, graph);
-  std::vector<std::size_t> component(n);
-  const std::size_t n_groups = boost::biconnected_components(
-      graph, boost::make_iterator_property_map(component.begin(), get(boost::edge_index, graph)));
+  std::vector<std::pair<int, int>> edges;
+  for (const auto& [ends, at] : entries) edges.push_back(ends);
+  const std::vector<std::size_t> component = loop_groups(system.n_slots(), edges);
   const std::size_t first = groups.size();
-  groups.resize(first + n_groups);
-  n = 0;
+  if (!component.empty()) groups.resize(first + *std::ranges::max_element(component) + 1);
+  std::size_t n = 0;
   for (const auto& [ends, at] : entries) {
     std::vector<int>& group = groups[first + component[n++]];
     group.insert(group.end(), at.begin(), at.end());

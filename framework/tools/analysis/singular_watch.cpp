@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kLook = 0.02;        // rad between two looks
 constexpr double kLow = 0.3;          // of the largest root so far: a minimum below it is looked at
+constexpr double kBeside = 5;         // per rad: what a root is less than where a position lies within that turn
 constexpr double kIsSingular = 1e-3;  // root of the indicator in a singular position; what is left is the search's
 constexpr int kSearch = 24;           // halvings by the golden section: 1e-5 of the interval
 constexpr double kGolden = 0.6180339887498949;
@@ -162,8 +163,12 @@ void SingularWatch::look(const State& state, double turn) {
   } catch (const Error&) {
     return;
   }
-  const bool was_lowest = before_.root >= 0 && last_.root >= 0 && last_.root <= before_.root && last_.root < now.root;
-  if (was_lowest && last_.root < kLow * std::max(regular_.root, now.root)) find_between(before_, last_, now);
+  // The first look may lie beside a position too: then there is nothing before it to compare with.
+  const bool first = before_.root < 0;
+  const bool was_lowest = last_.root >= 0 && (first || last_.root <= before_.root) && last_.root < now.root;
+  const bool beside = last_.root < kBeside * std::max(kLook, turn);
+  if (was_lowest && (beside || (!first && last_.root < kLow * std::max(regular_.root, now.root))))
+    find_between(first ? last_ : before_, last_, now);
   if (now.root > regular_.root) regular_ = now;
   before_ = std::move(last_);
   last_ = std::move(now);
@@ -191,8 +196,9 @@ void SingularWatch::find_between(const Look& before, const Look& lowest, const L
   // of a step.
   const double turn = std::max(lowest.turn, after.turn), slope = std::max(before.root, after.root) - least;
   const double apart = turn_in(lowest.state, after.state.t - before.state.t, system_.length());
+  const bool at_first_look = best.t == before.state.t;  // a start in a position is told by itself
   const bool stepped_over = slope > 0 && least * apart < slope * turn && turn > kLook && least < 0.1 * regular_.root;
-  if (!(least < kIsSingular) && !stepped_over) return;
+  if (at_first_look || (!(least < kIsSingular) && !stepped_over)) return;
   ++n_passed_;
   if (passed_.size() == kKept) return;
   passed_.push_back({best.t, least * least, {}});

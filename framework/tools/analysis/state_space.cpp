@@ -241,6 +241,24 @@ double accuracy_of(const VecX& derivative, const VecX& off, const LinearMotion& 
   return worst;
 }
 
+// How far two derivatives of the outputs are apart, relative to the largest of the same row. A row that is round-off
+// beside one of the same unit, or at all, says nothing.
+double accuracy_of_outputs(const MatX& derivatives, const MatX& off, const std::vector<Channel>& channels) {
+  constexpr double kRoundOff = 1e-14;
+  const auto largest = [&](std::size_t k) {
+    return derivatives.row(static_cast<Eigen::Index>(k)).lpNorm<Eigen::Infinity>();
+  };
+  double worst = 0;
+  for (std::size_t k = 0; k < channels.size(); ++k) {
+    double scale = kRoundOff / kNothing;
+    for (std::size_t other = 0; other < channels.size(); ++other)
+      if (channels[other].unit == channels[k].unit) scale = std::max(scale, largest(other));
+    if (largest(k) > kNothing * scale)
+      worst = std::max(worst, off.row(static_cast<Eigen::Index>(k)).maxCoeff() / largest(k));
+  }
+  return worst;
+}
+
 // Per unit of an input: the value, its rate and its second rate, as far as they act.
 std::vector<InputColumn> columns_of(const LinearInput& input, const Actuator& acts, const LinearMotion& m,
                                     const Reduced& r, const Responses& response, const Outputs& outputs,
@@ -386,9 +404,7 @@ StateSpace linearize(Dynamics& dynamics, const State& given, const std::vector<L
     all.col(2 * f + col) = derivative(columns[k].outputs, columns[k].step, apart);
     off.col(2 * f + col) = apart;
   }
-  for (Eigen::Index row = 0; row < n_out; ++row)
-    if (const double largest = all.row(row).cwiseAbs().maxCoeff(); largest > 0)
-      out.accuracy = std::max(out.accuracy, off.row(row).maxCoeff() / largest);
+  out.accuracy = std::max(out.accuracy, accuracy_of_outputs(all, off, channels));
   for (const Channel& channel : channels) out.outputs.push_back({channel.name, channel.unit});
   out.C = all.leftCols(n), out.D = all.rightCols(n_in);
   for (MatX* matrix : {&out.A, &out.B, &out.C, &out.D}) matrix->array() += 0.0;  // no zero with a sign

@@ -138,8 +138,10 @@ MapLayout map_layout_of(const MapGridSpec& spec) {
   all.n_rows = (spec.maps.size() + all.n_columns - 1) / all.n_columns;
   const auto n = static_cast<double>(all.n_columns);
   all.width = spec.width;
-  all.top = (page::kBelowTitle + title_height(spec.title)) +
-            page::kLegendRow * static_cast<double>((shown_kinds(spec).size() + kLegendColumns) / kLegendColumns);
+  all.top =
+      (page::kBelowTitle + title_height(spec.title)) +
+      page::kLegendRow *
+          static_cast<double>((shown_kinds(spec).size() + kLegendColumns + !spec.mark_label.empty()) / kLegendColumns);
   all.map_width = (all.width - page::kLeft - page::kRight - page::kBetween * (n - 1)) / n;
   all.map_height = spec.map_height - page::kAbove - page::kBelow;
   all.height = all.top + spec.map_height * static_cast<double>(all.n_rows) +
@@ -166,6 +168,9 @@ void add_map_legend(Script& out, const MapGridSpec& spec, const MapLayout& all) 
   if (!spec.curve_label.empty())
     clauses.push_back(
         fmt::format("keyentry with lines lc rgb '#111111' lw 2.4 title {}", quoted_text(spec.curve_label)));
+  if (!spec.mark_label.empty())
+    clauses.push_back(
+        fmt::format("keyentry with points pt 2 ps 0.8 lw 1.8 lc rgb '#111111' title {}", quoted_text(spec.mark_label)));
   out.line(fmt::format("set key at screen {:.5f}, screen {:.5f} left top horizontal maxcols {} width 2",
                        page::kLeft / all.width, 1 - ((page::kBelowTitle + title_height(spec.title)) - 6) / all.height,
                        kLegendColumns));

@@ -8,12 +8,14 @@
 
 namespace lockstep {
 
-/// All maps have the kinds of the first; their curves are drawn black, with one entry in the legend.
+/// All maps have the kinds of the first; their curves are drawn black, with one entry in the legend for lines and one for
+/// crosses.
 struct MapGridSpec {
   std::string title;
   std::size_t n_columns = 3;
   std::vector<MapSpec> maps{};
-  std::string curve_label{};           ///< "": no entry
+  std::string curve_label{},           ///< "": no entry
+      mark_label{};                    ///< of crosses; "": no entry
   std::vector<std::string> remarks{};  ///< lines of text below
   int width = 1300, map_height = 360;  ///< pixels
 };

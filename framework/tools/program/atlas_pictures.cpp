@@ -18,11 +18,19 @@ bool is_log(const std::vector<double>& x) {
 
 const std::vector<MapSpec::Kind> kOutcomes{{"works", "#6fbfae"},
                                            {"inaccurate", "#f2c14e"},
-                                           {"wrong, and the energy balance or the drift says so", "#e08a4f"},
+                                           {"wrong, and the run says so", "#e08a4f"},
                                            {"wrong without a word", "#8e2a5b"},
                                            {"stops with an error", "#cf5b50"},
                                            {"too slow", "#8a8fb5"},
                                            {"not tried", "#d9d9d9"}};
+
+// Crosses where singular positions were passed with plain stages.
+Series passed_marks(const AtlasPanel& panel, const std::vector<double>& x, const std::vector<double>& y) {
+  Series marks{"passed", {}, {}, SeriesStyle::crosses};
+  for (std::size_t i = 0; i < panel.cells.size(); ++i)
+    if (panel.cells[i].passed > 0) marks.x.push_back(x[i / y.size()]), marks.y.push_back(y[i % y.size()]);
+  return marks;
+}
 
 /// Decades of a number as kinds of a map.
 struct Decades {
@@ -53,7 +61,7 @@ MapGridSpec atlas_picture(const AtlasPlan& plan, const std::string& reference, c
   const std::vector<double> x = axis_numbers(plan.variables[0]), y = axis_numbers(plan.variables[1]);
   const auto label = [](const Variable& v) { return v.unit.empty() ? v.path : v.path + " [" + v.unit + "]"; };
   const Decades decades = decades_of(of == "energy" ? "energy imbalance, relative," : "error, m,");
-  bool curves = false;
+  bool curves = false, marked = false;
   for (const AtlasPanel& panel : plan.panels) {
     if (!panel.unsuited.empty()) continue;
     MapSpec map;
@@ -74,12 +82,15 @@ MapGridSpec atlas_picture(const AtlasPlan& plan, const std::string& reference, c
     const bool any = std::ranges::any_of(panel.limit_x, [](double v) { return std::isfinite(v); }) &&
                      std::ranges::any_of(panel.limit_y, [](double v) { return std::isfinite(v); });
     if (any) map.curves = {{"limit", panel.limit_x, panel.limit_y, SeriesStyle::lines}}, curves = true;
+    if (Series marks = passed_marks(panel, x, y); !marks.x.empty())
+      map.curves.push_back(std::move(marks)), marked = true;
     grid.maps.push_back(std::move(map));
   }
   grid.n_columns = std::min<std::size_t>(3, grid.maps.size());
   grid.width = grid.maps.size() == 1 ? 900 : 1300;
   if (grid.maps.size() == 1) grid.map_height = 520;
   if (curves) grid.curve_label = "largest stable step by linear theory at the start";
+  if (marked) grid.mark_label = "singular positions were passed with plain stages";
   grid.remarks.push_back(
       fmt::format("Error: largest over the run, against {}; works: up to {:g} of the largest displacement, wrong: "
                   "beyond {:g} of it.",

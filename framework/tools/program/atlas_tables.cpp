@@ -2,6 +2,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -18,6 +19,10 @@ std::map<AtlasOutcome, long> counts_of(const AtlasPanel& panel) {
   return counts;
 }
 
+long n_passed(const AtlasPanel& panel) {
+  return std::ranges::count_if(panel.cells, [](const AtlasCell& c) { return c.passed > 0; });
+}
+
 }  // namespace
 
 void write_atlas_cells(const std::string& file, const AtlasPlan& plan) {
@@ -26,7 +31,8 @@ void write_atlas_cells(const std::string& file, const AtlasPlan& plan) {
   std::string header = "integrator,stabilization";
   for (const Variable& v : plan.variables)
     header += "," + csv_cell(v.unit.empty() ? v.path : v.path + " [" + v.unit + "]");
-  csv.append(header + ",outcome,error [m],energy imbalance,drift [m],steps,rejected,cpu [s],reason\n");
+  csv.append(header +
+             ",outcome,error [m],energy imbalance,drift [m],singular positions,steps,rejected,cpu [s],reason\n");
   for (const AtlasPanel& panel : plan.panels) {
     for (std::size_t i = 0; i < panel.cells.size() && panel.unsuited.empty(); ++i) {
       const AtlasCell& c = panel.cells[i];
@@ -34,10 +40,10 @@ void write_atlas_cells(const std::string& file, const AtlasPlan& plan) {
       std::string line = csv_cell(to_word(panel.integrator)) + "," + to_string(panel.stabilization);
       for (std::size_t k = 0; k < at.size(); ++k) line += "," + plain_text(plan.variables[k].values[at[k]]);
       const bool ran = c.outcome != AtlasOutcome::untried;
-      line +=
-          fmt::format(",{},{},{},{},{},{},{},{}\n", csv_cell(words_of(c.outcome)),
-                      ran && std::isfinite(c.error) ? text::number(c.error) : "", ran ? text::number(c.energy) : "",
-                      ran ? text::number(c.drift) : "", c.steps, c.rejected, text::number(c.cpu), csv_cell(c.reason));
+      line += fmt::format(",{},{},{},{},{},{},{},{},{}\n", csv_cell(words_of(c.outcome)),
+                          ran && std::isfinite(c.error) ? text::number(c.error) : "", ran ? text::number(c.energy) : "",
+                          ran ? text::number(c.drift) : "", c.passed, c.steps, c.rejected, text::number(c.cpu),
+                          csv_cell(c.reason));
       csv.append(line);
     }
   }
@@ -62,6 +68,11 @@ nlohmann::ordered_json atlas_json(const AtlasPlan& plan) {
         if (i % n_y == 0) p["outcomes"].push_back(nlohmann::ordered_json::array());
         p["outcomes"].back().push_back(words_of(panel.cells[i].outcome));
       }
+      p["passed_singular_positions"] = nlohmann::ordered_json::array();
+      for (std::size_t i = 0; i < panel.cells.size(); ++i) {
+        if (i % n_y == 0) p["passed_singular_positions"].push_back(nlohmann::ordered_json::array());
+        p["passed_singular_positions"].back().push_back(panel.cells[i].passed);
+      }
       bool drawn = false;  // a method that is stable at every step has no line
       for (std::size_t k = 0; k < panel.limit_x.size(); ++k)
         drawn = drawn || (std::isfinite(panel.limit_x[k]) && std::isfinite(panel.limit_y[k]));
@@ -81,6 +92,8 @@ void print_atlas_panels(const AtlasPlan& plan) {
     std::string line;
     for (const auto& [outcome, n] : counts_of(panel))
       line += fmt::format("{}{} {}", line.empty() ? "" : ", ", n, words_of(outcome));
+    if (const long n = n_passed(panel); n > 0)
+      line += fmt::format("; {} passed singular positions with plain stages", n);
     fmt::print("  {:<34} {}\n", panel.name(), line);
   }
 }

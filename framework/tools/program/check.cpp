@@ -431,7 +431,7 @@ void print_findings(const Loaded& loaded, const Mechanism& m, const Findings& fo
   if (!found.tree.empty()) fmt::print("coordinates of the joints, from the ground outward:\n{}", tree_text(found.tree));
   list_parameters(loaded.scene);
   fmt::print("left out, because the scene does not need it:\n");
-  for (const LeftOut& l : found.left_out) fmt::print("  {} ({})\n", l.what, text::join(l.names));
+  for (const LeftOut& l : found.left_out) fmt::print("  {} ({})\n", l.what, first_of(l.names));
   if (!found.proposals.empty()) fmt::print("could be left out too:\n");
   for (const std::string& text : found.proposals) fmt::print("  {}\n", text);
 }

@@ -1,4 +1,4 @@
-// Inputs of a scene by name: the laws of drives and the magnitudes of forces, opened for `lockstep linearize`.
+// Inputs of a scene by name: drives, laws, and forces, opened for `lockstep linearize`.
 #pragma once
 
 #include <memory>
@@ -16,9 +16,13 @@ struct MechanismWithInputs {
   std::vector<LinearInput> inputs;
 };
 
-/// Builds the scene with an InputLaw around the law of each named thing: a link with a drive ("A"; with several "A.rz"),
-/// or a force that has a magnitude ("spring": pull; "motor"; "push": along its direction). Throws UsageError for a name
-/// that is none of these, with the closest, and what build_mechanism() throws.
+/// Builds the scene with an InputLaw around the law of each named thing:
+///   - a link with a drive: "A", with several "A.rz";
+///   - a force that has a magnitude: "spring": pull; "motor"; "push": along its direction; "push.x": a component;
+///   - a law of time of a link, a force or a marker: "rope.length", "A.move.x", "table.translation.z", "B.turn.x";
+///   - any other force: "pad.x" ... "pad.rz": a force along an axis of S, or a torque about it, beside it.
+/// Throws UsageError for a name that is none of these, with the closest or the next move, and what build_mechanism()
+/// throws.
 MechanismWithInputs build_with_inputs(Scene, Registry, const std::vector<std::string>& names);
 
 }  // namespace lockstep

@@ -28,6 +28,7 @@ struct AtlasCell {
   double error = 0,  ///< largest over the instants, m (turns times the system's length)
       energy = 0,    ///< imbalance relative to the energy exchanged
       drift = 0;     ///< largest violation, m
+  long passed = 0;   ///< singular positions that it passed with plain stages: the motion after them may be another
   long steps = 0, rejected = 0;
   double cpu = 0;      ///< s
   std::string reason;  ///< why it stopped
