@@ -288,7 +288,7 @@ LOCKSTEP_INLINE void ArticulatedBodies::accelerate_with(const JointTree& tree, s
     Inertia I = inertia_of(b, motions[static_cast<std::size_t>(n.slot + 1)], f.data() + 6 * n.slot);
     rows.close(k, I);
     if (n.n_v() > 0)  // else a weld that was kept
-      for_size<1, 6>(n.n_v(), [&](auto count) {
+      for_size<1, 6>(n.n_v(), [&](auto count) __attribute__((always_inline)) {
         eliminate<count>(n, b, I);
         if (b.to >= 0) reduce<count>(n, b, I);
       });
@@ -313,7 +313,8 @@ LOCKSTEP_INLINE void ArticulatedBodies::accelerate_with(const JointTree& tree, s
       own.a += p.a - Skew(b.r) * p.al, own.al += p.al;
     }
     const double* less = rows.less(k, n.n_v());
-    if (n.n_v() > 0) for_size<1, 6>(n.n_v(), [&](auto count) { solve<count>(n, b, vd, less); });
+    if (n.n_v() > 0)
+      for_size<1, 6>(n.n_v(), [&](auto count) __attribute__((always_inline)) { solve<count>(n, b, vd, less); });
     rows.find(k, own);
     a2 = std::max(a2, dot(own.a, own.a)), al2 = std::max(al2, dot(own.al, own.al));
   }
