@@ -45,12 +45,14 @@ std::string bytes_of(const std::string& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
+const std::string kCalls[] = {"malloc", "write", "fsync", "rename"};  // whose numbers counts_of() tells, in this order
+
 // The program with a call that fails: "malloc:17".
 Called with_failing(const std::string& call_of, const std::string& words) {
   return call(words, "PATH=/nowhere LOCKSTEP_FAIL='" + call_of + "' LD_PRELOAD='" + kFailing + "'");
 }
 
-// Calls of each kind that these words make: malloc, write, fsync, rename.
+// Calls of each kind that these words make.
 std::vector<long> counts_of(const std::string& words) {
   const std::string file = kFolder + "/counts";
   fs::remove(file);
@@ -121,14 +123,13 @@ TEST_CASE("a disk that is full, cannot be synchronised or forbids the name costs
   for (const std::string verb : {"run", "sweep --jobs 1 --vary gravity.2=-9.81,-1.62"}) {
     const std::string words = verb + " '" + scene + "' --record '" + old + "'";
     const std::vector<long> counts = counts_of(words);
-    const char* kinds[] = {"", "write", "fsync", "rename"};
     for (std::size_t kind = 1; kind < 4; ++kind) {
       CHECK(counts[kind] > 0);
       for (long k = 1; k <= counts[kind]; ++k) {
         std::ofstream(old) << "t,old\n0,1\n";
         fs::remove(old + ".partial");
-        const Called r = with_failing(kinds[kind] + std::string(":") + std::to_string(k), words);
-        INFO(verb << ", " << kinds[kind] << ":" << k << ", exit code " << r.exit << ":\n" << r.text);
+        const Called r = with_failing(kCalls[kind] + ":" + std::to_string(k), words);
+        INFO(verb << ", " << kCalls[kind] << ":" << k << ", exit code " << r.exit << ":\n" << r.text);
         CHECK(r.exit == 8);
         CHECK(contains(r.text, "disk.csv"));
         CHECK(bytes_of(old) == "t,old\n0,1\n");
@@ -146,14 +147,13 @@ TEST_CASE("a checkpoint that the disk does not take is told, and one that is the
   const std::vector<long> counts = counts_of(words);
   const std::string whole = bytes_of(table);
   CHECK_FALSE(fs::exists(saved));
-  const char* kinds[] = {"", "write", "fsync", "rename"};
   long resumed = 0;
   for (std::size_t kind = 1; kind < 4; ++kind) {
     long of_checkpoints = 0;
     for (long k = 1; k <= counts[kind]; ++k) {
       for (const std::string& name : {table, table + ".partial", saved}) fs::remove(name);
-      const Called r = with_failing(kinds[kind] + std::string(":") + std::to_string(k), words);
-      INFO(kinds[kind] << ":" << k << ", exit code " << r.exit << ":\n" << r.text);
+      const Called r = with_failing(kCalls[kind] + ":" + std::to_string(k), words);
+      INFO(kCalls[kind] << ":" << k << ", exit code " << r.exit << ":\n" << r.text);
       CHECK(r.exit == 8);
       CHECK((contains(r.text, "checkpoint '") || contains(r.text, "checkpoint.csv")));
       of_checkpoints += contains(r.text, "checkpoint '") ? 1 : 0;
@@ -165,7 +165,7 @@ TEST_CASE("a checkpoint that the disk does not take is told, and one that is the
       CHECK((bytes_of(table) == whole));
       ++resumed;
     }
-    INFO(kinds[kind]);
+    INFO(kCalls[kind]);
     CHECK(of_checkpoints >= 3);
   }
   CHECK(resumed >= 3);

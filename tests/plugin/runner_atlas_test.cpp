@@ -34,15 +34,21 @@ std::size_t lines_of(const std::string& file) {
   return n;
 }
 
+// The JSON that the verb prints for a scene.
+Json atlas_of(const std::string& scene, const std::string& words) {
+  const Called called = call("atlas '" + scene + "' " + words + " --json");
+  INFO(called.text);
+  REQUIRE(called.exit == 0);
+  return Json::parse(called.text);
+}
+
 }  // namespace
 
 TEST_CASE("atlas: a method works below the limit of its theory and fails above it", "[runner][atlas]") {
-  const Called called = call("atlas '" + spring() +
-                             "' --vary run.step=0.02:0.8:8:log --vary forces.spring.stiffness=25,100,400 "
-                             "--integrators semi_implicit_euler,generalized_alpha,dop853 --error 0.5 --json");
-  INFO(called.text);
-  REQUIRE(called.exit == 0);
-  const Json j = Json::parse(called.text);
+  const Json j = atlas_of(spring(),
+                          "--vary run.step=0.02:0.8:8:log --vary forces.spring.stiffness=25,100,400 "
+                          "--integrators semi_implicit_euler,generalized_alpha,dop853 --error 0.5");
+  INFO(j);
   REQUIRE(j["maps"].size() == 3);
   const Json &euler = j["maps"][0], &steps = j["axes"][0]["values"], &stiffness = j["axes"][1]["values"];
   REQUIRE(euler["limit"]["x"].size() == 3);
@@ -73,12 +79,10 @@ TEST_CASE("atlas: Baumgarte's gain has the limit of (2.16)", "[runner][atlas]") 
     "links": [{"name": "A", "type": "revolute", "p": "rod", "s": "ground", "at": [0, 0, 0]}],
     "run": {"integrator": "rk4", "step": 0.01, "formulation": "omega", "until": 0.5,
             "stabilization": {"kind": "baumgarte", "alpha": "=gain", "beta": "=gain"}})");
-  const Called called = call("atlas '" + rod +
-                             "' --vary run.step=1e-3:0.1:5:log --vary gain=50,100,200 --integrators "
-                             "rk4,semi_implicit_euler --stabilizations baumgarte --json");
-  INFO(called.text);
-  REQUIRE(called.exit == 0);
-  const Json j = Json::parse(called.text);
+  const Json j = atlas_of(rod,
+                          "--vary run.step=1e-3:0.1:5:log --vary gain=50,100,200 "
+                          "--integrators rk4,semi_implicit_euler --stabilizations baumgarte");
+  INFO(j);
   for (std::size_t k = 0; k < 3; ++k) {
     const double gain = j["axes"][1]["values"][k];
     CHECK(j["maps"][0]["limit"]["x"][k].get<double>() * gain == Approx(2.785).epsilon(0.04));
@@ -104,12 +108,10 @@ void each_run(const Json& map, const std::function<void(const std::string& outco
 
 // Points of the committed maps (framework/docs/stability.md).
 TEST_CASE("atlas: singular positions that were passed with plain stages are told", "[runner][atlas]") {
-  const Called called = call("atlas '" + scene_of_map("flat_cranks") +
-                             "' --vary before=1e-6,1e-3,0.1 --vary run.tolerance=1e-10,1e-6 "
-                             "--integrators dop853,dop853:stages=plain,rk4,rattle4 --json --out atlas_flat");
-  INFO(called.text);
-  REQUIRE(called.exit == 0);
-  const Json j = Json::parse(called.text);
+  const Json j = atlas_of(scene_of_map("flat_cranks"),
+                          "--vary before=1e-6,1e-3,0.1 --vary run.tolerance=1e-10,1e-6 "
+                          "--integrators dop853,dop853:stages=plain,rk4,rattle4 --out atlas_flat");
+  INFO(j);
   each_run(j["maps"][0], [](const std::string& outcome, long passed) {
     CHECK(outcome == "works");
     CHECK(passed == 0);
@@ -132,12 +134,10 @@ TEST_CASE("atlas: singular positions that were passed with plain stages are told
 }
 
 TEST_CASE("atlas: where Newton's method of implicit methods ends", "[runner][atlas]") {
-  const Called called = call("atlas '" + scene_of_map("turning_rod") +
-                             "' --vary run.step=1e-3,0.01,0.1,1 --vary forces.s.stiffness=1,100 "
-                             "--integrators generalized_alpha,radau5:fixed=true,radau5 --json --out atlas_newton");
-  INFO(called.text);
-  REQUIRE(called.exit == 0);
-  const Json j = Json::parse(called.text);
+  const Json j = atlas_of(scene_of_map("turning_rod"),
+                          "--vary run.step=1e-3,0.01,0.1,1 --vary forces.s.stiffness=1,100 "
+                          "--integrators generalized_alpha,radau5:fixed=true,radau5 --out atlas_newton");
+  INFO(j);
   const Json &alpha = j["maps"][0]["outcomes"], &fixed = j["maps"][1]["outcomes"];
   for (const std::size_t k : {0, 1}) {
     CHECK(alpha[0][k] == "works");  // 0.01 rad a step
@@ -151,13 +151,12 @@ TEST_CASE("atlas: where Newton's method of implicit methods ends", "[runner][atl
 }
 
 TEST_CASE("atlas: damping and spin against the step", "[runner][atlas]") {
-  const Called damped =
-      call("atlas '" + scene_of_map("spring") +
-           "' --vary run.step=0.002,0.02 --vary forces.spring.damping=50,1000 "
-           "--integrators rk4,semi_implicit_euler,radau5:fixed=true --error 0.1 --json --out atlas_damping");
-  INFO(damped.text);
-  REQUIRE(damped.exit == 0);
-  const Json maps = Json::parse(damped.text)["maps"];
+  const Json damped =
+      atlas_of(scene_of_map("spring"),
+               "--vary run.step=0.002,0.02 --vary forces.spring.damping=50,1000 "
+               "--integrators rk4,semi_implicit_euler,radau5:fixed=true --error 0.1 --out atlas_damping");
+  INFO(damped);
+  const Json& maps = damped["maps"];
   for (const std::size_t explicit_one : {0, 1}) {  // c h/m: 0.1, 2, 1, 20; the limits are 2.79 and 2
     const Json& outcomes = maps[explicit_one]["outcomes"];
     CHECK(outcomes[0][0] == "works");
@@ -167,12 +166,11 @@ TEST_CASE("atlas: damping and spin against the step", "[runner][atlas]") {
   CHECK(maps[0]["outcomes"][0][1] == "works");
   CHECK(maps[2]["counts"]["works"] == 4);
 
-  const Called spun = call("atlas '" + scene_of_map("spinning_body") +
-                           "' --vary run.step=1e-6,1e-5,1e-4 --vary spin=1e3,1e5 "
-                           "--integrators rk4,rattle4,radau5:fixed=true --json --out atlas_spin");
-  INFO(spun.text);
-  REQUIRE(spun.exit == 0);
-  for (const Json& map : Json::parse(spun.text)["maps"]) {
+  const Json spun = atlas_of(scene_of_map("spinning_body"),
+                             "--vary run.step=1e-6,1e-5,1e-4 --vary spin=1e3,1e5 "
+                             "--integrators rk4,rattle4,radau5:fixed=true --out atlas_spin");
+  INFO(spun);
+  for (const Json& map : spun["maps"]) {
     const Json& outcomes = map["outcomes"];
     for (const std::size_t step : {0, 1, 2}) CHECK(outcomes[step][0] == "works");                // to 0.1 rad a step
     CHECK(outcomes[0][1] == "works");                                                            // 0.1 rad at 1e5 rad/s

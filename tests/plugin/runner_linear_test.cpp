@@ -215,7 +215,7 @@ TEST_CASE("linearize: a force along an axis of a bushing and a torque about it",
                 "orientation": {"axis": "z", "angle": "30 deg"}, "stiffness": [300, 400, 500], "damping": [1, 2, 3],
                 "torsion_stiffness": [20, 30, 40], "torsion_damping": [0.1, 0.2, 0.3]}],
     "run": {"until": 1})");
-  const json j = linearized(scene, "--inputs pad.x,pad.rz,pad.ry --outputs block.ax,pad.x");
+  const json j = linearized(scene, "--inputs pad.x,pad.rz,pad.ry --outputs block.ax,pad.force_on_p_link_x");
   // along x of S: m x'' = u; about z: J th'' = u
   CHECK(entry(j, "B", "block.move_x_d", "pad.x") == Approx(std::cos(kPi / 6) / 2).epsilon(1e-12));
   CHECK(entry(j, "B", "block.move_y_d", "pad.x") == Approx(std::sin(kPi / 6) / 2).epsilon(1e-12));
@@ -223,6 +223,7 @@ TEST_CASE("linearize: a force along an axis of a bushing and a torque about it",
   CHECK(entry(j, "B", "block.turn_x_d", "pad.ry") == Approx(-std::sin(kPi / 6) / 0.2).epsilon(1e-12));
   CHECK(entry(j, "B", "block.turn_y_d", "pad.ry") == Approx(std::cos(kPi / 6) / 0.2).epsilon(1e-12));
   CHECK(entry(j, "D", "block.ax", "pad.x") == Approx(std::cos(kPi / 6) / 2).epsilon(1e-12));
+  CHECK(std::abs(entry(j, "D", "pad.force_on_p_link_x", "pad.x")) < 1e-9);  // beside the force, not in it
   CHECK(j["inputs"][0]["unit"] == "N");
   CHECK(j["inputs"][1]["unit"] == "N m");
 }
@@ -292,6 +293,9 @@ TEST_CASE("linearize: a particle that cannot turn, and the law of a cam", "[runn
   const Called cam = call("linearize '" + std::string(paths::kScenes) + "/cam.json' --inputs contact_1.radius");
   CHECK(cam.exit == 2);
   CHECK(contains(cam.text, "not of time"));
+  const Called link = call("linearize '" + std::string(paths::kScenes) + "/cam.json' --inputs contact_1");
+  CHECK(link.exit == 2);
+  CHECK(contains(link.text, "give it one, or add a motor or a force beside it"));  // its law can be no input
 }
 
 TEST_CASE("linearize: an input on a drive of a speed that is switched off acts on nothing", "[runner][linear]") {

@@ -1,116 +1,35 @@
-// Rows that depend on others but for a very small singular value: told, and where that is asked for held or free, decided
-// once at the start, and then the same motion from every solver and in every frame of the world.
+// Rows that depend on others but for a very small singular value: told, and where that is asked for held or free,
+// decided once at the start, and then the same motion from every solver and in every frame of the world.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
-#include <random>
 #include <string>
 #include <vector>
 
-#include <spdlog/fmt/fmt.h>
 #include <Eigen/LU>
 
 #include <lockstep/analysis.h>
-#include <lockstep/batch.h>
-#include <lockstep/couplings.h>
 #include <lockstep/explain.h>
 #include <lockstep/forces.h>
 #include <lockstep/frame_laws.h>
 #include <lockstep/joints.h>
-#include <lockstep/laws.h>
 #include <lockstep/registry.h>
 #include <lockstep/scene.h>
-#include <lockstep/simulation.h>
 #include <lockstep/uniqueness.h>
 #include "tests/support/catch.h"
+#include "tests/support/doors.h"
 #include "tests/support/messages.h"
 #include "tests/support/worst.h"
 
 namespace nearly_redundant_test {
 
 using namespace lockstep;
-using namespace lockstep::testing;
+using doors::distance, doors::door, doors::Frame, doors::frames, doors::Model, doors::Names;
+using doors::kApart, doors::kMass, doors::kSideways, doors::kSolvers;
+using testing::message_of;
 
 namespace {
-
-using Names = std::vector<std::string>;
-
-/// Turned and moved in the world.
-struct Frame {
-  Vec3 x = Vec3::Zero();
-  Quat q{};
-};
-
-std::vector<Frame> frames(int n) {
-  std::minstd_rand random(5);
-  std::uniform_real_distribution<double> number(-1, 1);
-  std::vector<Frame> all(1);
-  for (int k = 1; k < n; ++k) {
-    const Vec3 x(number(random), number(random), number(random));
-    const Quat q{number(random), number(random), number(random), number(random)};
-    all.push_back({x, normalized(q)});
-  }
-  return all;
-}
-
-/// A mechanism in a frame, and all that runs it.
-struct Model {
-  System system;
-  std::unique_ptr<Dynamics> dynamics;
-  std::vector<NearDependency> near;
-  State start;
-  Frame frame;
-
-  Pose at(const Vec3& x, const Vec3& z = Vec3::UnitZ()) const {
-    const Pose here = pose_at(x, z);
-    return Pose{frame.x, frame.q} * here;
-  }
-  Vec3 turned(const Vec3& v) const { return rotation(frame.q) * v; }
-
-  void begin(NearlyRedundant choice, const std::string& solver) {
-    RunSettings settings;
-    settings.solver = {solver};
-    dynamics = std::make_unique<Dynamics>(system, make_solver(settings, builtin_registry()),
-                                          DynamicsOptions{Formulation::omega, {}});
-    start = system.start();
-    near = decide_nearly_redundant(system, *dynamics, start, choice);
-    start = system.start();
-    assemble(*dynamics, start);
-  }
-  SimulationReport run(double until, State& end, const std::string& method = "dop853", double step = 0,
-                       const std::vector<Event>& events = {}) {
-    RunSettings settings;
-    settings.integrator = {method};
-    settings.step = step;
-    settings.tolerance = {1e-10, 1e-12};
-    StepLoop loop(*dynamics, make_integrator(settings, builtin_registry()),
-                  {.step = step, .tolerance = settings.tolerance, .max_steps = 3000});
-    for (const Event& event : events) loop.add_event(event);
-    loop.set_state(start);
-    const SimulationReport report = loop.run_until(until);
-    end = loop.state();
-    dynamics->to_slots(end);
-    return report;
-  }
-};
-
-constexpr double kApart = 1e-7;  // m, of the hinges' axes
-constexpr double kMass = 20, kSideways = 2;
-
-/// A door on two hinges, or on the lower one alone; it falls to the side.
-std::unique_ptr<Model> door(const Frame& frame, bool both) {
-  auto out = std::make_unique<Model>();
-  Model& m = *out;
-  m.frame = frame;
-  m.system.set_gravity(m.turned({0, kSideways, -9.81}));
-  const Vec3 J = kMass / 12 * Vec3(0.04 * 0.04 + 4, 0.9 * 0.9 + 4, 0.9 * 0.9 + 0.04 * 0.04);
-  const MassProperties mass{kMass, Vec3::Zero(), J.asDiagonal()};
-  Body& body = m.system.add_body("door", mass, m.at({0.45, 0, 1}));
-  body.start.v = m.turned({0, 0.45, 0}), body.start.w = {0, 0, 1};
-  m.system.add<Revolute>("low", body, m.system.ground(), m.at({0, 0, 0.2}));
-  if (both) m.system.add<Revolute>("high", body, m.system.ground(), m.at({kApart, 0, 1.8}));
-  return out;
-}
 
 /// A four-bar of hinges in space, that at C tilted; a couple of 1 N m turns the crank.
 std::unique_ptr<Model> four_bar(const Frame& frame, double tilt) {
@@ -147,24 +66,6 @@ VecX carried(const Evaluation& e) {
       }
   return Jt.fullPivLu().solve(e.force().cast<Real>()).cast<double>();
 }
-
-/// How far two motions are apart, m and in turns since their starts, seen from their frames.
-double distance(const System& a, const State& at, const Frame& frame, const System& b, const State& other) {
-  double most = 0;
-  const Mat3 F = rotation(frame.q);
-  for (const Body& body : a.bodies()) {
-    if (body.fixed) continue;
-    const Body& same = b.body(body.name);
-    const Pose ours = body_pose(body, at), theirs = body_pose(same, other);
-    const Mat3 turn = rotation(ours.q) * rotation(body.home.q).transpose(),
-               other_turn = rotation(theirs.q) * rotation(same.home.q).transpose();
-    keep_worst(most, (F.transpose() * (ours.x - frame.x) - theirs.x).norm());
-    keep_worst(most, (F.transpose() * turn * F - other_turn).norm());
-  }
-  return most;
-}
-
-const Names kSolvers = {"schur", "block", "sparse", "dense"};
 
 }  // namespace
 
@@ -389,180 +290,6 @@ TEST_CASE("a link whose rows are left out is in force, and says which they are",
   const LinkAccount low = account_of(*two->dynamics, two->start, two->system.link("low"));
   CHECK(low.left_out.empty());
   CHECK(low.rows.size() == 5);
-}
-
-TEST_CASE("lanes refuse rows that are left out, and rows that are held", "[stability][redundancy]") {
-  const auto two = door({}, true);
-  CHECK(Copies::unsuited(two->system) == "");
-  two->begin(NearlyRedundant::free, "schur");
-  CHECK(Copies::unsuited(two->system).find("link 'high' are left out") != std::string::npos);
-  two->system.leave_out(two->system.link("high"), 0);
-  two->system.hold_down_to(1e-7);
-  CHECK(Copies::unsuited(two->system).find("nearly depend") != std::string::npos);
-}
-
-TEST_CASE("a door free or held moves alike by implicit methods", "[stability][redundancy]") {
-  const auto one = door({}, false);
-  one->begin(NearlyRedundant::told, "schur");
-  State truth;
-  one->run(0.8, truth);
-  struct Method {
-    const char* name;
-    double step, error;
-  };
-  for (const Method& method : {Method{"radau5", 0, 1e-8}, Method{"generalized_alpha", 1e-3, 1e-5}})
-    for (const Frame& frame : frames(3)) {
-      CAPTURE(method.name, frame.x.transpose());
-      const auto free = door(frame, true);
-      free->begin(NearlyRedundant::free, "schur");
-      State end;
-      CHECK(free->run(0.8, end, method.name, method.step).steps < 1000);
-      CHECK(distance(free->system, end, frame, one->system, truth) < method.error);
-
-      const auto held = door(frame, true);
-      held->begin(NearlyRedundant::held, "schur");
-      CHECK(held->run(0.05, end, method.name, method.step).steps < 1000);
-      CHECK(distance(held->system, end, frame, one->system, one->system.start()) < 1e-7);
-    }
-}
-
-// In the plane of its motion the door has five rows in place of ten.
-TEST_CASE("a door in its plane is free and held as it is in space", "[stability][redundancy]") {
-  const auto flat_door = [](bool both, bool planar) {
-    auto out = door({}, both);
-    out->system.set_gravity({0, kSideways, 0});
-    if (planar) out->system.set_planar(Plane{2});
-    return out;
-  };
-  const auto one = flat_door(false, false);
-  one->begin(NearlyRedundant::told, "schur");
-  State truth;
-  one->run(0.8, truth);
-  for (const std::string& solver : kSolvers) {
-    CAPTURE(solver);
-    const auto told = flat_door(true, true);
-    told->begin(NearlyRedundant::told, solver);
-    REQUIRE(told->system.plane().n == 2);
-    REQUIRE(told->near.size() == 1);
-    CHECK(told->near.front().rows == Names{"low.y", "high.y"});
-    CHECK(told->near.front().singular_value > 0.1 * kApart);
-    CHECK(told->near.front().singular_value < 10 * kApart);
-
-    const auto free = flat_door(true, true);
-    free->begin(NearlyRedundant::free, solver);
-    CHECK(free->near.front().left_out == Names{"high.x", "high.y"});
-    CHECK(mobility(*free->dynamics, free->start).freedoms == 1);
-    State end;
-    free->run(0.8, end);
-    CHECK(distance(free->system, end, {}, one->system, truth) < 1e-9);
-
-    const auto held = flat_door(true, true);
-    held->begin(NearlyRedundant::held, solver);
-    CHECK(mobility(*held->dynamics, held->start).freedoms == 0);
-    const Solution& v = held->dynamics->evaluate(held->start);
-    CHECK(v.a.lpNorm<Eigen::Infinity>() < 1e-6);
-    const Lock& high = held->system.link("high");
-    const MarkerFrame p(*high.pairs().front().first);
-    CHECK(Reactions(v).on_body_of(p, high, v.in).force[1] == Approx(-0.45 * kMass * kSideways / kApart).epsilon(1e-6));
-  }
-}
-
-namespace {
-
-/// The door, and an arm that hangs on it by a hinge of its own.
-std::unique_ptr<Model> door_with_arm(bool both) {
-  auto out = door({}, both);
-  Body& arm = out->system.add_body("arm", shapes::rod(2, {0.9, 0, 1}, {0.9, 0.5, 1}));
-  out->system.add<Revolute>("knob", arm, out->system.body("door"), pose_at({0.9, 0, 1}));
-  return out;
-}
-
-}  // namespace
-
-TEST_CASE("events that switch links on a loop with rows left out or held are refused by name, others act",
-          "[stability][redundancy]") {
-  for (const NearlyRedundant choice : {NearlyRedundant::free, NearlyRedundant::held})
-    for (const char* const link : {"low", "high"}) {
-      CAPTURE(link);
-      const auto two = door_with_arm(true);
-      two->begin(choice, "schur");
-      Event open;
-      open.name = "open", open.at = 0.01, open.deactivate = {link};
-      State end;
-      const std::string said = message_of<ModelError>([&] { two->run(0.1, end, "dop853", 0, {open}); });
-      CHECK(said.find("event 'open' switches link '" + std::string(link) + "'") != std::string::npos);
-      CHECK(said.find(choice == NearlyRedundant::held ? "rows hold that nearly depend" : "rows were left out") !=
-            std::string::npos);
-    }
-  // The arm comes off at its hinge, which is on no loop.
-  Event off;
-  off.name = "off", off.at = 0.2, off.deactivate = {"knob"};
-  const auto one = door_with_arm(false), two = door_with_arm(true);
-  one->begin(NearlyRedundant::told, "schur"), two->begin(NearlyRedundant::free, "schur");
-  State truth, end;
-  one->run(0.6, truth, "dop853", 0, {off}), two->run(0.6, end, "dop853", 0, {off});
-  CHECK(distance(two->system, end, {}, one->system, truth) < 1e-9);
-}
-
-TEST_CASE("a driven hinge beside a decided door turns as it is driven", "[stability][redundancy]") {
-  const auto driven = [](bool both) {
-    auto out = door_with_arm(both);
-    out->system.link("knob").jointed()->drive(Axis::rz, laws::law([](auto t) { return 1.0 - cos(3.0 * t); }));
-    return out;
-  };
-  const auto one = driven(false);
-  one->begin(NearlyRedundant::told, "schur");
-  State truth;
-  one->run(0.8, truth);
-  for (const std::string& solver : kSolvers) {
-    CAPTURE(solver);
-    const auto free = driven(true);
-    free->begin(NearlyRedundant::free, solver);
-    REQUIRE(free->near.size() == 1);
-    CHECK(free->near.front().decided);
-    State end;
-    free->run(0.8, end);
-    CHECK(distance(free->system, end, {}, one->system, truth) < 1e-9);
-    const auto held = driven(true);
-    held->begin(NearlyRedundant::held, solver);
-    CHECK(held->near.front().decided);
-    CHECK(mobility(*held->dynamics, held->start).freedoms == 0);
-    held->run(0.05, end);
-    const Body &door = held->system.body("door"), &arm = held->system.body("arm");
-    CHECK((body_pose(door, end).x - door.home.x).norm() < 1e-7);
-    const Quat turned = conjugate(arm.home.q) * body_pose(arm, end).q;
-    CHECK(2 * turned.vec()[2] / turned.w == Approx(1 - std::cos(0.15)).epsilon(1e-4));
-  }
-}
-
-TEST_CASE("a coupling between the hinges of a door and an arm: rows beside it are decided, and it holds on",
-          "[stability][redundancy]") {
-  const auto coupled = [](bool both) {
-    auto out = door_with_arm(both);
-    System& system = out->system;
-    Attachment pairs{"gear", {}};
-    for (const char* const hinge : {"low", "knob"}) {
-      const auto [p, s] = system.link(hinge).pairs().front();
-      pairs.pairs.emplace_back(&system.marker(p->name), &system.marker(s->name));
-    }
-    system.add(std::make_unique<Gear>(pairs, 2.0));
-    return out;
-  };
-  const auto one = coupled(false);
-  one->begin(NearlyRedundant::told, "schur");
-  State truth;
-  one->run(0.8, truth);
-  for (const std::string& solver : kSolvers) {
-    const auto two = coupled(true);
-    two->begin(NearlyRedundant::free, solver);
-    REQUIRE(two->near.size() == 1);
-    const NearDependency& found = two->near.front();
-    CAPTURE(solver, found.undecided);
-    CHECK(found.decided);
-    State end;
-    two->run(0.8, end);
-    CHECK(distance(two->system, end, {}, one->system, truth) < 1e-9);
-  }
 }
 
 }  // namespace nearly_redundant_test

@@ -100,6 +100,7 @@ TEST_CASE("repeat: periods, drift, and jumps at the seam", "[unit][motionlaws]")
   check_breakpoints(*laws::repeat(laws::poly345({}), 1), -1.5, 1.5, {-1, 0, 1});
   check_breakpoints(*laws::repeat(kStart, 2, {.drift = true}), -1, 3.1, {-0.8, 0, 0.2, 1, 1.2, 2, 2.2, 3});
   check_breakpoints(*laws::repeat(kStart, 1.2, {.drift = true}), -0.1, 2, {0, 0.2, 1, 1.2, 1.4});
+  check_breakpoints(*laws::repeat(kStart, 0.7, {.drift = true}), -0.1, 1.5, {0, 0.2, 0.7, 0.9, 1.4});
   CHECK(laws::repeat(kStart, 2, {.drift = true})->at(7.5).y == Approx(4.0));
 }
 

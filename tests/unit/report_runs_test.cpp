@@ -2,28 +2,18 @@
 #include <lockstep/report.h>
 
 #include <complex>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <limits>
-#include <nlohmann/json.hpp>
-#include <sstream>
+#include <memory>
+#include <string>
+#include <vector>
 
-#include <lockstep/error.h>
-#include <lockstep/forces.h>
-#include <lockstep/joints.h>
+#include <lockstep/registry.h>
 #include <lockstep/scene.h>
-#include <lockstep/simulation.h>
 #include <lockstep/sweep.h>
 #include "framework/tools/report/histories.h"
 #include "framework/tools/report/modes_page.h"
-#include "framework/tools/report/numbers.h"
-#include "framework/tools/report/page.h"
 #include "framework/tools/report/points.h"
 #include "framework/tools/sweep/watched_run.h"
 #include "tests/support/catch.h"
-#include "tests/support/messages.h"
-#include "tests/support/paths.h"
 #include "tests/support/report_page.h"
 
 namespace report_runs_test {

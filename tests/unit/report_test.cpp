@@ -1,12 +1,10 @@
 // The report of a run: what the page holds, against the run itself.
 #include <lockstep/report.h>
 
-#include <complex>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include <lockstep/error.h>
@@ -15,12 +13,8 @@
 #include <lockstep/scene.h>
 #include <lockstep/simulation.h>
 #include <lockstep/sweep.h>
-#include "framework/tools/report/histories.h"
-#include "framework/tools/report/modes_page.h"
 #include "framework/tools/report/numbers.h"
 #include "framework/tools/report/page.h"
-#include "framework/tools/report/points.h"
-#include "framework/tools/sweep/watched_run.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 #include "tests/support/paths.h"

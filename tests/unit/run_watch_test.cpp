@@ -1,11 +1,8 @@
 // A run watches itself: integrators that do not do what they report, runs without an end, events inside a step.
 #include <lockstep/step_loop.h>
 
-#include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,9 +14,7 @@
 #include <lockstep/joints.h>
 #include <lockstep/laws.h>
 #include <lockstep/recorder.h>
-#include <lockstep/registry.h>
 #include <lockstep/solvers.h>
-#include "framework/dynamics/simulate/detail_observer.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 #include "tests/support/motions.h"

@@ -333,7 +333,7 @@ TEST_CASE("what is wrong with things of several lists is said at once, but for w
     "links": [{"name": "L", "type": "spherical", "p": "on_a", "s": "ground"}, {"name": "M", "type": "spherical", "p": "x", "s": "ground"}, {"name": "N", "type": "gear", "pairs": ["L", "M"], "ratio": 2}],
     "forces": [{"name": "f", "type": "applied_force", "p": "d", "at": [0,0,0], "forc": [0,0,1]}, {"name": "g", "type": "joint_friction", "link": "L", "coefficient": 0.1}],
     "events": [{"name": "e", "at": -1, "activate": ["M"]}, {"name": "h", "at": "1 m"}],
-    "run": {"integrator": "rk5", "until": 1}})");
+    "run": {"integrator": "rk5", "until": 1, "record": ["a.x"]}})");
   INFO(message);
   const std::vector<std::string> lines = [&] {
     std::vector<std::string> all;
@@ -351,10 +351,21 @@ TEST_CASE("what is wrong with things of several lists is said at once, but for w
 }
 
 TEST_CASE("of a thing whose type is missing its own keys are not called unknown", "[unit][scene]") {
-  const std::string message = refusal_of(R"({"lockstep": 1, "bodies": [{"name": "a", "particle": 1}],
-    "forces": [{"name": "f", "typ": "spring_damper", "p": "a", "s": "ground", "stiffness": 5}]})");
-  CHECK(message.find("\"typ\"; did you mean \"type\"") != std::string::npos);
-  CHECK(message.find("stiffness") == std::string::npos);
+  const auto said_of = [](const std::string& keys) {
+    return refusal_of(R"({"lockstep": 1, "bodies": [{"name": "a", "particle": 1}],
+      "forces": [{"name": "f", )" +
+                      keys + R"(, "p": "a", "s": "ground", "stiffness": 5}]})");
+  };
+  for (const char* keys : {R"("typ": "spring_damper")", R"("damping": 3, "typ": "spring_damper")"}) {
+    const std::string message = said_of(keys);
+    INFO(message);
+    CHECK(message.find("\"typ\"; did you mean \"type\"") != std::string::npos);
+    CHECK(message.find('\n') == std::string::npos);
+  }
+  const std::string message = said_of(R"("damping": 3)");
+  INFO(message);
+  CHECK(message.find("force 'f': missing key \"type\"") != std::string::npos);
+  CHECK(message.find('\n') == std::string::npos);
 }
 
 TEST_CASE("a part of a compound is not advised to be a particle", "[unit][scene]") {

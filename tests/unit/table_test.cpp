@@ -124,6 +124,17 @@ TEST_CASE("CSV reads foreign files: no units, blanks, carriage returns, a byte o
   CHECK(table.n_rows() == 2);
 }
 
+TEST_CASE("a unit of nothing in a CSV header is none, and what is written of it reads back alike", "[unit][record]") {
+  std::istringstream in("t [],n [m] [],k\n0,1,2\n");
+  std::stringstream text;
+  write_csv(text, read_csv(in, "x.csv"));
+  CHECK(text.str() == "t,n [m],k\n0,1,2\n");
+  const Table back = read_csv(text, "x.csv");
+  CHECK(back.names() == std::vector<std::string>{"t", "n", "k"});
+  CHECK(back.column("t").unit.empty());
+  CHECK(back.column("n").unit == "m");
+}
+
 TEST_CASE("CSV faults are told with file and line", "[unit][record]") {
   check_words(failure("t,a\n0,1\n1,two\n"), {"x.csv:3", "\"a\"", "\"two\""});
   check_words(failure("t,a\n0,1\n1\n"), {"x.csv:3", "1 cells", "2 columns"});

@@ -4,21 +4,15 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include <lockstep/assembly.h>
 #include <lockstep/error.h>
 #include <lockstep/forces.h>
 #include <lockstep/integrators.h>
-#include <lockstep/joints.h>
-#include <lockstep/laws.h>
 #include <lockstep/recorder.h>
 #include <lockstep/registry.h>
-#include <lockstep/solvers.h>
 #include "framework/dynamics/simulate/detail_observer.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"

@@ -1,37 +1,31 @@
 // Loops in joint coordinates: links beside the tree stay rows. Accelerations against omega, the choice of the tree,
-// projections, runs.
+// projections.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
 #include <lockstep/assembly.h>
-#include <lockstep/integrators.h>
+#include <lockstep/dynamics.h>
 #include <lockstep/joints.h>
 #include <lockstep/laws.h>
-#include <lockstep/recorder.h>
 #include <lockstep/registry.h>
+#include <lockstep/scene.h>
 #include <lockstep/solvers.h>
-#include <lockstep/step_loop.h>
-#include <lockstep/sweep.h>
 #include "framework/dynamics/tree/joint_tree.h"
-#include "tests/support/allocations.h"
 #include "tests/support/catch.h"
-#include "tests/support/configuration.h"
+#include "tests/support/loops.h"
 #include "tests/support/messages.h"
 #include "tests/support/paths.h"
 #include "tests/support/random_bodies.h"
 #include "tests/support/run_scene.h"
-#include "tests/support/worst.h"
 
 namespace closures_test {
 
 using namespace lockstep;
-using testing::accelerations, testing::Draw, testing::largest, testing::random_inertia, testing::random_pose;
+using loops::joint_dynamics, loops::ladder, loops::Loops, loops::random_loops, loops::row_of_four_bars;
+using testing::accelerations, testing::Draw, testing::largest;
 
 namespace {
-
-Dynamics joint_dynamics(System& system) {
-  return Dynamics(system, std::make_unique<SchurSolver>(), {.formulation = Formulation::joint, .stabilization = {}});
-}
 
 /// The scenes of a folder of the sources, by file name.
 std::vector<std::string> scenes_in(const std::string& folder) {
@@ -73,132 +67,11 @@ bool is_singular(System& system, Dynamics& dynamics, const State& state) {
   return largest(a - b) > 1e-3 * std::max(1.0, largest(b));
 }
 
-/// A pair of markers at one place of the world, on two bodies as they are drawn.
-std::pair<Marker*, Marker*> markers_at(System& system, const std::string& name, Body& a, Body& b, const Pose& world) {
-  const auto on = [&](Body& body) {
-    const Pose& at = body.home;
-    return Pose{rotation(at.q).transpose() * (world.x - at.x), conjugate(at.q) * world.q};
-  };
-  return {&system.add_marker(name + "_a", a, on(a)), &system.add_marker(name + "_b", b, on(b))};
-}
-
-struct Loops {
-  int bodies = 8, more = 1;
-  bool backward = false;  ///< the links in the reverse order
-  Plane plane{};          ///< without one in space
-  bool driven = false;    ///< one joint of the tree has a law, and a bead that is free otherwise hangs on a body
-};
-
-/// Bodies at random places, each on the ground or on an earlier one by a lock of a random mask, and links between
-/// random ones beside them, of any mask; all hold as the bodies are drawn.
-System random_loops(std::uint64_t seed, const Loops& o) {
-  Draw draw(seed);
-  const auto flat = [&](Vec3 x) {
-    if (o.plane) x[o.plane.n] = 0;
-    return x;
-  };
-  const auto pose = [&] {
-    Pose at = random_pose(draw);
-    at.x = flat(at.x);
-    if (o.plane) at.q = axis_angle(Vec3(Vec3::Unit(o.plane.n)), draw.number(-3, 3));
-    return at;
-  };
-  const auto inertia = [&] {
-    return o.plane ? Mat3(random_inertia(draw).diagonal().asDiagonal()) : random_inertia(draw);
-  };
-  System system({.gravity = flat({0.3, -9.81, 1.2})});
-  system.set_planar(o.plane);
-  std::vector<Body*> bodies{&system.ground()};
-  const auto any = [&](std::size_t among) { return static_cast<std::size_t>(draw.number(0, 0.999) * double(among)); };
-  struct Between {
-    std::string name;
-    Body *a, *b;
-    Pose at;
-    Mask mask;
-  };
-  std::vector<Between> links;
-  for (int k = 0; k < o.bodies; ++k) {
-    const std::string name = std::to_string(k);
-    const double mass = draw.number(0.5, 2);
-    const Mat3 J = inertia();
-    bodies.push_back(&system.add_body("body" + name, {mass, Vec3::Zero(), J}, pose()));
-    static constexpr Mask kJoints[] = {Mask::xyz, Mask::xyz | Mask::e1 | Mask::e2, Mask::x | Mask::y | Mask::e123,
-                                       Mask::x | Mask::y | Mask::z | Mask::e2 | Mask::e3};
-    links.push_back({"joint" + name, bodies.back(), bodies[any(bodies.size() - 1)], pose(), kJoints[any(4)]});
-  }
-  for (int k = 0; k < o.more; ++k) {
-    const std::size_t a = any(bodies.size()), b = (a + 1 + any(bodies.size() - 1)) % bodies.size();
-    const auto mask = Mask(1 + static_cast<unsigned>(any(63)));
-    links.push_back({"closure" + std::to_string(k), bodies[a], bodies[b], pose(), mask});
-  }
-  if (o.driven) {
-    Body& bead = system.add_particle("bead", 0.3, flat(random_pose(draw).x));
-    links.push_back({"thread", &bead, bodies[3], {bead.home.x, {}}, Mask::x | Mask::y | Mask::z});
-  }
-  // The first joint with one freedom that stays in the plane.
-  const auto turns = [](const Between& l) { return l.mask == (Mask::xyz | Mask::e1 | Mask::e2); };
-  const auto slides = [](const Between& l) { return l.mask == (Mask::x | Mask::y | Mask::e123); };
-  const auto stays = [&](const Between& l) {
-    return (turns(l) && (!o.plane || o.plane.n == 2)) || (slides(l) && o.plane.n != 2);
-  };
-  const auto first = std::ranges::find_if(links, stays);
-  const std::string driven = o.driven && first != links.end() ? first->name : "";
-  if (o.backward) std::ranges::reverse(links);
-  for (const Between& l : links) {
-    const auto [p, s] = markers_at(system, l.name, *l.a, *l.b, l.at);
-    auto& lock = system.add<GenericLock>(l.name, *p, *s, l.mask);
-    if (l.name == driven) lock.drive(turns(l) ? Axis::rz : Axis::z, laws::polynomial({0.0, 0.7, -0.4}));
-  }
-  return system;
-}
-
-/// n bays of parallel four-bars on the ground.
-System row_of_four_bars(int n) {
-  System s({.gravity = Vec3(0, -9.81, 0)});
-  const Vec3 up(std::cos(1.2), std::sin(1.2), 0);
-  const auto rod = [&](const std::string& name, const Vec3& middle) -> Body& {
-    return s.add_body(name, {1.0, Vec3::Zero(), Vec3(0.01, 0.08, 0.08).asDiagonal()}, {middle, {}});
-  };
-  std::vector<Body*> uprights;
-  for (int i = 0; i <= n; ++i) {
-    uprights.push_back(&rod("upright" + std::to_string(i), Vec3(i, 0, 0) + 0.5 * up));
-    s.add<Revolute>("foot" + std::to_string(i), *uprights.back(), s.ground(), pose_at(Vec3(i, 0, 0)));
-  }
-  for (int i = 0; i < n; ++i)
-    for (int end = 0; end < 2; ++end) {
-      const std::string name = std::to_string(i);
-      if (end == 0) rod("bar" + name, Vec3(i + 0.5, 0, 0) + up);
-      s.add<Revolute>((end ? "right" : "left") + name, s.body("bar" + name),
-                      *uprights[static_cast<std::size_t>(i + end)], pose_at(Vec3(i + end, 0, 0) + up));
-    }
-  return s;
-}
-
-/// Two uprights of n rods each, and n rungs between them.
-System ladder(int n) {
-  System s({.gravity = Vec3(0, -9.81, 0)});
-  const auto rod = [&](const std::string& name, const Vec3& middle) -> Body& {
-    return s.add_body(name, {1.0, Vec3::Zero(), Vec3(0.08, 0.08, 0.08).asDiagonal()}, {middle, {}});
-  };
-  Body *left = &s.ground(), *right = &s.ground();
-  for (int i = 0; i < n; ++i) {
-    const std::string k = std::to_string(i);
-    Body &l = rod("left" + k, Vec3(0, i + 0.5, 0)), &r = rod("right" + k, Vec3(1, i + 0.5, 0)),
-         &rung = rod("rung" + k, Vec3(0.5, i + 1, 0));
-    s.add<Revolute>("on_left" + k, l, *left, pose_at(Vec3(0, i, 0)));
-    s.add<Revolute>("on_right" + k, r, *right, pose_at(Vec3(1, i, 0)));
-    s.add<Revolute>("rung_left" + k, rung, l, pose_at(Vec3(0, i + 1, 0)));
-    s.add<Revolute>("rung_right" + k, rung, r, pose_at(Vec3(1, i + 1, 0)));
-    left = &l, right = &r;
-  }
-  return s;
-}
-
 /// The most closures whose paths pass through one body, of a mechanism with links between two bodies.
 int most_open(System& system) {
   system.setup();
   std::string why_not;
-  const auto tree = JointTree::of(system, system.start().modes, why_not, Closures::rows);
+  const auto tree = JointTree::of(system, system.start().modes, why_not);
   REQUIRE(tree);
   std::vector<int> parent(static_cast<std::size_t>(system.n_slots()), kGround), depth = parent, open = parent;
   for (const TreeNode& n : tree->nodes()) {
@@ -343,77 +216,6 @@ TEST_CASE("projections in joint coordinates are those of omega", "[verification]
   CHECK(checked > 20);
 }
 
-TEST_CASE("a loop that its closing link drives moves in joint coordinates as in omega, also by Baumgarte's terms",
-          "[verification][joint]") {
-  const auto run = [](Formulation formulation, Stabilization::Kind kind, Plane plane, double& work, double& drift) {
-    System s({.gravity = Vec3(0, -9.81, 0)});
-    s.set_planar(plane);
-    const auto rod = [&](const std::string& name, const Vec3& from, const Vec3& to) -> Body& {
-      return s.add_body(name, shapes::rod(1.0, from, to));
-    };
-    Body &crank = rod("crank", {0, 0, 0}, {0, 0.4, 0}), &coupler = rod("coupler", {0, 0.4, 0}, {1, 0.8, 0}),
-         &rocker = rod("rocker", {1, 0.8, 0}, {1, 0, 0});
-    s.add<Revolute>("A", crank, s.ground(), pose_at(Vec3(0, 0, 0)));
-    s.add<Revolute>("B", coupler, crank, pose_at(Vec3(0, 0.4, 0)));
-    auto& closing = s.add<Revolute>("D", rocker, s.ground(), pose_at(Vec3(1, 0, 0)));
-    s.add<Spherical>("C", rocker, coupler, pose_at(Vec3(1, 0.8, 0)));
-    closing.drive(Axis::rz, laws::polynomial({0.0, 0.0, 0.5}));
-    Recorder recorder(s);
-    recorder.add(make_channel(s, "D.drive.work"));
-    Stabilization stabilization{kind};
-    Dynamics dynamics(s, std::make_unique<SchurSolver>(), {.formulation = formulation, .stabilization = stabilization});
-    StepLoop loop(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-11, 1e-11}});
-    State start = s.start();
-    assemble(dynamics, start);
-    loop.set_state(start);
-    loop.run_until(0.5);
-    State end = loop.state();
-    work = end.s[0], drift = dynamics.violation(end);
-    CHECK((end.coordinates != nullptr) == (formulation == Formulation::joint));
-    dynamics.to_slots(end);
-    return end;
-  };
-  for (const int plane : {-1, 2})
-    for (const Stabilization::Kind kind : {Stabilization::Kind::project, Stabilization::Kind::baumgarte}) {
-      CAPTURE(plane, kind);
-      double work = 0, expected = 0, drift = 0, omega_drift = 0;
-      const State joint = run(Formulation::joint, kind, Plane{plane}, work, drift),
-                  omega = run(Formulation::omega, kind, Plane{plane}, expected, omega_drift);
-      CHECK(largest(joint.v - omega.v) < 1e-8);
-      CHECK(std::abs(work - expected) < 1e-8);
-      CHECK(std::abs(expected) > 0.01);
-      CHECK(drift < 1e-9);
-    }
-}
-
-TEST_CASE("a look aside leaves nothing behind in joint coordinates either", "[verification][joint]") {
-  const auto run = [](bool looks) {
-    Scene scene = read_scene(scene_path("nfourbar_2"));
-    scene.run.formulation = Formulation::joint;
-    Mechanism m = build_mechanism(scene, builtin_registry());
-    Dynamics dynamics = joint_dynamics(m.system);
-    StepLoop loop(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-8, 1e-8}});
-    State start = m.system.start();
-    assemble(dynamics, start, m.start_speeds, m.assembly);
-    loop.set_state(start);
-    long steps = 0;
-    while (loop.state().t < 2) {
-      loop.step(), ++steps;
-      if (!looks) continue;
-      const Dynamics::Aside aside(dynamics);
-      State beside = loop.state();  // flat, where rows fade
-      StateRate rate;
-      for (double& q : beside.q) q = 0;
-      dynamics.rates_with_report(beside, rate);
-    }
-    return std::pair(steps, loop.state().q);
-  };
-  const auto [steps, q] = run(false);
-  const auto [watched_steps, watched_q] = run(true);
-  CHECK(watched_steps == steps);
-  CHECK(watched_q == q);
-}
-
 TEST_CASE("redundant rows that differ off the constraints are left so, contradictions are named",
           "[verification][joint]") {
   // Sarrus' linkage: three of ten rows are redundant where hinges are parallel, which a step along the rates is off by 1e-7.
@@ -490,39 +292,6 @@ TEST_CASE("few closures are open at a time in ladders and in rows of four-bars",
       SolveReport report;
       CHECK(difference(dynamics, state, report) < 1e-10);
     }
-  }
-}
-
-TEST_CASE("ten flat positions are passed in joint coordinates as in omega", "[verification][joint]") {
-  const auto run = [&](Formulation formulation) {
-    return run_scene(scene_path("nfourbar_2"), [&](RunSettings& s) {
-      s.integrator = {"dop853"}, s.tolerance = {1e-9, 1e-9}, s.formulation = formulation;
-    });
-  };
-  const SceneRun omega = run(Formulation::omega), joint = run(Formulation::joint);
-  for (const ColumnError& e : compare(joint.table, omega.table)) {
-    CAPTURE(e.name);
-    if (e.name.find("_dd") == std::string::npos) CHECK(e.error < 1e-6 * std::max(1.0, e.size));
-  }
-}
-
-TEST_CASE("a step with closures allocates nothing", "[verification][joint]") {
-  for (const int plane : {-1, 2}) {
-    CAPTURE(plane);
-    System system = row_of_four_bars(4);
-    system.set_planar(Plane{plane});
-    system.setup();
-    Dynamics dynamics = joint_dynamics(system);
-    StepLoop loop(dynamics, std::make_unique<Dopri5>());
-    State start = system.start();
-    start.v[5] = 0.5;
-    dynamics.project_velocity(start);
-    loop.set_state(start);
-    for (int i = 0; i < 20; ++i) loop.step();
-    REQUIRE(loop.state().coordinates);
-    const long before = allocations();
-    for (int i = 0; i < 10; ++i) loop.step();
-    CHECK(allocations() == before);
   }
 }
 

@@ -141,7 +141,7 @@ VecX differences(const System& system, const State& state, const StateRate& rate
 
 /// Motions are those that the joints have in space, found one after another.
 void check_motions(const System& system, const JointTree& tree, const State& state) {
-  PlanarBodies flat(tree, system, RowTable());
+  PlanarBodies flat(tree, system, false);
   std::vector<Motion> a, b(static_cast<std::size_t>(system.n_slots() + 1));
   flat.outward(tree, state, a), tree.motions(state, b);
   for (int slot = 0; slot < system.n_slots(); ++slot) {
@@ -159,7 +159,7 @@ void check_motions(const System& system, const JointTree& tree, const State& sta
 /// Accelerations of the slots, slot axes, as PlanarBodies gives them, are those that omega solves for in space.
 void check_omega(Dynamics& dynamics, const JointTree& tree, const State& state) {
   const System& system = dynamics.system();
-  PlanarBodies flat(tree, system, RowTable());
+  PlanarBodies flat(tree, system, false);
   std::vector<Motion> motions;
   flat.outward(tree, state, motions);
   Inputs in;

@@ -5,7 +5,7 @@
 #include <lockstep/text.h>
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/resolve.h"
-#include "framework/dynamics/tree/joint_tree.h"
+#include "framework/dynamics/tree/tree_layout.h"
 
 namespace lockstep {
 
@@ -108,8 +108,9 @@ void Builder::build() {
   links(root);
   forces(root);
   events(root);
-  errors_.attempt(root.value("run"), [&] { make_integrator(out_.run, registry_); });
-  errors_.attempt(root.value("run"), [&] { make_solver(out_.run, registry_); });
+  const Value of_no_thing;  // what "run" records or draws of a thing that failed is no matter here
+  errors_.attempt(of_no_thing, [&] { make_integrator(out_.run, registry_); });
+  errors_.attempt(of_no_thing, [&] { make_solver(out_.run, registry_); });
   errors_.raise();
   set_merge(root.text("merge"));
   set_up(root);
@@ -140,9 +141,9 @@ std::shared_ptr<const JointTree> Builder::tree() const {
   if (formulation != Formulation::joint && formulation != Formulation::automatic) return nullptr;
   if (!make_integrator(out_.run, registry_)->info().joint) return nullptr;
   out_.system.setup();
-  std::string why_not;
-  return JointTree::of(out_.system, out_.system.start().modes, why_not,
-                       formulation == Formulation::joint ? Closures::rows : Closures::cheap);
+  return lay_out_tree(out_.system, out_.system.start().modes,
+                      formulation == Formulation::joint ? Taken::all : Taken::where_cheaper)
+      .tree;
 }
 
 // A start speed of a link that leads out of the plane; null where there is none. Of a system that is set up in it.
@@ -163,8 +164,10 @@ void Builder::choose_plane(bool asked) {
   if (in_space && in_space->planar() && !in_space->has_rows()) return;  // coordinates are as few as in a plane
   const Plane found = find_plane(system, [&](Plane plane) { return start_out_of(plane) == nullptr; });
   system.set_planar(found, bool(found));
-  const bool stays = out_.run.formulation == Formulation::joint || (in_space && !in_space->has_rows());
-  if (found && in_space && stays && !tree()) system.set_planar({});
+  if (!found || !in_space) return;
+  // Joint coordinates in space are kept rather than a plane without them; not where `auto` took loops into them.
+  const bool kept = out_.run.formulation == Formulation::joint || !in_space->has_rows();
+  if (kept && !tree()) system.set_planar({});
 }
 
 // Refusals of the System name a body, link or force: its place in the file is put before them.

@@ -49,8 +49,8 @@ decltype(auto) placed(const Where& where, F&& f) {
   return placed(where, "", std::forward<F>(f));
 }
 
-/// What is wrong with the things of a scene. All of them are tried; of those that hang on one that failed nothing is said,
-/// since that one may be all that is wrong.
+/// What is wrong with the things of a scene. All of them are tried; of those that hang on one that failed nothing is
+/// said, since that one may be all that is wrong.
 class SceneErrors {
  public:
   /// Calls build(object, owner) for the objects of a list, each "bodies[2]" or "body 'a'".
@@ -62,7 +62,7 @@ class SceneErrors {
         attempt(items[i], [&] { build(items[i], owner_of(kind, items[i], list, i)); });
     });
   }
-  /// Runs what reads the value, and keeps what is refused.
+  /// Runs what reads the value, and keeps what is refused, unless the value names what failed.
   template <class F>
   void attempt(const Value& read, F&& act) {
     try {

@@ -10,7 +10,6 @@
 #include <lockstep/text.h>
 #include "framework/description/scene/tables.h"
 #include "framework/mechanism/params/read.h"
-#include "framework/mechanism/params/refusals.h"
 
 namespace lockstep {
 
@@ -39,6 +38,16 @@ inline Keys keys_together(const Keys& common, const Keys& own) {
   return keys;
 }
 
+/// The object without what may be keys of its type, which is not known; what may be a slip of "type" stays.
+inline Value without_own(Value object, const Keys& common) {
+  const std::string type[] = {"type"};
+  if (object.object() != nullptr)
+    std::erase_if(*object.object(), [&](const Value::Member& m) {
+      return !contains_key(common, m.key) && text::closest_name(m.key, type).empty();
+    });
+  return object;
+}
+
 /// Checks the object against both tables, makes its laws and splits it. Throws SceneError; for an unknown type, with
 /// the closest one.
 template <class Shelf>
@@ -54,14 +63,8 @@ Split split(const Value& object, const SceneTable& table, const Shelf& shelf, co
   // messages list the type's own keys first
   const TypeInfo both{table.info.name, table.info.help, keys_together(own_keys, without(table.info.keys, own_keys))};
   // refuses a missing type, unknown keys and wrong forms
-  const Params all = [&] {
-    try {
-      return checked_params(Params::unchecked(object), both, owner, &laws);
-    } catch (const SceneError& error) {
-      if (entry == nullptr) throw first_line_of(error);  // keys of a type that is not known may be its own
-      throw;
-    }
-  }();
+  const Params all = checked_params(Params::unchecked(entry != nullptr ? object : without_own(object, table.info.keys)),
+                                    both, owner, &laws);
   return {all.text("type"), all.only(without(table.info.keys, own_keys)), all.only(own_keys)};
 }
 

@@ -10,11 +10,7 @@ namespace lockstep {
 void Dynamics::Tree::gather(System& system, const State& state) {
   motions.resize(static_cast<std::size_t>(system.n_slots() + 1));
   coordinates->motions(state, motions);
-  Inputs in;
-  in.t = state.t, in.motions = motions;
-  in.s = {state.s.data(), static_cast<std::size_t>(state.s.size())};
-  in.z = {state.z.data(), static_cast<std::size_t>(state.z.size())};
-  system.gather_rows(in, closure_rows);
+  system.gather_rows(inputs(state), closure_rows);
   closures().residuals(motions, closure_rows, C, Cd);
 }
 

@@ -15,15 +15,6 @@ namespace {
 
 constexpr double kStalledRows = 0.3;  // of a residual: a correction that leaves more is the last one
 
-// What stands in the way of eliminating these rows along a tree; "" for nothing.
-std::string why_not_closed(const System& system, const RowTable& rows) {
-  if (rows.held > 0) return "rows hold that nearly depend on others";
-  for (const RowEntry& e : rows.entries)
-    if (e.slots.n == 0)
-      return "link '" + system.links()[static_cast<std::size_t>(e.link)]->name() + "' touches nothing that moves";
-  return "";
-}
-
 }  // namespace
 
 Dynamics::~Dynamics() = default;
@@ -38,20 +29,13 @@ Dynamics::Tree& Dynamics::tree(const std::vector<bool>& modes) {
   Tree& t = *tree_;
   if (t.revision == system_.revision() && t.modes == modes) return t;
   t.revision = -1, t.modes = modes;  // the revision when all of it is made
+  t.coordinates = nullptr, t.recursion = nullptr;
   const bool asked = options_.formulation == Formulation::joint;
-  t.coordinates = nullptr, t.recursion = nullptr, t.closure_rows = {};
-  std::shared_ptr<const JointTree> tree =
-      JointTree::of(system_, modes, t.why_not, asked ? Closures::rows : Closures::cheap);
-  if (tree && tree->has_rows()) {
-    std::vector<bool> shown(modes.size(), false);
-    for (const int link : tree->closures()) shown[static_cast<std::size_t>(link)] = true;
-    system_.lay_out(shown, t.closure_rows);
-    t.why_not = why_not_closed(system_, t.closure_rows);
-    if (!t.why_not.empty()) tree = nullptr;
-  }
+  TreeLayout layout = lay_out_tree(system_, modes, asked ? Taken::all : Taken::where_cheaper);
+  t.why_not = std::move(layout.why_not), t.closure_rows = std::move(layout.closures);
   t.f.setZero(6 * system_.n_slots());
-  if (tree) t.recursion = TreeRecursion::of(*tree, system_, t.closure_rows);
-  t.coordinates = std::move(tree);
+  if (layout.tree) t.recursion = TreeRecursion::of(*layout.tree, system_, std::move(layout.fronts));
+  t.coordinates = std::move(layout.tree);
   if (t.coordinates) lay_out_reactions(t);
   t.revision = system_.revision();
   return t;
@@ -62,6 +46,14 @@ Dynamics::Tree& Dynamics::Tree::of(const State& state) {
   throw ModelError(
       "a state in joint coordinates of another mechanism, or of other links in force; convert it first "
       "(Dynamics::to_slots)");
+}
+
+Inputs Dynamics::Tree::inputs(const State& state) const {
+  Inputs in;
+  in.t = state.t, in.motions = motions;
+  in.s = {state.s.data(), static_cast<std::size_t>(state.s.size())};
+  in.z = {state.z.data(), static_cast<std::size_t>(state.z.size())};
+  return in;
 }
 
 namespace {
@@ -164,10 +156,7 @@ SolveReport Dynamics::rates_with_report(const State& state, StateRate& out) {
 void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* report) {
   Tree& t = tree(state.modes).of(state);
   t.recursion->outward(*t.coordinates, state, t.motions);
-  Inputs in;
-  in.t = state.t, in.motions = t.motions;
-  in.s = {state.s.data(), static_cast<std::size_t>(state.s.size())};
-  in.z = {state.z.data(), static_cast<std::size_t>(state.z.size())};
+  const Inputs in = t.inputs(state);
   system_.gather_forces(in, t.f);
   const Solution* solved = nullptr;
   t.multipliers_known = true;
@@ -175,7 +164,7 @@ void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* repo
     t.recursion->accelerate(*t.coordinates, t.motions, t.f, out.v);
   else
     solved = joint_accelerations(t, state, in, out, report);
-  out.largest_a = t.recursion->largest_a(), out.largest_alpha = t.recursion->largest_alpha();
+  out.largest_a = t.recursion->largest().a(), out.largest_alpha = t.recursion->largest().alpha();
   t.coordinates->kinematic_rate(state, out.q);
   out.s.resize(state.s.size());
   if (state.s.size() > 0) {
@@ -241,7 +230,7 @@ void Dynamics::read_rates(const State& state, const StateRate& slots, StateRate&
   t.recursion->read_off(*t.coordinates, t.motions, slots.v, out.v);
   t.coordinates->kinematic_rate(state, out.q);
   out.s = slots.s;
-  out.largest_a = t.recursion->largest_a(), out.largest_alpha = t.recursion->largest_alpha();
+  out.largest_a = t.recursion->largest().a(), out.largest_alpha = t.recursion->largest().alpha();
 }
 
 }  // namespace lockstep

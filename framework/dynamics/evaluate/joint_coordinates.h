@@ -8,6 +8,7 @@
 #include <lockstep/dynamics.h>
 #include "framework/dynamics/tree/closure_rows.h"
 #include "framework/dynamics/tree/joint_tree.h"
+#include "framework/dynamics/tree/tree_layout.h"
 #include "framework/dynamics/tree/tree_reactions.h"
 #include "framework/dynamics/tree/tree_recursion.h"
 
@@ -36,6 +37,8 @@ struct Dynamics::Tree {
   // Itself; throws ModelError where the state has other joint coordinates.
   Tree& of(const State&);
   ClosureRows& closures() { return recursion->closures(); }
+  // The state, and the motions as found last.
+  Inputs inputs(const State&) const;
   // Brings a state onto C = 0 and J v = -Ct of the closures by the least move in the mass metric, as Projection does.
   ProjectReport project(System&, State&, double goal, double tolerance);
   // The velocities alone; returns what is left, m/s.

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include <lockstep/error.h>
+#include "framework/dynamics/integrate/speed_of.h"
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/dynamics/solvers/stop_rule.h"
 
@@ -97,10 +98,7 @@ namespace {
 // rows. At rest it leads where the accelerations do. slots: y, in the bodies' own coordinates.
 void learn_beside(Dynamics& dynamics, const State& y, const State& slots) try {
   constexpr double kBeside = 3e-2;  // rad
-  const double L = dynamics.system().length();
-  double speed = 0;  // of the fastest body, rad/s; velocities are divided by the length L of the mechanism
-  for (Eigen::Index i = 0; i < slots.v.size(); i += 6)
-    speed = std::max({speed, slots.v.segment<3>(i).norm() / L, slots.v.segment<3>(i + 3).norm()});
+  const double L = dynamics.system().length(), speed = speed_of(slots.v, L);
   State off = y;
   StateRate rate = sized_like(slots), own = sized_like(y);
   if (speed > 0) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/dynamics/integrate/speed_of.h"
+
 namespace lockstep {
 
 namespace {
@@ -10,14 +12,6 @@ namespace {
 constexpr double kDelta = 1e-2;  // rad; closer to the position, the accelerations are still uncertain
 constexpr double kDisagree =
     0.2;  // relative to the largest acceleration, v^2/L included: no motion changes so much within 6 delta
-
-// The speed of the fastest body, rad/s; translations are divided by the length L of the scene.
-double speed_of(const VecX& v, double L) {
-  double w2 = 0;
-  for (Eigen::Index i = 0; i < v.size(); i += 6)
-    w2 = std::max({w2, v.segment<3>(i).squaredNorm() / (L * L), v.segment<3>(i + 3).squaredNorm()});
-  return std::sqrt(w2);
-}
 
 // The largest component; rotations are multiplied by the length L.
 double largest_component(const VecX& a, double L) {

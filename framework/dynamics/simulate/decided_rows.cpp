@@ -18,15 +18,15 @@ bool switches(const Event& event, const std::string& name) {
 class LoopsAt {
  public:
   LoopsAt(const System& system, const std::vector<bool>& modes, const Event& event) {
+    std::vector<std::pair<int, int>> edges;
     for (std::size_t k = 0; k < system.links().size(); ++k) {
       const Lock& link = *system.links()[k];
       if (system.merged(link) || !(modes[k] || switches(event, link.name()))) continue;
       const std::vector<int> ends = ends_of(system, link);
       for (std::size_t i = 0; i < ends.size(); ++i)
-        for (std::size_t j = i + 1; j < ends.size(); ++j)
-          edges_.emplace_back(ends[i], ends[j]), links_.push_back(&link);
+        for (std::size_t j = i + 1; j < ends.size(); ++j) edges.emplace_back(ends[i], ends[j]), links_.push_back(&link);
     }
-    groups_ = loop_groups(system.n_slots(), edges_);
+    groups_ = loop_groups(system.n_slots(), edges);
   }
   /// Whether a link that `counts` lies on a common loop with this one.
   template <class Counts>
@@ -38,9 +38,8 @@ class LoopsAt {
   }
 
  private:
-  std::vector<std::pair<int, int>> edges_;
-  std::vector<const Lock*> links_;  // of each edge
-  std::vector<std::size_t> groups_;
+  std::vector<const Lock*> links_;   // of each edge
+  std::vector<std::size_t> groups_;  // of each edge
 };
 
 }  // namespace

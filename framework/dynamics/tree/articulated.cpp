@@ -6,13 +6,14 @@
 
 #include "framework/dynamics/tree/column_algebra.h"
 #include "framework/dynamics/tree/moving_markers.h"
+#include "framework/dynamics/tree/recursion_of.h"
 #include "framework/dynamics/tree/tree_motion.h"
 #include "framework/foundation/math/for_size.h"
 #include "framework/foundation/math/sin_cos.h"
 
 namespace lockstep {
 
-ArticulatedBodies::ArticulatedBodies(const JointTree& tree, const System& system, const RowTable& closures) {
+ArticulatedBodies::ArticulatedBodies(const JointTree& tree, const System& system, bool has_closures) {
   const std::size_t n = tree.nodes().size();
   nodes_.assign(n, Node());
   dofs_.resize(static_cast<std::size_t>(tree.n_v()));
@@ -41,9 +42,7 @@ ArticulatedBodies::ArticulatedBodies(const JointTree& tree, const System& system
   waiting_.resize(deepest);
   for (std::vector<double>* x : {&half_, &cosine_, &sine_}) x->assign((n + 7) / 8 * 8, 0.0);  // packs of up to 8
 
-  if (closures.n_rows == 0) return;
-  closures_.begin(tree, system, closures);
-  correction_.setZero(tree.n_v());
+  if (!has_closures) return;
   for (const TreeNode& t : tree.nodes()) {
     const Slot& slot = system.slot(t.slot);
     inverse_mass_.push_back(1.0 / slot.mass);
@@ -51,8 +50,8 @@ ArticulatedBodies::ArticulatedBodies(const JointTree& tree, const System& system
   }
 }
 
-LOCKSTEP_FLAT_CLONES void ArticulatedBodies::pass_outward(const JointTree& tree, const State& y,
-                                                          std::vector<Motion>& motions) {
+LOCKSTEP_FLAT_CLONES void ArticulatedBodies::outward(const JointTree& tree, const State& y,
+                                                     std::vector<Motion>& motions) {
   motions.resize(nodes_.size() + 1);
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
     const TreeNode& n = tree.nodes()[k];
@@ -302,7 +301,7 @@ LOCKSTEP_INLINE void ArticulatedBodies::accelerate_with(const JointTree& tree, s
       there.add(I);
   }
   rows.close_at_ground();
-  double a2 = 0, al2 = 0;
+  Largest most;
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
     const TreeNode& n = tree.nodes()[k];
     Node& b = nodes_[k];
@@ -316,63 +315,31 @@ LOCKSTEP_INLINE void ArticulatedBodies::accelerate_with(const JointTree& tree, s
     if (n.n_v() > 0)
       for_size<1, 6>(n.n_v(), [&](auto count) __attribute__((always_inline)) { solve<count>(n, b, vd, less); });
     rows.find(k, own);
-    a2 = std::max(a2, dot(own.a, own.a)), al2 = std::max(al2, dot(own.al, own.al));
+    most.add(dot(own.a, own.a), dot(own.al, own.al));
   }
-  largest_a_ = std::sqrt(a2), largest_alpha_ = std::sqrt(al2);
+  largest_ = most;
 }
 
 void ArticulatedBodies::find_largest() {
-  double a2 = 0, al2 = 0;
-  for (const Node& b : nodes_)
-    a2 = std::max(a2, dot(b.found.a, b.found.a)), al2 = std::max(al2, dot(b.found.al, b.found.al));
-  largest_a_ = std::sqrt(a2), largest_alpha_ = std::sqrt(al2);
+  largest_ = {};
+  for (const Node& b : nodes_) largest_.add(dot(b.found.a, b.found.a), dot(b.found.al, b.found.al));
 }
 
-LOCKSTEP_FLAT_CLONES void ArticulatedBodies::accelerate_tree(const JointTree& tree, std::span<const Motion> motions,
-                                                             const VecX& f, VecX& vd) {
+LOCKSTEP_FLAT_CLONES void ArticulatedBodies::accelerate(const JointTree& tree, std::span<const Motion> motions,
+                                                        const VecX& f, VecX& vd) {
   NoClosures none;
   accelerate_with(tree, motions, f, none, vd);
 }
 
-LOCKSTEP_FLAT_CLONES void ArticulatedBodies::accelerate_loops(const JointTree& tree, std::span<const Motion> motions,
-                                                              const VecX& f, VecX& vd) {
-  accelerate_with(tree, motions, f, closures_, vd);
+LOCKSTEP_FLAT_CLONES void ArticulatedBodies::accelerate(const JointTree& tree, std::span<const Motion> motions,
+                                                        const VecX& f, Closures& closures, VecX& vd) {
+  accelerate_with(tree, motions, f, closures, vd);
 }
 
-void ArticulatedBodies::accelerate(const JointTree& tree, std::span<const Motion> motions, const VecX& f, VecX& vd) {
-  closures_.empty() ? accelerate_tree(tree, motions, f, vd) : accelerate_loops(tree, motions, f, vd);
-}
-
-LOCKSTEP_FLAT_CLONES void ArticulatedBodies::read_rows(const JointTree& tree, std::span<const Motion> motions,
-                                                       const RowTable& rows) {
-  closures_.read(*this, tree, motions, rows);
-}
-
-LOCKSTEP_FLAT_CLONES bool ArticulatedBodies::measure_rows() { return closures_.met(*this); }
-
-LOCKSTEP_FLAT_CLONES void ArticulatedBodies::find_change(const JointTree& tree, const VecX& r, VecX& dv) {
-  closures_.correct(*this, tree, r, dv);
-}
-
-void ArticulatedBodies::outward(const JointTree& tree, const State& y, std::vector<Motion>& motions) {
-  pass_outward(tree, y, motions);
-}
-
-void ArticulatedBodies::read(const JointTree& tree, std::span<const Motion> motions, const RowTable& rows) {
-  read_rows(tree, motions, rows);
-}
-
-bool ArticulatedBodies::met() { return measure_rows(); }
-
-void ArticulatedBodies::correct(const JointTree& tree, const VecX& r, VecX& dv) { find_change(tree, r, dv); }
-
-void ArticulatedBodies::correct(const JointTree& tree, VecX& vd) {
-  find_change(tree, closures_.measured(), correction_);
-  closures_.add_correction();
-  vd += correction_;
+void ArticulatedBodies::add(const Closures& closures) {
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
     SpatialTwist& own = nodes_[k].found;
-    own.a += closures_.change(k).a, own.al += closures_.change(k).al;
+    own.a += closures.change(k).a, own.al += closures.change(k).al;
   }
   find_largest();
 }
@@ -408,5 +375,7 @@ void ArticulatedBodies::accelerations(const JointTree& tree, std::span<const Mot
     a.segment<3>(6 * slot + 3) = motions[static_cast<std::size_t>(slot + 1)].A.transpose() * vector(nodes_[k].found.al);
   }
 }
+
+template class RecursionOf<ArticulatedBodies>;
 
 }  // namespace lockstep

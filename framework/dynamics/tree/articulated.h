@@ -6,8 +6,8 @@
 #include <lockstep/memory.h>
 #include "framework/dynamics/tree/columns.h"
 #include "framework/dynamics/tree/joint_tree.h"
+#include "framework/dynamics/tree/largest.h"
 #include "framework/dynamics/tree/loop_closures.h"
-#include "framework/dynamics/tree/tree_recursion.h"
 
 namespace lockstep {
 
@@ -19,19 +19,18 @@ struct alignas(kColumn) SpatialTwist {
   Column a{}, al{};
 };
 
-/// The recursion in space. World axes; wrenches and accelerations of a slot about its mass centre.
-class LOCKSTEP_API ArticulatedBodies final : public TreeRecursion {
+/// The recursion in space, as TreeRecursion has it. World axes; wrenches and accelerations of a slot about its mass centre.
+class LOCKSTEP_API ArticulatedBodies {
  public:
-  ArticulatedBodies(const JointTree&, const System&, const RowTable& closures);
-  void outward(const JointTree&, const State&, std::vector<Motion>& motions) override;
-  void read(const JointTree&, std::span<const Motion> motions, const RowTable&) override;
-  void accelerate(const JointTree&, std::span<const Motion> motions, const VecX& f, VecX& vd) override;
-  bool met() override;
-  void correct(const JointTree&, VecX& vd) override;
-  void correct(const JointTree&, const VecX& r, VecX& dv) override;
-  void read_off(const JointTree&, std::span<const Motion> motions, const VecX& a, VecX& vd) override;
-  void accelerations(const JointTree&, std::span<const Motion> motions, VecX& a) const override;
-  ClosureRows& closures() override { return closures_; }
+  using Closures = LoopClosures<SpatialWrench, SpatialTwist>;
+  ArticulatedBodies(const JointTree&, const System&, bool has_closures);
+  void outward(const JointTree&, const State&, std::vector<Motion>& motions);
+  void accelerate(const JointTree&, std::span<const Motion> motions, const VecX& f, VecX& vd);
+  void accelerate(const JointTree&, std::span<const Motion> motions, const VecX& f, Closures&, VecX& vd);
+  void add(const Closures&);
+  void read_off(const JointTree&, std::span<const Motion> motions, const VecX& a, VecX& vd);
+  void accelerations(const JointTree&, std::span<const Motion> motions, VecX& a) const;
+  const Largest& largest() const { return largest_; }
 
  private:
   // An articulated inertia and its bias: force = M a + H al + pf, moment = H' a + I al + pt. H' has its own columns.
@@ -73,7 +72,6 @@ class LOCKSTEP_API ArticulatedBodies final : public TreeRecursion {
   SpatialWrench read_side(const RowView&, int i, int k, std::size_t node, const Motion&, double& diagonal) const;
   double move_to_joint(std::size_t, SpatialWrench&) const { return 0; }  // it is the mass centre
   const SpatialTwist& acceleration(std::size_t node) const { return nodes_[node].found; }
-  using Closures = LoopClosures<SpatialWrench, SpatialTwist>;
   friend Closures;
   [[gnu::noinline]] void outward_moving(const TreeNode&, const State&, const Motion& p, const Vec3& wp, Motion& own,
                                         Node&);
@@ -84,15 +82,8 @@ class LOCKSTEP_API ArticulatedBodies final : public TreeRecursion {
   void reduce(const TreeNode&, const Node&, Inertia&);
   template <int k>
   void solve(const TreeNode&, Node&, VecX& vd, const double* less);
-  // What is compiled for several instruction sets, which a virtual function cannot be.
-  void pass_outward(const JointTree&, const State&, std::vector<Motion>& motions);
-  void read_rows(const JointTree&, std::span<const Motion> motions, const RowTable&);
-  bool measure_rows();
-  void find_change(const JointTree&, const VecX& r, VecX& dv);
   template <class Rows>
   void accelerate_with(const JointTree&, std::span<const Motion> motions, const VecX& f, Rows& rows, VecX& vd);
-  void accelerate_tree(const JointTree&, std::span<const Motion> motions, const VecX& f, VecX& vd);
-  void accelerate_loops(const JointTree&, std::span<const Motion> motions, const VecX& f, VecX& vd);
   void find_largest();
 
   std::vector<Node> nodes_;
@@ -100,10 +91,9 @@ class LOCKSTEP_API ArticulatedBodies final : public TreeRecursion {
   std::vector<Inertia> waiting_;
   std::vector<double> inverse_;  // D^-1 of all nodes, row by row
   std::vector<double> half_, cosine_, sine_;  // of the hinges' angles, by node
-  Closures closures_;
-  std::vector<double> inverse_mass_;  // of the slots with closures, by node;
+  std::vector<double> inverse_mass_;          // of the slots, by node, where there are closures;
   std::vector<Mat3> inverse_J_;       // slot axes
-  VecX correction_;
+  Largest largest_;
 };
 
 }  // namespace lockstep

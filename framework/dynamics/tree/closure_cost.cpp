@@ -13,21 +13,19 @@ constexpr double kMostSquares = 15;  // of the numbers of rows at a node, for ea
 
 }  // namespace
 
-std::string why_dearer(const JointTree& tree, const System& system, const std::vector<bool>& modes) {
+std::string why_dearer(const ClosureFronts& fronts, const System& system, const std::vector<bool>& modes) {
   for (const auto& own : system.auxiliaries())
     if (own->reads_solution() && !own->vanishes_without_laws())
       return "the states of '" + own->name() +
              "' read accelerations or reactions, which omega gives at every evaluation";
-  RowTable all, closures;
+  RowTable all;
   system.lay_out(modes, all);
-  std::vector<bool> shown(modes.size(), false);
-  for (const int link : tree.closures()) shown[static_cast<std::size_t>(link)] = true;
-  system.lay_out(shown, closures);
-  if (all.n_rows - closures.n_rows < kLeastShare * all.n_rows)
-    return fmt::format("the rows of what closes loops, {} of {}, cost more along joints than in omega", closures.n_rows,
+  const auto n_closing = static_cast<int>(fronts.sources.size());
+  if (all.n_rows - n_closing < kLeastShare * all.n_rows)
+    return fmt::format("the rows of what closes loops, {} of {}, cost more along joints than in omega", n_closing,
                        all.n_rows);
   double squares = 0;
-  for (const ClosureFront& front : ClosureFronts(tree, system, closures).all) squares += double(front.n) * front.n;
+  for (const ClosureFront& front : fronts.all) squares += double(front.n) * front.n;
   if (squares > kMostSquares * all.n_rows)
     return fmt::format("many loops pass through one body: {:.0f} products of rows along joints for {} rows in omega",
                        squares, all.n_rows);

@@ -6,7 +6,7 @@
 
 namespace lockstep {
 
-class JointTree;
+struct ClosureFronts;
 class System;
 
 /// What makes joint coordinates the dearer ones, with these links in force; "" where they are not. They are where
@@ -17,6 +17,6 @@ class System;
 ///     integrated states read accelerations or reactions, which omega gives at every evaluation.
 ///
 /// Found by measuring fifty mechanisms (framework/docs/solvers.md, section 9).
-std::string why_dearer(const JointTree&, const System&, const std::vector<bool>& modes);
+std::string why_dearer(const ClosureFronts&, const System&, const std::vector<bool>& modes);
 
 }  // namespace lockstep

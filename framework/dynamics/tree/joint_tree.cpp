@@ -4,7 +4,6 @@
 #include <utility>
 
 #include <lockstep/lock.h>
-#include "framework/dynamics/tree/closure_cost.h"
 #include "framework/dynamics/tree/moving_markers.h"
 #include "framework/dynamics/tree/spanning_tree.h"
 #include "framework/dynamics/tree/tree_motion.h"
@@ -167,26 +166,24 @@ class Graph {
 }  // namespace
 
 std::shared_ptr<const JointTree> JointTree::of(const System& system, const std::vector<bool>& modes,
-                                               std::string& why_not, Closures closures) {
+                                               std::string& why_not) {
   why_not = obstacle(system);
   if (!why_not.empty()) return nullptr;
   const auto tree = std::make_shared<JointTree>();
   tree->node_of_.assign(static_cast<std::size_t>(system.n_slots()), -1);
   const auto [joints, others] = tree_and_closures(system, modes);
-  tree->closures_ = others;
-  tree->grow(system, Graph(system, joints));
   for (const int number : others)
     if (const Lock& link = *system.links()[static_cast<std::size_t>(number)]; link.remembering() != nullptr) {
       why_not = "link '" + link.name() + "' keeps a memory from step to step (turns, ways), which long steps outrun";
       return nullptr;
     }
+  tree->closures_ = others;
+  tree->grow(system, Graph(system, joints));
   tree->planar_ = PlanarJoints::of(tree->nodes_, system.plane());
   if (system.plane() && !tree->planar_)
-    return why_not = "a law does not say that it stays in the plane (stays_in_plane, turns_about)", nullptr;
-  if (tree->n_v_ == 0)
+    why_not = "a law does not say that it stays in the plane (stays_in_plane, turns_about)";
+  else if (tree->n_v_ == 0)
     why_not = "no coordinate is free, so that nothing would choose the steps";
-  else if (closures == Closures::cheap && !others.empty())
-    why_not = why_dearer(*tree, system, modes);
   return why_not.empty() ? tree : nullptr;
 }
 

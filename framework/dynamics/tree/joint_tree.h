@@ -67,19 +67,12 @@ struct TreeNode {
   int n_q() const { return n_slides + (turn == TreeTurn::none ? 0 : turn == TreeTurn::hinge ? 1 : 4); }
 };
 
-/// What becomes of links in force that are no joint of the tree.
-enum class Closures {
-  cheap,  ///< they stay rows where that costs less than omega: why_dearer()
-  rows    ///< they stay rows
-};
-
 /// Joint coordinates of a mechanism: of the links that carry each slot from another. Immutable.
 class LOCKSTEP_API JointTree final : public Coordinates {
  public:
   /// The tree of a system that is set up, with these links in force; null where it has none, `why_not` then says what
   /// stands in the way, by name.
-  static std::shared_ptr<const JointTree> of(const System&, const std::vector<bool>& modes, std::string& why_not,
-                                             Closures closures);
+  static std::shared_ptr<const JointTree> of(const System&, const std::vector<bool>& modes, std::string& why_not);
 
   std::string_view name() const override { return "joint"; }
   int n_q() const override { return n_q_; }

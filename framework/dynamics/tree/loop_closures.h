@@ -38,7 +38,7 @@ template <class Wrench, class Twist>
 class LoopClosures final : public ClosureRows {
  public:
   /// Sizes everything for this tree and the rows of its closures.
-  void begin(const JointTree&, const System&, const RowTable&);
+  void begin(const JointTree&, const System&, ClosureFronts);
 
   /// Reads the rows, gathered at these motions; their right sides c are Qhat. After the bodies' outward pass.
   template <class Bodies>
@@ -81,17 +81,14 @@ class LoopClosures final : public ClosureRows {
       J_,                       // by side, of the slot's mass centre
       wrenches_;                // of a correction, by node
   std::vector<Twist> changes_;  // likewise
-  std::vector<int> first_v_, n_v_;
   double less_[6] = {};
 };
 
 template <class Wrench, class Twist>
-void LoopClosures<Wrench, Twist>::begin(const JointTree& tree, const System& system, const RowTable& rows) {
-  ClosureRows::begin(ClosureFronts(tree, system, rows), system.length());
+void LoopClosures<Wrench, Twist>::begin(const JointTree& tree, const System& system, ClosureFronts fronts) {
+  ClosureRows::begin(std::move(fronts), system.length());
   K_.assign(fronts_.rows.size(), {}), J_.assign(fronts_.sides.size(), {});
   wrenches_.assign(fronts_.n_nodes, {}), changes_.assign(fronts_.n_nodes, {});
-  first_v_.clear(), n_v_.clear();
-  for (const TreeNode& n : tree.nodes()) first_v_.push_back(n.first_v), n_v_.push_back(n.n_v());
   du_.setZero(tree.n_v());
 }
 
@@ -280,13 +277,14 @@ LOCKSTEP_INLINE void LoopClosures<Wrench, Twist>::inward_again(const Bodies& bod
   for (std::size_t j = 0; j < fronts_.sources.size(); ++j) l_of(j) = r[static_cast<Eigen::Index>(j)];
   for (std::size_t k = fronts_.n_nodes; k-- > 0;) {
     const ClosureFront& front = fronts_.all[k];
+    const int n_v = tree.nodes()[k].n_v();
     Wrench& p = wrenches_[k];
     close_again(front, &p);
-    double* u = du_.data() + first_v_[k];
+    double* u = du_.data() + tree.nodes()[k].first_v;
     bodies.joint(tree, k).pass_again(p, u);
     for (int i = 0; i < front.n_open; ++i) {
       double l = l_[static_cast<std::size_t>(front.first + i)];
-      for (int x = 0; x < n_v_[k]; ++x) l += V_[static_cast<std::size_t>(front.V + i * n_v_[k] + x)] * u[x];
+      for (int x = 0; x < n_v; ++x) l += V_[static_cast<std::size_t>(front.V + i * n_v + x)] * u[x];
       l_[static_cast<std::size_t>(fronts_.place_above(front, i))] += l;
     }
     if (has_parent(k)) wrenches_[fronts_.parents[k]] += p;
@@ -305,9 +303,10 @@ template <class Bodies>
 LOCKSTEP_INLINE void LoopClosures<Wrench, Twist>::outward_again(const Bodies& bodies, const JointTree& tree, VecX& dv) {
   dv.resize(tree.n_v());
   for (std::size_t k = 0; k < fronts_.n_nodes; ++k) {
-    const double* by_rows = less(k, n_v_[k], dlambda_);
+    const TreeNode& n = tree.nodes()[k];
+    const double* by_rows = less(k, n.n_v(), dlambda_);
     changes_[k] = bodies.joint(tree, k).solve_again(has_parent(k) ? changes_[fronts_.parents[k]] : Twist{},
-                                                    du_.data() + first_v_[k], by_rows, dv.data() + first_v_[k]);
+                                                    du_.data() + n.first_v, by_rows, dv.data() + n.first_v);
     find(k, changes_[k], dlambda_);
   }
 }

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 
+#include "framework/dynamics/tree/recursion_of.h"
 #include "framework/foundation/math/sin_cos.h"
 
 namespace lockstep {
 
-PlanarBodies::PlanarBodies(const JointTree& tree, const System& system, const RowTable& closures) {
+PlanarBodies::PlanarBodies(const JointTree& tree, const System& system, bool) {
   const std::vector<PlanarNode>& nodes = tree.planar()->nodes();
   const std::size_t n = nodes.size();
   nodes_.assign(n + 1, Node());
@@ -31,13 +32,9 @@ PlanarBodies::PlanarBodies(const JointTree& tree, const System& system, const Ro
     }
   }
   waiting_.assign(static_cast<std::size_t>(n_waiting), Inertia());
-  if (closures.n_rows == 0) return;
-  closures_.begin(tree, system, closures);
-  correction_.setZero(tree.n_v());
 }
 
-LOCKSTEP_FLAT_CLONES void PlanarBodies::pass_outward(const JointTree& tree, const State& y,
-                                                     std::vector<Motion>& motions) {
+LOCKSTEP_FLAT_CLONES void PlanarBodies::outward(const JointTree& tree, const State& y, std::vector<Motion>& motions) {
   motions.resize(nodes_.size());
   const PlanarJoints& joints = *tree.planar();
   if (joints.plane().n == 0) return outward_along<0>(tree, joints, y, motions);
@@ -297,7 +294,7 @@ LOCKSTEP_INLINE void PlanarBodies::accelerate_with(const JointTree& tree, const 
       inward_along<2>(joints, f, rows);
   }
   rows.close_at_ground();
-  double a2 = 0, al = 0;
+  Largest most;
   FlatTwist last;
   for (std::size_t l = 0; l < joints.nodes().size(); ++l) {
     const PlanarNode& n = joints.nodes()[l];
@@ -307,65 +304,36 @@ LOCKSTEP_INLINE void PlanarBodies::accelerate_with(const JointTree& tree, const 
     b.found = last = solve(n, b, last, rows.less(l, n.n_slides + (n.turns ? 1 : 0)), vd);
     rows.find(l, last);
     const Flat a = at_centre(b);
-    a2 = std::max(a2, dot(a, a)), al = std::max(al, std::abs(last.al));
+    most.add(dot(a, a), last.al * last.al);
   }
-  largest_a_ = std::sqrt(a2), largest_alpha_ = al;
+  largest_ = most;
 }
 
-LOCKSTEP_FLAT_CLONES void PlanarBodies::accelerate_tree(const JointTree& tree, const VecX& f, VecX& vd) {
+LOCKSTEP_FLAT_CLONES void PlanarBodies::accelerate(const JointTree& tree, std::span<const Motion>, const VecX& f,
+                                                   VecX& vd) {
   NoClosures none;
   accelerate_with(tree, f, none, vd);
 }
 
-LOCKSTEP_FLAT_CLONES void PlanarBodies::accelerate_loops(const JointTree& tree, const VecX& f, VecX& vd) {
-  accelerate_with(tree, f, closures_, vd);
+LOCKSTEP_FLAT_CLONES void PlanarBodies::accelerate(const JointTree& tree, std::span<const Motion>, const VecX& f,
+                                                   Closures& closures, VecX& vd) {
+  accelerate_with(tree, f, closures, vd);
 }
 
-void PlanarBodies::accelerate(const JointTree& tree, std::span<const Motion>, const VecX& f, VecX& vd) {
-  closures_.empty() ? accelerate_tree(tree, f, vd) : accelerate_loops(tree, f, vd);
-}
-
-LOCKSTEP_FLAT_CLONES void PlanarBodies::read_rows(const JointTree& tree, std::span<const Motion> motions,
-                                                  const RowTable& rows) {
-  closures_.read(*this, tree, motions, rows);
-}
-
-LOCKSTEP_FLAT_CLONES bool PlanarBodies::measure_rows() { return closures_.met(*this); }
-
-LOCKSTEP_FLAT_CLONES void PlanarBodies::find_change(const JointTree& tree, const VecX& r, VecX& dv) {
-  closures_.correct(*this, tree, r, dv);
-}
-
-void PlanarBodies::outward(const JointTree& tree, const State& y, std::vector<Motion>& motions) {
-  pass_outward(tree, y, motions);
-}
-
-void PlanarBodies::read(const JointTree& tree, std::span<const Motion> motions, const RowTable& rows) {
-  read_rows(tree, motions, rows);
-}
-
-bool PlanarBodies::met() { return measure_rows(); }
-
-void PlanarBodies::correct(const JointTree& tree, const VecX& r, VecX& dv) { find_change(tree, r, dv); }
-
-void PlanarBodies::correct(const JointTree& tree, VecX& vd) {
-  find_change(tree, closures_.measured(), correction_);
-  closures_.add_correction();
-  vd += correction_;
+void PlanarBodies::add(const Closures& closures) {
   for (std::size_t k = 0; k + 1 < nodes_.size(); ++k) {
     FlatTwist& own = nodes_[k + 1].found;
-    own.a += closures_.change(k).a, own.al += closures_.change(k).al;
+    own.a += closures.change(k).a, own.al += closures.change(k).al;
   }
   find_largest();
 }
 
 void PlanarBodies::find_largest() {
-  double a2 = 0, al = 0;
+  largest_ = {};
   for (std::size_t k = 1; k < nodes_.size(); ++k) {
     const Flat a = at_centre(nodes_[k]);
-    a2 = std::max(a2, dot(a, a)), al = std::max(al, std::abs(nodes_[k].found.al));
+    largest_.add(dot(a, a), nodes_[k].found.al * nodes_[k].found.al);
   }
-  largest_a_ = std::sqrt(a2), largest_alpha_ = al;
 }
 
 // Against the parent, beyond what the velocities make.
@@ -398,5 +366,7 @@ void PlanarBodies::accelerations(const JointTree& tree, std::span<const Motion>,
     a.segment<3>(6 * n.slot + 3) = b.found.al * b.normal;
   }
 }
+
+template class RecursionOf<PlanarBodies>;
 
 }  // namespace lockstep

@@ -6,9 +6,9 @@
 #include <lockstep/state.h>
 #include <lockstep/system.h>
 #include "framework/dynamics/tree/joint_tree.h"
+#include "framework/dynamics/tree/largest.h"
 #include "framework/dynamics/tree/loop_closures.h"
 #include "framework/dynamics/tree/planar_motion.h"
-#include "framework/dynamics/tree/tree_recursion.h"
 
 namespace lockstep {
 
@@ -22,20 +22,19 @@ struct FlatTwist {
   double al = 0;
 };
 
-/// The recursion in a plane, for a tree with planar() joints. Inertias, wrenches and accelerations of a slot about the
-/// point of its joint.
-class LOCKSTEP_API PlanarBodies final : public TreeRecursion {
+/// The recursion in a plane, as TreeRecursion has it, for a tree with planar() joints. Inertias, wrenches and accelerations
+/// of a slot about the point of its joint.
+class LOCKSTEP_API PlanarBodies {
  public:
-  PlanarBodies(const JointTree&, const System&, const RowTable& closures);
-  void outward(const JointTree&, const State&, std::vector<Motion>& motions) override;
-  void read(const JointTree&, std::span<const Motion> motions, const RowTable&) override;
-  void accelerate(const JointTree&, std::span<const Motion> motions, const VecX& f, VecX& vd) override;
-  bool met() override;
-  void correct(const JointTree&, VecX& vd) override;
-  void correct(const JointTree&, const VecX& r, VecX& dv) override;
-  void read_off(const JointTree&, std::span<const Motion> motions, const VecX& a, VecX& vd) override;
-  void accelerations(const JointTree&, std::span<const Motion> motions, VecX& a) const override;
-  ClosureRows& closures() override { return closures_; }
+  using Closures = LoopClosures<FlatWrench, FlatTwist>;
+  PlanarBodies(const JointTree&, const System&, bool has_closures);
+  void outward(const JointTree&, const State&, std::vector<Motion>& motions);
+  void accelerate(const JointTree&, std::span<const Motion> motions, const VecX& f, VecX& vd);
+  void accelerate(const JointTree&, std::span<const Motion> motions, const VecX& f, Closures&, VecX& vd);
+  void add(const Closures&);
+  void read_off(const JointTree&, std::span<const Motion> motions, const VecX& a, VecX& vd);
+  void accelerations(const JointTree&, std::span<const Motion> motions, VecX& a) const;
+  const Largest& largest() const { return largest_; }
 
  private:
   // force = M a + h al + p, moment = h' a + I al + tau
@@ -84,21 +83,13 @@ class LOCKSTEP_API PlanarBodies final : public TreeRecursion {
   FlatWrench read_side(const RowView&, int i, int k, std::size_t node, const Motion&, double& diagonal) const;
   double move_to_joint(std::size_t node, FlatWrench&) const;
   FlatTwist acceleration(std::size_t node) const { return {at_centre(nodes_[node + 1]), nodes_[node + 1].found.al}; }
-  using Closures = LoopClosures<FlatWrench, FlatTwist>;
   friend Closures;
   template <int k>
   void outward_along(const JointTree&, const PlanarJoints&, const State&, std::vector<Motion>&);
   template <int k, class Rows>
   void inward_along(const PlanarJoints&, const VecX& f, Rows&);
-  // What is compiled for several instruction sets, which a virtual function cannot be.
-  void pass_outward(const JointTree&, const State&, std::vector<Motion>& motions);
-  void read_rows(const JointTree&, std::span<const Motion> motions, const RowTable&);
-  bool measure_rows();
-  void find_change(const JointTree&, const VecX& r, VecX& dv);
   template <class Rows>
   void accelerate_with(const JointTree&, const VecX& f, Rows&, VecX& vd);
-  void accelerate_tree(const JointTree&, const VecX& f, VecX& vd);
-  void accelerate_loops(const JointTree&, const VecX& f, VecX& vd);
   void find_largest();
   static bool is_hinge(const PlanarNode& n) { return n.turns && n.n_slides == 0; }
   static Flat at_centre(const Node& b) {
@@ -113,8 +104,7 @@ class LOCKSTEP_API PlanarBodies final : public TreeRecursion {
   std::vector<Slide> slides_;  // by number of the velocity
   std::vector<Inertia> waiting_;
   std::vector<double> half_, cosine_, sine_;  // of the joints' angles
-  Closures closures_;
-  VecX correction_;
+  Largest largest_;
 };
 
 }  // namespace lockstep

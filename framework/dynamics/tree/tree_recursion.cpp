@@ -1,18 +1,23 @@
 #include "framework/dynamics/tree/tree_recursion.h"
 
+#include <utility>
+
 #include "framework/dynamics/tree/articulated.h"
 #include "framework/dynamics/tree/planar_bodies.h"
+#include "framework/dynamics/tree/recursion_of.h"
 
 namespace lockstep {
+
+extern template class RecursionOf<ArticulatedBodies>;
+extern template class RecursionOf<PlanarBodies>;
 
 TreeRecursion::~TreeRecursion() = default;
 
 // Rows of a mechanism that is not declared to be planar are those of space.
-std::unique_ptr<TreeRecursion> TreeRecursion::of(const JointTree& tree, const System& system,
-                                                 const RowTable& closures) {
-  if (tree.planar() && (closures.n_rows == 0 || system.plane()))
-    return std::make_unique<PlanarBodies>(tree, system, closures);
-  return std::make_unique<ArticulatedBodies>(tree, system, closures);
+std::unique_ptr<TreeRecursion> TreeRecursion::of(const JointTree& tree, const System& system, ClosureFronts closures) {
+  if (tree.planar() && (closures.sources.empty() || system.plane()))
+    return std::make_unique<RecursionOf<PlanarBodies>>(tree, system, std::move(closures));
+  return std::make_unique<RecursionOf<ArticulatedBodies>>(tree, system, std::move(closures));
 }
 
 }  // namespace lockstep

@@ -9,6 +9,7 @@
 #include <lockstep/system.h>
 #include "framework/dynamics/tree/closure_rows.h"
 #include "framework/dynamics/tree/joint_tree.h"
+#include "framework/dynamics/tree/largest.h"
 
 namespace lockstep {
 
@@ -16,7 +17,7 @@ namespace lockstep {
 class LOCKSTEP_API TreeRecursion {
  public:
   /// That of a plane where the tree and its closures lie in one, else that of space.
-  static std::unique_ptr<TreeRecursion> of(const JointTree&, const System&, const RowTable& closures);
+  static std::unique_ptr<TreeRecursion> of(const JointTree&, const System&, ClosureFronts closures);
   virtual ~TreeRecursion();
 
   /// First pass, outward: motions of all slots (the ground is motions[0], at rest), joint axes and velocity products.
@@ -40,12 +41,8 @@ class LOCKSTEP_API TreeRecursion {
   virtual void accelerations(const JointTree&, std::span<const Motion> motions, VecX& a) const = 0;
 
   virtual ClosureRows& closures() = 0;
-  /// Largest acceleration of a slot, m/s^2, and its largest angular acceleration, rad/s^2, as found last.
-  double largest_a() const { return largest_a_; }
-  double largest_alpha() const { return largest_alpha_; }
-
- protected:
-  double largest_a_ = 0, largest_alpha_ = 0;
+  /// Largest accelerations of a slot, as found last.
+  virtual Largest largest() const = 0;
 };
 
 }  // namespace lockstep

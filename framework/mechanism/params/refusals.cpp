@@ -26,9 +26,4 @@ void Refusals::raise() const {
   if (n_ > 0) throw SceneError(lines_ + (full() ? "\nand perhaps more; these were the first" : ""), first_);
 }
 
-SceneError first_line_of(const SceneError& error) {
-  const std::string_view all = error.what();
-  return SceneError(std::string(all.substr(0, all.find('\n'))), static_cast<const ErrorData&>(error));
-}
-
 }  // namespace lockstep

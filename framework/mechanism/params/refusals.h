@@ -33,7 +33,4 @@ class LOCKSTEP_API Refusals {
   ErrorData first_;
 };
 
-/// The same refusal with its first line alone.
-LOCKSTEP_API SceneError first_line_of(const SceneError&);
-
 }  // namespace lockstep

@@ -8,30 +8,26 @@
 #include "framework/dynamics/solvers/graph.h"
 
 namespace lockstep {
+
 // At a slot that two groups share, what the rows of one of them carry is balanced within it, since it does not reach the
 // ground otherwise.
 std::vector<std::vector<int>> loops_of(const System& system, const RowTable& table) {
-  std::map<std::pair<int, int>, std::vector<int>> entries;  // by the two slots that they join
   std::vector<std::vector<int>> groups;
+  std::vector<std::pair<int, int>> edges;  // each two slots that an entry joins
+  std::vector<int> entry_of_edge;
   for (std::size_t k = 0; k < table.entries.size(); ++k) {
     const std::vector<int> ends = ends_of(system, *system.links()[static_cast<std::size_t>(table.entries[k].link)]);
     if (ends.size() < 2) groups.push_back({static_cast<int>(k)});  // its rows touch nothing that moves
     for (std::size_t i = 0; i < ends.size(); ++i)
-      for (std::size_t j = i + 1; j < ends.size(); ++j) entries[{ends[i], ends[j]}].push_back(static_cast<int>(k));
+      for (std::size_t j = i + 1; j < ends.size(); ++j)
+        edges.emplace_back(ends[i], ends[j]), entry_of_edge.push_back(static_cast<int>(k));
   }
-  std::vector<std::pair<int, int>> edges;
-  for (const auto& [ends, at] : entries) edges.push_back(ends);
   const std::vector<std::size_t> component = loop_groups(system.n_slots(), edges);
   const std::size_t first = groups.size();
   if (!component.empty()) groups.resize(first + *std::ranges::max_element(component) + 1);
-  std::size_t n = 0;
-  for (const auto& [ends, at] : entries) {
-    std::vector<int>& group = groups[first + component[n++]];
-    group.insert(group.end(), at.begin(), at.end());
-  }
-  for (std::vector<int>& group : groups) {
-    std::ranges::sort(group);
-    group.erase(std::unique(group.begin(), group.end()), group.end());
+  for (std::size_t n = 0; n < edges.size(); ++n) {
+    std::vector<int>& group = groups[first + component[n]];
+    if (group.empty() || group.back() != entry_of_edge[n]) group.push_back(entry_of_edge[n]);
   }
   return groups;
 }

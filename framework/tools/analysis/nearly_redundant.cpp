@@ -120,14 +120,16 @@ std::vector<NearDependency> decide_nearly_redundant(System& system, Dynamics& dy
   std::vector<NearSet> all = nearly_dependent(system, table);
   if (all.empty()) return told;
   try_out(system, dynamics, state, all);
+  std::vector<OwnRow> gone;
   for (NearSet& f : all) {
     f.told.decided = choice != NearlyRedundant::told && f.told.undecided.empty() && !f.told.in_passing;
     if (f.told.decided && choice == NearlyRedundant::free) {
-      leave_out(system, f.free.gone);
+      gone.insert(gone.end(), f.free.gone.begin(), f.free.gone.end());
       f.told.left_out = names_of(f.free.gone);
     }
     told.push_back(f.told);
   }
+  leave_out(system, gone);
   if (choice == NearlyRedundant::held) hold(system, table, told);
   system.setup();
   return told;

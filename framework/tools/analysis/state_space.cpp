@@ -245,16 +245,15 @@ double accuracy_of(const VecX& derivative, const VecX& off, const LinearMotion& 
 // beside one of the same unit, or at all, says nothing.
 double accuracy_of_outputs(const MatX& derivatives, const MatX& off, const std::vector<Channel>& channels) {
   constexpr double kRoundOff = 1e-14;
-  const auto largest = [&](std::size_t k) {
-    return derivatives.row(static_cast<Eigen::Index>(k)).lpNorm<Eigen::Infinity>();
-  };
+  std::vector<double> largest;  // of each row
+  for (const auto row : derivatives.rowwise()) largest.push_back(row.lpNorm<Eigen::Infinity>());
   double worst = 0;
   for (std::size_t k = 0; k < channels.size(); ++k) {
     double scale = kRoundOff / kNothing;
     for (std::size_t other = 0; other < channels.size(); ++other)
-      if (channels[other].unit == channels[k].unit) scale = std::max(scale, largest(other));
-    if (largest(k) > kNothing * scale)
-      worst = std::max(worst, off.row(static_cast<Eigen::Index>(k)).maxCoeff() / largest(k));
+      if (channels[other].unit == channels[k].unit) scale = std::max(scale, largest[other]);
+    if (largest[k] > kNothing * scale)
+      worst = std::max(worst, off.row(static_cast<Eigen::Index>(k)).maxCoeff() / largest[k]);
   }
   return worst;
 }

@@ -62,17 +62,14 @@ nlohmann::ordered_json atlas_json(const AtlasPlan& plan) {
       p["left_out"] = panel.unsuited;
     } else {
       for (const auto& [outcome, n] : counts_of(panel)) p["counts"][words_of(outcome)] = n;
-      p["outcomes"] = nlohmann::ordered_json::array();
+      nlohmann::ordered_json outcomes = nlohmann::ordered_json::array(), passed = outcomes;
       const std::size_t n_y = plan.variables[1].values.size();
       for (std::size_t i = 0; i < panel.cells.size(); ++i) {
-        if (i % n_y == 0) p["outcomes"].push_back(nlohmann::ordered_json::array());
-        p["outcomes"].back().push_back(words_of(panel.cells[i].outcome));
+        if (i % n_y == 0) outcomes.push_back(nlohmann::ordered_json::array()), passed.push_back(outcomes.back());
+        outcomes.back().push_back(words_of(panel.cells[i].outcome));
+        passed.back().push_back(panel.cells[i].passed);
       }
-      p["passed_singular_positions"] = nlohmann::ordered_json::array();
-      for (std::size_t i = 0; i < panel.cells.size(); ++i) {
-        if (i % n_y == 0) p["passed_singular_positions"].push_back(nlohmann::ordered_json::array());
-        p["passed_singular_positions"].back().push_back(panel.cells[i].passed);
-      }
+      p["outcomes"] = std::move(outcomes), p["passed_singular_positions"] = std::move(passed);
       bool drawn = false;  // a method that is stable at every step has no line
       for (std::size_t k = 0; k < panel.limit_x.size(); ++k)
         drawn = drawn || (std::isfinite(panel.limit_x[k]) && std::isfinite(panel.limit_y[k]));

@@ -160,7 +160,7 @@ std::string rows_along_joints(const Loaded& loaded) {
   Dynamics dynamics = make_dynamics(m, loaded.registry);
   const std::vector<bool> modes = m.system.start().modes;
   if (!dynamics.why_not_joint(modes).empty()) return "";
-  const std::vector<std::string> closures = closures_of(m.system, modes);
+  const std::vector<std::string> closures = tree_of(m.system, modes).closures;
   return closures.empty() ? "no rows" : "the rows of " + first_of(closures);
 }
 
@@ -313,8 +313,7 @@ struct Findings {
   std::vector<LeftOut> left_out;
   std::vector<std::string> proposals;
   std::string formulation;
-  std::vector<Branch> tree;
-  std::vector<std::string> closures;
+  TreeReport tree;
   Names columns, taken;
 };
 
@@ -340,11 +339,11 @@ std::string formulation_of(const Mechanism& m, const std::string& why_not_joint,
   const std::string where =
       plane ? fmt::format(", in the plane with normal {}", "xyz"[static_cast<std::size_t>(plane.n)]) : "";
   if (asked == Formulation::omega || !why_not_joint.empty()) return plane ? "omega" + where : "omega: " + why_not_joint;
-  if (found.closures.empty()) return fmt::format("joint{}: {} unknown velocities, no rows", where, r.freedoms);
+  if (found.tree.closures.empty()) return fmt::format("joint{}: {} unknown velocities, no rows", where, r.freedoms);
   std::size_t unknowns = 0;
-  for (const Branch& b : found.tree) unknowns += b.coordinates.size();
+  for (const Branch& b : found.tree.branches) unknowns += b.coordinates.size();
   return fmt::format("joint{}: {} unknown velocities, and the rows of what closes loops: {}", where, unknowns,
-                     first_of(found.closures));
+                     first_of(found.tree.closures));
 }
 
 Findings found_in(const Arguments& args, const Loaded& loaded, Mechanism& m) {
@@ -364,10 +363,11 @@ Findings found_in(const Arguments& args, const Loaded& loaded, Mechanism& m) {
   if (r.freedoms > 0 && r.freedoms <= kMostMotions) found.moves = driven_by(dynamics, counted);
   found.left_out = left_out(m);
   const std::string not_joint = why_not_joint(m, dynamics, start, loaded.registry);
-  const bool is_tree = not_joint.empty() && closures_of(m.system, start.modes).empty();
-  found.proposals = all_proposals(args, loaded, m, r, is_tree);
-  if (not_joint.empty() && (m.run.formulation == Formulation::automatic || m.run.formulation == Formulation::joint))
-    found.tree = tree_of(m.system, start.modes), found.closures = closures_of(m.system, start.modes);
+  TreeReport tree;
+  if (not_joint.empty()) tree = tree_of(m.system, start.modes);
+  found.proposals = all_proposals(args, loaded, m, r, not_joint.empty() && tree.closures.empty());
+  if (m.run.formulation == Formulation::automatic || m.run.formulation == Formulation::joint)
+    found.tree = std::move(tree);
   found.formulation = formulation_of(m, not_joint, r, found);
   found.taken = frames_taken(loaded.scene);
   return found;
@@ -391,8 +391,8 @@ nlohmann::ordered_json findings_json(const Loaded& loaded, const Mechanism& m, c
                               {"free_motions", found.moves.free},
                               {"singular_position", found.position_json},
                               {"formulation", found.formulation},
-                              {"tree", tree_json(found.tree)},
-                              {"closures", found.closures},
+                              {"tree", tree_json(found.tree.branches)},
+                              {"closures", found.tree.closures},
                               {"violation", found.violation},
                               {"violation_v", found.violation_v},
                               {"columns", found.columns},
@@ -428,7 +428,8 @@ void print_findings(const Loaded& loaded, const Mechanism& m, const Findings& fo
              found.violation > 1e-6 || found.violation_v > 1e-6 ? "; a run assembles it first" : "");
   if (!found.taken.empty()) fmt::print("places that are taken, as none is given:\n");
   for (const std::string& text : found.taken) fmt::print("  {}\n", text);
-  if (!found.tree.empty()) fmt::print("coordinates of the joints, from the ground outward:\n{}", tree_text(found.tree));
+  if (!found.tree.branches.empty())
+    fmt::print("coordinates of the joints, from the ground outward:\n{}", tree_text(found.tree.branches));
   list_parameters(loaded.scene);
   fmt::print("left out, because the scene does not need it:\n");
   for (const LeftOut& l : found.left_out) fmt::print("  {} ({})\n", l.what, first_of(l.names));

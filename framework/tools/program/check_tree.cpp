@@ -42,33 +42,27 @@ std::vector<std::string> free_axes(Mask held, const TreeNode& n, Plane plane) {
 
 }  // namespace
 
-std::vector<Branch> tree_of(const System& system, const std::vector<bool>& modes) {
+TreeReport tree_of(const System& system, const std::vector<bool>& modes) {
   std::string why_not;
-  const std::shared_ptr<const JointTree> tree = JointTree::of(system, modes, why_not, Closures::rows);
-  std::vector<Branch> all;
-  if (!tree) return all;
+  const std::shared_ptr<const JointTree> tree = JointTree::of(system, modes, why_not);
+  TreeReport report;
+  if (!tree) return report;
   for (const TreeNode& n : tree->nodes()) {
     Branch b;
     b.body = system.body_of_slot(n.slot).name;
     b.parent = "ground";
     if (n.parent >= 0) {
-      const auto parent = static_cast<std::size_t>(n.parent);
-      b.parent = all[parent].body, b.depth = all[parent].depth + 1;
+      const Branch& parent = report.branches[static_cast<std::size_t>(n.parent)];
+      b.parent = parent.body, b.depth = parent.depth + 1;
     }
     const Lock* link = n.link >= 0 ? system.links()[static_cast<std::size_t>(n.link)].get() : nullptr;
     if (link != nullptr) b.link = link->name();
     b.coordinates = free_axes(link != nullptr ? link->jointed()->rows() : Mask::none, n, system.plane());
-    all.push_back(std::move(b));
+    report.branches.push_back(std::move(b));
   }
-  return all;
-}
-
-std::vector<std::string> closures_of(const System& system, const std::vector<bool>& modes) {
-  std::string why_not;
-  std::vector<std::string> names;
-  if (const std::shared_ptr<const JointTree> tree = JointTree::of(system, modes, why_not, Closures::rows))
-    for (const int link : tree->closures()) names.push_back(system.links()[static_cast<std::size_t>(link)]->name());
-  return names;
+  for (const int link : tree->closures())
+    report.closures.push_back(system.links()[static_cast<std::size_t>(link)]->name());
+  return report;
 }
 
 std::string tree_text(const std::vector<Branch>& tree) {

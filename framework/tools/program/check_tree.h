@@ -16,12 +16,12 @@ struct Branch {
   int depth = 0;                         ///< 0: on the ground, or free
 };
 
-/// The tree of a mechanism that runs in joint coordinates with these links in force, parents before their children;
-/// empty if there is none.
-std::vector<Branch> tree_of(const System&, const std::vector<bool>& modes);
-
-/// The links in force that close loops of the tree: names. Empty if there is no tree.
-std::vector<std::string> closures_of(const System&, const std::vector<bool>& modes);
+/// The tree of a mechanism that runs in joint coordinates, and what closes loops beside it. Empty if there is no tree.
+struct TreeReport {
+  std::vector<Branch> branches;       ///< parents before their children
+  std::vector<std::string> closures;  ///< names of the links in force that close loops
+};
+TreeReport tree_of(const System&, const std::vector<bool>& modes);
 
 /// One line a branch, indented by its depth, with a line end each; of long trees the first forty.
 std::string tree_text(const std::vector<Branch>&);

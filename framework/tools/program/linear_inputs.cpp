@@ -15,6 +15,8 @@ namespace {
 
 constexpr std::array kAxes = {"x", "y", "z", "rx", "ry", "rz"};
 
+std::string along(const std::string& name, int axis) { return name + "." + kAxes[static_cast<std::size_t>(axis)]; }
+
 Value* member_of(Value& object, std::string_view key) {
   if (Value::Object* members = object.object())
     for (Value::Member& m : *members)
@@ -43,8 +45,6 @@ Value input_beside(const Value* law, std::size_t number) {
   if (law != nullptr) input.object()->push_back({"law", *law, law->where}), input.where = law->where;
   return input;
 }
-
-Value axis_vector(int axis) { return Value::list({axis == 0 ? 1. : 0., axis == 1 ? 1. : 0., axis == 2 ? 1. : 0.}); }
 
 // Forces whose law is their magnitude, zero where it is not given.
 struct Magnitude {
@@ -117,9 +117,15 @@ class Opening {
     return std::ranges::any_of(places_, [&](const Place& p) { return p.name == name || p.short_name == name; });
   }
 
-  // Names the first input that was collected since then.
+  // The first input that was collected since then; "" where there is none.
+  std::string first_input(std::size_t since) const {
+    for (std::size_t k = since; k < places_.size(); ++k)
+      if (places_[k].refusal.empty()) return places_[k].name;
+    return {};
+  }
   std::string advice(std::size_t since, const std::string& otherwise) const {
-    return places_.size() > since ? "name one of its laws, as \"" + places_[since].name + "\"" : otherwise;
+    const std::string first = first_input(since);
+    return first.empty() ? otherwise : "name one of its laws, as \"" + first + "\"";
   }
 
   void collect_link(Value& link) {
@@ -168,8 +174,7 @@ class Opening {
       }
       const bool turn = k.form == Form::rotation_law;
       for (int axis = 0; axis < 3; ++axis)
-        add(name + "." + kAxes[static_cast<std::size_t>(axis)], name + "." + kAxes[static_cast<std::size_t>(axis)],
-            turn ? "rad" : "m",
+        add(along(name, axis), along(name, axis), turn ? "rad" : "m",
             [law, axis, turn](std::size_t n) { turn ? turn_before(*law, axis, n) : move_beside(*law, axis, n); });
       refuse(name, std::string("is a law of a ") + (turn ? "turn" : "translation") + "; name one axis of it: \"" +
                        name + ".x\", \".y\" or \".z\"");
@@ -182,8 +187,9 @@ class Opening {
   }
   // q = (turn by the input about an axis of the frame) (law)
   static void turn_before(Value& law, int axis, std::size_t number) {
-    Value first =
-        Value::object({{"type", "axis_rotation"}, {"axis", axis_vector(axis)}, {"law", input_beside(nullptr, number)}});
+    Value first = Value::object({{"type", "axis_rotation"},
+                                 {"axis", kAxes[static_cast<std::size_t>(axis)]},
+                                 {"law", input_beside(nullptr, number)}});
     Value both = Value::object({{"type", "product"}, {"first", std::move(first)}});
     both.object()->push_back({"second", law, law.where}), both.where = law.where;
     law = std::move(both);
@@ -198,14 +204,13 @@ class Opening {
     }
     const std::size_t before = places_.size();
     if (const auto* entry = registry_.forces.find(type)) collect_laws(force, entry->info.keys, "force");
-    if (places_.size() == before) collect_ends(force);
-    if (!has(name)) {
-      const std::string first = places_[before].name;
-      refuse(name, "is a " + type + ", which has no magnitude; name what acts beside it, as \"" + first + "\"");
-    }
+    if (first_input(before).empty()) collect_ends(force);
+    if (!has(name))
+      refuse(name,
+             "is a " + type + ", which has no magnitude; name what acts beside it, as \"" + first_input(before) + "\"");
   }
   void collect_magnitude(Value& force, const Magnitude& magnitude) {
-    const std::string name = text_of(force, "name"), type = magnitude.type, key = magnitude.key;
+    const std::string name = text_of(force, "name"), type = magnitude.type;
     const auto put_in = [&force, k = magnitude.key](std::size_t n) {
       put(force, k, input_beside(member_of(force, k), n));
     };
@@ -215,19 +220,18 @@ class Opening {
     }
     const char* const constant = type == "applied_torque" ? "torque" : "force";
     for (int axis = 0; axis < 3; ++axis)
-      add(name + "." + kAxes[static_cast<std::size_t>(axis)], name + "." + kAxes[static_cast<std::size_t>(axis)],
-          magnitude.unit, [&force, axis](std::size_t n) {
-            if (member_of(force, "laws") == nullptr) put(force, "laws", Value::list({0, 0, 0}));
-            if (Value::List* laws = member_of(force, "laws")->list(); laws != nullptr && laws->size() == 3) {
-              Value& law = (*laws)[static_cast<std::size_t>(axis)];
-              law = input_beside(&law, n);
-            }
-          });
+      add(along(name, axis), along(name, axis), magnitude.unit, [&force, axis](std::size_t n) {
+        if (member_of(force, "laws") == nullptr) put(force, "laws", Value::list({0, 0, 0}));
+        if (Value::List* laws = member_of(force, "laws")->list(); laws != nullptr && laws->size() == 3) {
+          Value& law = (*laws)[static_cast<std::size_t>(axis)];
+          law = input_beside(&law, n);
+        }
+      });
     if (force.find("direction") != nullptr)
       add(name + ".law", name, magnitude.unit, put_in);
     else if (const Value* value = force.find(constant); value != nullptr)
       add(name, name, magnitude.unit,
-          [&force, put_in, along = *value](std::size_t n) { put(force, "direction", along), put_in(n); });
+          [&force, put_in, direction = *value](std::size_t n) { put(force, "direction", direction), put_in(n); });
     else
       refuse(name, "has laws of components and no direction; name one of \"" + name + ".x\", \".y\" and \".z\"");
   }
@@ -246,7 +250,7 @@ class Opening {
       const auto* const found = std::ranges::find(kAxes, own);
       if (found != kAxes.end()) add_axis(name, static_cast<int>(found - kAxes.begin()));
     }
-    for (int axis = 0; axis < 6; ++axis) add_axis(name + "." + kAxes[static_cast<std::size_t>(axis)], axis);
+    for (int axis = 0; axis < 6; ++axis) add_axis(along(name, axis), axis);
   }
   static Value force_beside(const Value& force, const std::string& name, int axis, std::size_t number) {
     Value beside =

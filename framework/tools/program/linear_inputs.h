@@ -20,7 +20,8 @@ struct MechanismWithInputs {
 ///   - a link with a drive: "A", with several "A.rz";
 ///   - a force that has a magnitude: "spring": pull; "motor"; "push": along its direction; "push.x": a component;
 ///   - a law of time of a link, a force or a marker: "rope.length", "A.move.x", "table.translation.z", "B.turn.x";
-///   - any other force: "pad.x" ... "pad.rz": a force along an axis of S, or a torque about it, beside it.
+///   - a force of any other type without such a law: "pad.x" ... "pad.rz": a force along an axis of S, or a torque about
+///     it, beside it.
 /// Throws UsageError for a name that is none of these, with the closest or the next move, and what build_mechanism()
 /// throws.
 MechanismWithInputs build_with_inputs(Scene, Registry, const std::vector<std::string>& names);

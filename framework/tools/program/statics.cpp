@@ -34,9 +34,7 @@ struct Resting {
   EquilibriumReport report;
 
   Resting(const Scene& scene, const Registry& registry)
-      : m(build_mechanism(scene, registry)), dynamics(make_dynamics(m, registry)), state(m.system.start()) {
-    state = decided_start(dynamics, m);
-  }
+      : m(build_mechanism(scene, registry)), dynamics(make_dynamics(m, registry)), state(decided_start(dynamics, m)) {}
 
   /// From the assembled start, or from the poses of `before`, if it has as many.
   void find(const Arguments& args, const State* before) {

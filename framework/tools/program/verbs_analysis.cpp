@@ -100,8 +100,7 @@ void add_linearize(CLI::App& verb, Arguments& a) {
   };
   list("--inputs", a.inputs,
        "driven links (A, or A.rz of several drives: value, rate and second rate), forces (motor, pad.x), laws "
-       "(rope.length, "
-       "table.translation.x)");
+       "(rope.length, table.translation.x)");
   list("--outputs", a.outputs, "channels, as `lockstep check SCENE --channels` lists them");
   add(verb, "--csv", a.csv, "FILE.csv", "one table: rows x' and y, columns x and u");
 }

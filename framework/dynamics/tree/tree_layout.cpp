@@ -1,0 +1,42 @@
+#include "framework/dynamics/tree/tree_layout.h"
+
+#include <utility>
+
+#include "framework/dynamics/tree/closure_cost.h"
+
+namespace lockstep {
+
+namespace {
+
+// What stands in the way of eliminating these rows along a tree; "" for nothing.
+std::string obstacle_of_rows(const System& system, const RowTable& rows) {
+  if (rows.held > 0) return "rows hold that nearly depend on others";
+  for (const RowEntry& e : rows.entries)
+    if (e.slots.n == 0)
+      return "link '" + system.links()[static_cast<std::size_t>(e.link)]->name() + "' touches nothing that moves";
+  return "";
+}
+
+}  // namespace
+
+TreeLayout lay_out_tree(const System& system, const std::vector<bool>& modes, Taken taken) {
+  TreeLayout out;
+  std::shared_ptr<const JointTree> tree = JointTree::of(system, modes, out.why_not);
+  if (!tree) return out;
+  if (tree->has_rows()) {
+    std::vector<bool> shown(modes.size(), false);
+    for (const int link : tree->closures()) shown[static_cast<std::size_t>(link)] = true;
+    RowTable closures;
+    system.lay_out(shown, closures);
+    out.why_not = obstacle_of_rows(system, closures);
+    if (!out.why_not.empty()) return out;
+    ClosureFronts fronts(*tree, system, closures);
+    if (taken == Taken::where_cheaper) out.why_not = why_dearer(fronts, system, modes);
+    if (!out.why_not.empty()) return out;
+    out.closures = std::move(closures), out.fronts = std::move(fronts);
+  }
+  out.tree = std::move(tree);
+  return out;
+}
+
+}  // namespace lockstep
