@@ -1,4 +1,5 @@
-// What eight copies in lanes cost, against the same evaluations one by one: chains of hinged rods, in one run.
+// What eight copies in lanes cost, against the same evaluations one by one: chains of hinged rods and rows of four-bars,
+// in one run.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -34,39 +35,56 @@ double nanoseconds(F&& act) {
   return best;
 }
 
-/// Per body, copy and evaluation; NaN where the machine has not got the instructions.
-double in_lanes(test::Family& family, const std::vector<State>& states, int n, Instructions set) try {
+/// Per body, copy and evaluation; NaN where the machine has not got the instructions or the mechanism no such lanes.
+double in_lanes(test::Family& family, const std::vector<State>& states, Formulation formulation, Instructions set) try {
   CopiesOptions options;
-  options.instructions = set;
+  options.instructions = set, options.formulation = formulation;
   const std::vector<System*> systems = family.pointers();
-  lanes::Batch batch(systems, 0, options);
-  Aligned<double> y(batch.n_numbers()), rate(batch.n_numbers());
-  for (int l = 0; l < lanes::kLanes; ++l) batch.put(l, states[static_cast<std::size_t>(l)], y.data());
-  return nanoseconds([&] { batch.evaluate(y.data(), {}, rate.data()); }) / (lanes::kLanes * n);
+  if (!Copies::unsuited(*systems[0], formulation).empty()) return NAN;
+  const std::unique_ptr<lanes::Batch> batch = lanes::Batch::of(systems, 0, options);
+  Aligned<double> y(batch->n_numbers()), rate(batch->n_numbers());
+  for (int l = 0; l < lanes::kLanes; ++l) {
+    State state = states[static_cast<std::size_t>(l)];
+    batch->to_batch(l, state);
+    batch->put(l, state, y.data());
+  }
+  return nanoseconds([&] { batch->evaluate(y.data(), {}, rate.data()); }) / (lanes::kLanes * systems[0]->n_slots());
 } catch (const ModelError&) {
   return NAN;
 }
 
-double one_by_one(test::Family& family, const std::vector<State>& states, int n) {
-  Dynamics dynamics(*family.systems[0], std::make_unique<SchurSolver>());
+double one_by_one(test::Family& family, const std::vector<State>& states, Formulation formulation) {
+  DynamicsOptions options;
+  options.formulation = formulation;
+  Dynamics dynamics(*family.systems[0], std::make_unique<SchurSolver>(), options);
+  State state = states[0];
+  dynamics.to_formulation(state);
+  if ((formulation == Formulation::joint) != (state.coordinates != nullptr)) return NAN;
   StateRate rate;
-  return nanoseconds([&] { dynamics.rate(states[0], rate); }) / n;
+  return nanoseconds([&] { dynamics.rates(state, rate); }) / family.systems[0]->n_slots();
+}
+
+template <class Make>
+void table(const char* what, std::initializer_list<int> sizes, Make&& make) {
+  fmt::print("{}\n{:>7} | {:>10} {:>8} | {:>10} {:>8} {:>8} {:>8}\n", what, "size", "omega", "in lanes", "joint",
+             "plain", "FMA", "AVX-512");
+  for (const int n : sizes) {
+    test::Family family(lanes::kLanes, [&](int k) { return make(n, k); });
+    const std::vector<State> states = family.assembled();
+    const auto joint = [&](Instructions set) { return in_lanes(family, states, Formulation::joint, set); };
+    fmt::print("{:7} | {:10.1f} {:8.1f} | {:10.1f} {:8.1f} {:8.1f} {:8.1f}\n", n,
+               one_by_one(family, states, Formulation::omega),
+               in_lanes(family, states, Formulation::omega, Instructions::best),
+               one_by_one(family, states, Formulation::joint), joint(Instructions::plain), joint(Instructions::fma),
+               joint(Instructions::avx512));
+  }
 }
 
 }  // namespace
 
 int main() {
-  fmt::print("CPU ns a body and evaluation, chain of hinged rods, eight copies\n{:>7} {:>10} {:>8} {:>8} {:>8} {:>8}\n",
-             "bodies", "one by one", "plain", "FMA", "AVX-512", "ratio");
-  for (const int n : {1, 4, 10, 100}) {
-    test::Family family(lanes::kLanes, [&](int k) { return test::chain(n, k); });
-    const std::vector<State> states = family.starts();
-    const double alone = one_by_one(family, states, n), plain = in_lanes(family, states, n, Instructions::plain),
-                 fma = in_lanes(family, states, n, Instructions::fma),
-                 avx512 = in_lanes(family, states, n, Instructions::avx512);
-    double best = plain;
-    for (const double t : {fma, avx512})
-      if (t < best) best = t;
-    fmt::print("{:7} {:10.1f} {:8.1f} {:8.1f} {:8.1f} {:8.1f}\n", n, alone, plain, fma, avx512, alone / best);
-  }
+  fmt::print("CPU ns a body, copy and evaluation: one mechanism, and eight in lanes\n");
+  table("chain of hinges whose axes differ", {1, 4, 10, 100}, [](int n, int k) { return test::chain(n, k, 0.7); });
+  table("chain in a plane", {1, 4, 10, 100}, [](int n, int k) { return test::chain(n, k); });
+  table("row of four-bars", {1, 10}, [](int n, int k) { return test::ladder(n, k); });
 }

@@ -39,6 +39,18 @@ struct Family {
   }
 };
 
+/// Eight random mechanisms by their links; alike but for all numbers.
+template <class Links>
+Family random_family(int bodies, Links&& links, int particles = 0) {
+  return Family(8, [&](int k) {
+    inputs::RandomMechanism m(static_cast<std::uint64_t>(100 + k), Vec3(0.1 * k, -1, -9));
+    for (int i = 0; i < bodies; ++i) m.add_body();
+    for (int i = 0; i < particles; ++i) m.add_particle();
+    links(m);
+    return std::make_unique<System>(std::move(m.system));
+  });
+}
+
 /// Chain of n rods that hang on hinges, each about an axis that is turned against the one before by `twist`, rad.
 inline std::unique_ptr<System> chain(int n, int k, double twist = 0.0) {
   auto sys = std::make_unique<System>(System::Options{Vec3(0.1 * k, 0, -9.81)});

@@ -39,18 +39,6 @@ double difference(Family& family, std::vector<State> states, Instructions set = 
   return worst;
 }
 
-// A random mechanism by its links; the same for every seed, but for all numbers.
-template <class Links>
-Family random_family(int bodies, Links&& links, int particles = 0) {
-  return Family(8, [&](int k) {
-    inputs::RandomMechanism m(static_cast<std::uint64_t>(100 + k), Vec3(0.1 * k, -1, -9));
-    for (int i = 0; i < bodies; ++i) m.add_body();
-    for (int i = 0; i < particles; ++i) m.add_particle();
-    links(m);
-    return std::make_unique<System>(std::move(m.system));
-  });
-}
-
 }  // namespace
 
 TEST_CASE("a lane's rates are those of the ordinary evaluation", "[unit][copies]") {
@@ -182,10 +170,12 @@ Told told(Family& family, const std::vector<State>& starts, const std::vector<do
 
 TEST_CASE("a run in lanes is the run of each copy", "[unit][copies]") {
   const std::vector<double> times{0.0, 0.1, 0.25, 0.5};
+  const Formulation formulation = GENERATE(Formulation::omega, Formulation::joint);
   for (const char* method : {"rk4", "dopri5", "dop853"}) {
     Family family(11, [](int k) { return chain(3, k, 0.3); });  // more than one batch, the second one not full
     const std::vector<State> starts = family.assembled();
     CopiesOptions options;
+    options.formulation = formulation;
     options.integrator = method;
     options.tolerance = {1e-9, 1e-11};
     options.step = std::string(method) == "rk4" ? 1e-3 : 0.0;
@@ -193,7 +183,7 @@ TEST_CASE("a run in lanes is the run of each copy", "[unit][copies]") {
     options.lanes = false;
     const Told alone = told(family, starts, times, options);
     for (std::size_t k = 0; k < starts.size(); ++k) {
-      INFO(method << ", copy " << k);
+      INFO(to_string(formulation) << ", " << method << ", copy " << k);
       REQUIRE(lanes.states[k].size() == times.size());
       CHECK(lanes.reports[k].finished);
       CHECK_FALSE(lanes.reports[k].alone);
@@ -294,7 +284,8 @@ TEST_CASE("copies land on the jumps of their laws", "[unit][copies]") {
 
 TEST_CASE("steps in lanes allocate nothing", "[unit][copies]") {
   if (!allocations_are_counted()) return;
-  Family family(8, [](int k) { return ladder(2, 25 + k); });  // they hang, far from flat
+  const bool loops = GENERATE(true, false);
+  Family family(8, [&](int k) { return loops ? ladder(2, 25 + k) : chain(3, k, 0.3); });  // they hang, far from flat
   const std::vector<State> starts = family.assembled();
   CopiesOptions options;
   options.integrator = "dopri5";

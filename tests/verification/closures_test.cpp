@@ -12,6 +12,7 @@
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
 #include "framework/dynamics/tree/joint_tree.h"
+#include "framework/dynamics/tree/tree_layout.h"
 #include "tests/support/catch.h"
 #include "tests/support/loops.h"
 #include "tests/support/messages.h"
@@ -23,7 +24,7 @@ namespace closures_test {
 
 using namespace lockstep;
 using loops::joint_dynamics, loops::ladder, loops::Loops, loops::random_loops, loops::row_of_four_bars;
-using testing::accelerations, testing::Draw, testing::largest;
+using testing::accelerations, testing::Draw, testing::largest, testing::random_inertia, testing::random_pose;
 
 namespace {
 
@@ -273,6 +274,61 @@ TEST_CASE("auto takes loops along joints where counts say that it costs less", "
   testing::check_words(why(scene_path("stewart"), false), {"6 of 6", "cost more along joints"});
   testing::check_words(why(delta, false), {"many loops pass through one body"});
   testing::check_words(why(scene_path("four_bar"), true), {"reader", "read accelerations or reactions"});
+}
+
+namespace {
+
+/// A four-bar of hinges about z at four heights, lying, whose bodies are turned any way; the last hinge may be another link.
+template <class Last>
+System lying_four_bar(Last&& last) {
+  System s({.gravity = Vec3(0.2, 0.1, -9.81)});
+  Draw draw(11);
+  const auto bar = [&](const char* name, const Vec3& a, const Vec3& b) -> Body& {
+    return s.add_body(name, {draw.number(0.5, 2), Vec3::Zero(), random_inertia(draw)},
+                      {Vec3(0.5 * (a + b)), random_pose(draw).q});
+  };
+  const Vec3 A(0, 0, 0.1), B(0.2, 0.4, -0.3), C(1.3, 0.7, 0.2), D(1, 0, 0);
+  Body &crank = bar("crank", A, B), &coupler = bar("coupler", B, C), &rocker = bar("rocker", C, D);
+  s.add<Revolute>("A", crank, s.ground(), pose_at(A));
+  s.add<Revolute>("B", s.body("coupler"), crank, pose_at(B));
+  s.add<Revolute>("D", rocker, s.ground(), pose_at(D));
+  last(s, coupler, rocker, C);
+  return s;
+}
+
+}  // namespace
+
+TEST_CASE("rows normal to the plane of a tree are left out of what closes its loops", "[verification][joint]") {
+  const auto rows = [](System& s) {
+    s.setup();
+    return lay_out_tree(s, s.start().modes, Taken::all).closures.n_rows;
+  };
+  const auto hinge = [](const Vec3& axis) {
+    return [axis](System& s, Body& a, Body& b, const Vec3& at) { s.add<Revolute>("C", a, b, pose_at(at, axis)); };
+  };
+  System flat = lying_four_bar(hinge(Vec3::UnitZ()));
+  CHECK(rows(flat) == 2);
+  Dynamics dynamics = joint_dynamics(flat);
+  State state = flat.start();
+  dynamics.to_formulation(state);
+  REQUIRE(state.coordinates);
+  Draw draw(5);
+  for (int n = 0; n < 5; ++n) {
+    for (double& v : state.v) v = draw.number(-2, 2);
+    dynamics.project_velocity(state);
+    dynamics.advance(state, 0.1, state.v);
+    REQUIRE(dynamics.project(state, 0).converged);
+    CHECK(dynamics.violation(state) < 1e-12);
+    SolveReport report;
+    CHECK(difference(dynamics, state, report) < 1e-11);
+  }
+  // An axis that is tilted, and a slide along the normal by a law: nothing is left out.
+  System tilted = lying_four_bar(hinge(Vec3(1e-5, 0, 1)));
+  CHECK(rows(tilted) == 5);
+  System lifted = lying_four_bar([](System& s, Body& a, Body& b, const Vec3& at) {
+    s.add<GenericLock>("C", a, b, pose_at(at), Mask::x | Mask::y).drive(Axis::z, laws::polynomial({0.0, 1.0}));
+  });
+  CHECK(rows(lifted) == 3);
 }
 
 TEST_CASE("few closures are open at a time in ladders and in rows of four-bars", "[verification][joint]") {

@@ -7,6 +7,8 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/evaluate/joint_coordinates.h"
+#include "framework/dynamics/evaluate/slot_coordinates.h"
+#include "framework/dynamics/tree/rows_in_plane.h"
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
@@ -56,19 +58,6 @@ Inputs Dynamics::Tree::inputs(const State& state) const {
   return in;
 }
 
-namespace {
-
-// Whether rows of a link may have a part that time alone changes.
-bool may_have_laws(const Lock& link) {
-  if (link.jointed() == nullptr || link.jointed()->has_laws()) return true;
-  return std::ranges::any_of(link.pairs(), [](const auto& pair) {
-    return pair.first->translation_law || pair.first->rotation_law || pair.second->translation_law ||
-           pair.second->rotation_law;
-  });
-}
-
-}  // namespace
-
 // The rows that are gathered in joint coordinates: all of them if somebody reads accelerations or multipliers, those of
 // links with laws if nothing but the power of laws is read.
 void Dynamics::lay_out_reactions(Tree& t) const {
@@ -101,7 +90,7 @@ void Dynamics::joint_reactions(Tree& t, const Inputs& in) {
   if (!closures.empty()) closures.react(t.closure_rows, t.loaded);
   for (const RowEntry& e : t.rows.entries)
     if (const int at = closures.empty() ? -1 : t.closure_rows.entry_of_link[static_cast<std::size_t>(e.link)]; at >= 0)
-      t.reactions.set(e, closures.lambda().data() + t.closure_rows.entries[static_cast<std::size_t>(at)].first_row);
+      t.reactions.set(e, t.closure_rows.entries[static_cast<std::size_t>(at)], closures.lambda());
   t.reactions.solve(*t.coordinates, system_, t.motions, t.a, t.loaded, t.rows);
 }
 
@@ -124,20 +113,22 @@ bool Dynamics::has_current_coordinates(const State& state) {
   return !state.coordinates || state.coordinates == tree(state.modes).coordinates;
 }
 
-void Dynamics::to_slots(State& state) {
+void to_slot_coordinates(const System& system, State& state) {
   if (!state.coordinates) return;
   std::vector<Motion> motions;
-  system_.motions(state, motions);
+  system.motions(state, motions);
   // Made beside: where memory ends, Eigen's resize leaves a vector that points to what it has freed.
-  VecX q(7 * system_.n_slots()), v(6 * system_.n_slots());
+  VecX q(7 * system.n_slots()), v(6 * system.n_slots());
   state.q = std::move(q), state.v = std::move(v);
   state.coordinates = nullptr;
-  for (int k = 0; k < system_.n_slots(); ++k) {
+  for (int k = 0; k < system.n_slots(); ++k) {
     const Motion& O = motions[static_cast<std::size_t>(k + 1)];
     state.set_slot_pose(k, {O.x, normalized(O.e)});
     state.set_slot_twist(k, {O.v, O.w});
   }
 }
+
+void Dynamics::to_slots(State& state) { to_slot_coordinates(system_, state); }
 
 void Dynamics::rates(const State& state, StateRate& out) {
   if (state.coordinates)

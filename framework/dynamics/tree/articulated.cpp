@@ -227,6 +227,7 @@ LOCKSTEP_INLINE SpatialWrench& operator-=(SpatialWrench& a, const SpatialWrench&
 }
 LOCKSTEP_INLINE SpatialWrench operator*(double x, const SpatialWrench& a) { return {a.f * x, a.t * x}; }
 LOCKSTEP_INLINE double dot(const SpatialWrench& a, const SpatialTwist& b) { return dot(a.f, b.a) + dot(a.t, b.al); }
+LOCKSTEP_INLINE double force2(const SpatialWrench& a) { return dot(a.f, a.f); }
 LOCKSTEP_INLINE double moment2(const SpatialWrench& a) { return dot(a.t, a.t); }
 
 LOCKSTEP_INLINE ArticulatedBodies::Joint ArticulatedBodies::joint(const JointTree& tree, std::size_t k) const {

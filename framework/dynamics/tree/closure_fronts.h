@@ -45,6 +45,7 @@ struct ClosureFronts {
   int n_Lambda = 0, n_V = 0;
   std::vector<ClosureSource> sources;  ///< by row of the table
   std::vector<ClosureSide> sides;      ///< of all rows
+  bool in_plane = false;               ///< all rows lie in the plane of the tree
 
  private:
   using Rows = std::vector<int>;

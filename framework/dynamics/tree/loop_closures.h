@@ -3,12 +3,15 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include <lockstep/rows.h>
 #include "framework/dynamics/tree/closure_rows.h"
+#include "framework/dynamics/tree/largest.h"
 
 namespace lockstep {
 
@@ -64,6 +67,7 @@ class LoopClosures final : public ClosureRows {
   void find(std::size_t k, const Twist& a) { find(k, a, lambda_); }
 
  private:
+  std::array<double, 3> bounds_of(const Largest&) const;  // by RowKind
   bool has_parent(std::size_t node) const { return fronts_.parents[node] < fronts_.n_nodes; }
   void close_again(const ClosureFront&, Wrench* p);
   template <class Bodies>
@@ -141,7 +145,21 @@ LOCKSTEP_INLINE bool LoopClosures<Wrench, Twist>::met(const Bodies& bodies) {
     }
     r_[row] = r, size_[row] = size;
   }
-  return is_met();
+  return is_met() || is_met(bounds_of(bodies.largest()));
+}
+
+// Where all scales of a kind vanish (rows normal to a plane in which all moves), r is rounding of other directions, bounded
+// in any frame by |J_f| |a| + |J_t| |al|: raised as residual_floor() raises it by energy.
+template <class Wrench, class Twist>
+LOCKSTEP_INLINE std::array<double, 3> LoopClosures<Wrench, Twist>::bounds_of(const Largest& most) const {
+  std::array<double, 3> bounds{};
+  for (const ClosureSource& source : fronts_.sources)
+    for (int i = 0; i < source.n_sides; ++i) {
+      const Wrench& J = J_[static_cast<std::size_t>(source.first_side + i)];
+      double& bound = bounds[static_cast<std::size_t>(source.kind)];
+      bound = std::max(bound, std::sqrt(force2(J)) * most.a() + std::sqrt(moment2(J)) * most.alpha());
+    }
+  return bounds;
 }
 
 // Lambda is symmetric: what is right of the diagonal is neither written nor read. At the ground nothing moves, and K is

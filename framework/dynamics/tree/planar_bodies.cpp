@@ -10,6 +10,8 @@ namespace lockstep {
 PlanarBodies::PlanarBodies(const JointTree& tree, const System& system, bool) {
   const std::vector<PlanarNode>& nodes = tree.planar()->nodes();
   const std::size_t n = nodes.size();
+  plane_i_ = static_cast<std::size_t>(tree.planar()->plane().i());
+  plane_j_ = static_cast<std::size_t>(tree.planar()->plane().j());
   nodes_.assign(n + 1, Node());
   slides_.resize(static_cast<std::size_t>(tree.n_v()));
   for (std::vector<double>* x : {&half_, &cosine_, &sine_}) x->assign((n + 7) / 8 * 8, 0.0);  // packs of up to 8
@@ -142,6 +144,7 @@ LOCKSTEP_INLINE FlatWrench& operator-=(FlatWrench& a, const FlatWrench& b) {
 }
 LOCKSTEP_INLINE FlatWrench operator*(double x, const FlatWrench& a) { return {x * a.f, x * a.t}; }
 LOCKSTEP_INLINE double dot(const FlatWrench& a, const FlatTwist& b) { return dot(a.f, b.a) + a.t * b.al; }
+LOCKSTEP_INLINE double force2(const FlatWrench& a) { return dot(a.f, a.f); }
 LOCKSTEP_INLINE double moment2(const FlatWrench& a) { return a.t * a.t; }
 
 // What eliminate() and shift() do with IA, here with K: its rows are K' / D^-1 once the coordinates are gone. Of a hinge
@@ -209,8 +212,14 @@ LOCKSTEP_INLINE FlatTwist PlanarBodies::Joint::solve_again(const FlatTwist& p, c
 
 LOCKSTEP_INLINE FlatWrench PlanarBodies::read_side(const RowView& rows, int i, int k, std::size_t node, const Motion&,
                                                    double& diagonal) const {
-  const std::array<double, 3> J = rows.J_in_plane(i, k);
   const Node& b = nodes_[node + 1];
+  std::array<double, 3> J;
+  if (rows.layout() == RowLayout::planar || rows.layout() == RowLayout::pair) {
+    J = rows.J_in_plane(i, k);
+  } else {
+    const std::array<double, 6> all = rows.J(i, k);
+    J = {all[plane_i_], all[plane_j_], b.normal.dot(Vec3(all[3], all[4], all[5]))};
+  }
   diagonal += (J[0] * J[0] + J[1] * J[1]) / b.m;
   if (b.J > 0) diagonal += J[2] * J[2] / b.J;  // else a particle
   return {{J[0], J[1]}, J[2]};

@@ -100,6 +100,7 @@ class LOCKSTEP_API PlanarBodies {
   static void shift(const Node&, Inertia&);
   FlatTwist solve(const PlanarNode&, const Node&, const FlatTwist& parent, const double* less, VecX& vd) const;
 
+  std::size_t plane_i_ = 0, plane_j_ = 1;  // axes of the plane
   std::vector<Node> nodes_;    // the ground first
   std::vector<Slide> slides_;  // by number of the velocity
   std::vector<Inertia> waiting_;

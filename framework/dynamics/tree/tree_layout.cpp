@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "framework/dynamics/tree/closure_cost.h"
+#include "framework/dynamics/tree/rows_in_plane.h"
 
 namespace lockstep {
 
@@ -30,7 +31,9 @@ TreeLayout lay_out_tree(const System& system, const std::vector<bool>& modes, Ta
     system.lay_out(shown, closures);
     out.why_not = obstacle_of_rows(system, closures);
     if (!out.why_not.empty()) return out;
+    const bool in_plane = tree->planar() && (system.plane() || leave_out_normal_rows(*tree, system, closures));
     ClosureFronts fronts(*tree, system, closures);
+    fronts.in_plane = in_plane;
     if (taken == Taken::where_cheaper) out.why_not = why_dearer(fronts, system, modes);
     if (!out.why_not.empty()) return out;
     out.closures = std::move(closures), out.fronts = std::move(fronts);

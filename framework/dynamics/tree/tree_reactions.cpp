@@ -27,7 +27,14 @@ void TreeReactions::solve(const JointTree& tree, const System& system, std::span
   }
 }
 
-void TreeReactions::set(const RowEntry& e, const double* lambda) { std::copy_n(lambda, e.m, lambda_.data() + e.first_row); }
+void TreeReactions::set(const RowEntry& e, const RowEntry& other, const VecX& lambda) {
+  int next = 0;
+  for (int k = 0; k < e.m; ++k) {
+    const bool there =
+        next < other.m && other.own[static_cast<std::size_t>(next)] == e.own[static_cast<std::size_t>(k)];
+    lambda_[e.first_row + k] = there ? lambda[other.first_row + next++] : 0.0;
+  }
+}
 
 // m a = F + what the joint carries - what the joints of the children carry; likewise about the mass centre:
 //   J w' + w x J w = M + ...   with f = (F, M - w x J w)

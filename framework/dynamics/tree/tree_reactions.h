@@ -22,8 +22,9 @@ class TreeReactions {
              const RowTable& rows);
 
   const VecX& lambda() const { return lambda_; }  ///< one per row of the table
-  /// Sets the multipliers of a link of the table that is no joint of the tree.
-  void set(const RowEntry&, const double* lambda);
+  /// Sets the multipliers of a link of the table that is no joint of the tree: those of its rows in another table, which
+  /// may lack some; these are zero.
+  void set(const RowEntry&, const RowEntry& other, const VecX& lambda);
 
  private:
   // What the joint of a node carries onto its slot, about the mass centre, world axes.

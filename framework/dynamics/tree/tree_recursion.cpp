@@ -13,9 +13,8 @@ extern template class RecursionOf<PlanarBodies>;
 
 TreeRecursion::~TreeRecursion() = default;
 
-// Rows of a mechanism that is not declared to be planar are those of space.
 std::unique_ptr<TreeRecursion> TreeRecursion::of(const JointTree& tree, const System& system, ClosureFronts closures) {
-  if (tree.planar() && (closures.sources.empty() || system.plane()))
+  if (tree.planar() && (closures.sources.empty() || closures.in_plane))
     return std::make_unique<RecursionOf<PlanarBodies>>(tree, system, std::move(closures));
   return std::make_unique<RecursionOf<ArticulatedBodies>>(tree, system, std::move(closures));
 }

@@ -32,6 +32,8 @@ struct CopiesOptions {
   double step = 0;                    ///< fixed step: the step, s; else the first one, 0: the method's own guess
   double max_step = 0;                ///< s; 0: no limit
   Stabilization stabilization;        ///< project or none
+  /// The coordinates of the runs: joint coordinates (of trees), omega (all rows), or automatic: joint for trees.
+  Formulation formulation = Formulation::automatic;
   bool lanes = true;                  ///< false: every copy by the ordinary Dynamics and integrator, for comparison
   Instructions instructions = Instructions::best;  ///< others are for comparison
   const Registry* registry = nullptr;              ///< where the integrator is; null: builtin_registry()
@@ -58,24 +60,26 @@ class LOCKSTEP_API Copies {
   explicit Copies(std::vector<System*> systems, CopiesOptions options = {});
   ~Copies();
 
-  /// Why this mechanism cannot run in lanes, in words; "" if it can. The system is set up.
-  static std::string unsuited(System&);
+  /// Why this mechanism cannot run in lanes, in words; "" if it can. The system is set up. `formulation`: as that of the
+  /// options.
+  static std::string unsuited(System&, Formulation formulation = Formulation::automatic);
 
   int size() const;                      ///< number of copies
+  Formulation formulation() const;       ///< in whose coordinates run() steps: joint or omega
   const CopiesOptions& options() const;  ///< as given
 
-  /// Evaluates d/dt of q, v and s of every copy: size() states, each at its own time, and as many rates. False for a
-  /// copy whose rows could not be met: the ordinary Dynamics then names the cause. Throws ModelError for wrong
-  /// arguments.
+  /// Evaluates d/dt of q, v and s of every copy: size() states in the slots' own coordinates, each at its own time, and
+  /// as many rates, by omega. False for a copy whose rows could not be met: the ordinary Dynamics then names the cause.
+  /// Throws ModelError for wrong arguments, and for mechanisms whose rows have no lanes.
   std::vector<bool> rate(std::span<const State> states, std::span<StateRate> out);
-  /// Projects the states onto C = 0 and Jh v = -Ct, as Dynamics::project does. False where that did not converge.
-  /// Throws ModelError for wrong arguments.
+  /// Projects the states, in the slots' own coordinates, onto C = 0 and Jh v = -Ct, as Dynamics::project does. False
+  /// where that did not converge. Throws ModelError likewise.
   std::vector<bool> project(std::span<State> states);
 
-  /// Receives the state of a copy (its number, from 0) at one of the times (its number, from 0): the copies in any
-  /// order, the times of one copy in theirs.
+  /// Receives the state of a copy (its number, from 0) at one of the times (its number, from 0), in the slots' own
+  /// coordinates: the copies in any order, the times of one copy in theirs.
   using Output = std::function<void(int copy, std::size_t time, const State&)>;
-  /// Runs all copies from their starts (assembled; each may have its own t) through all `times` (ascending, s), on
+  /// Runs all copies from their starts (assembled, in the slots' own coordinates; each may have its own t) through all `times` (ascending, s), on
   /// which their steps end. A copy that fails does not stop the others; its report says why. Throws ModelError for
   /// wrong arguments.
   std::vector<CopyReport> run(std::span<const State> starts, std::span<const double> times, const Output& output);

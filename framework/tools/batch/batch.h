@@ -1,10 +1,14 @@
 // Batch: up to eight copies and their data, one copy per lane. Private to the room.
 //
-// Arrays of states and rates have Plan::n() packs: q, v, s as in State. Unused lanes repeat the first copy.
+// Arrays of states and rates have n() packs: q, v, s as in State, in the batch's own coordinates. Unused lanes repeat the
+// first copy.
 #pragma once
 
 #include <array>
+#include <memory>
 #include <span>
+#include <string>
+#include <vector>
 
 #include <lockstep/dynamics.h>
 #include <lockstep/memory.h>
@@ -23,70 +27,85 @@ struct Landing {
 
 class LOCKSTEP_API Batch {
  public:
-  /// Copies of one mechanism, set up and suited; `first`: the number of the first of them, for messages.
-  Batch(std::span<System* const> systems, int first, const CopiesOptions&);
+  /// Of copies in joint coordinates where `options` and the mechanism let them (TreeBatch), else in the slots' own. The
+  /// systems are set up and suited; `first`: the number of the first of them, for messages.
+  static std::unique_ptr<Batch> of(std::span<System* const> systems, int first, const CopiesOptions& options);
+  virtual ~Batch();
 
   int size() const { return n_; }
   int first() const { return first_; }
-  const Plan& plan() const { return plan_; }
   const Passes& passes() const { return pass_; }
-  System& system(int lane) const { return *systems_[lane]; }
-  std::size_t n_numbers() const { return kLanes * plan_.n(); }
+  System& system(int lane) const { return *systems_[static_cast<std::size_t>(lane)]; }
+  std::size_t n() const { return n_q_ + n_v_ + n_s_; }
+  std::size_t n_numbers() const { return kLanes * n(); }
 
   /// Copies a state (q, v, s) to its lane of an array, and back.
   void put(int lane, const State&, double* y) const;
   void get(int lane, const double* y, State&) const;
   void get(int lane, const double* rate, StateRate&) const;
   /// Sets the memory of a copy.
-  void remember(int lane, const VecX& z) { memory_[lane] = z; }
-  const VecX& memory(int lane) const { return memory_[lane]; }
+  void remember(int lane, const VecX& z) { memory_[static_cast<std::size_t>(lane)] = z; }
+  const VecX& memory(int lane) const { return memory_[static_cast<std::size_t>(lane)]; }
 
-  /// d/dt of the states y at the times t. Returns true in the lanes whose rows could not be satisfied.
-  Flags8 evaluate(const double* y, const Numbers8& t, double* rate);
+  /// Takes a state of a copy from the slots' own coordinates to those of the batch, and back.
+  virtual void to_batch(int lane, State&) const;
+  virtual void to_slots(int lane, State&) const;
+
+  /// d/dt of the states y at the times t. Returns true in the lanes whose rows could not be satisfied, or whose numbers
+  /// are not finite.
+  virtual Flags8 evaluate(const double* y, const Numbers8& t, double* rate) = 0;
+  /// Largest accelerations of a slot by the last evaluate(), m/s^2, rad/s^2; in joint coordinates only.
+  virtual double largest_a(std::size_t) const { return 0; }
+  virtual double largest_alpha(std::size_t) const { return 0; }
   /// From now on evaluate() sees the pivots, in mechanisms with loops.
-  void watch_pivots();
+  virtual void watch_pivots() {}
   bool watches() const { return watches_; }
   /// Of the last evaluate(): how many pivots are small, and the smallest of the others, relative to its diagonal.
-  double n_small(std::size_t lane) const { return pivots_[lane]; }
-  double smallest_pivot(std::size_t lane) const { return pivots_[kL + lane]; }
+  virtual double n_small(std::size_t) const { return 0; }
+  virtual double smallest_pivot(std::size_t) const { return 1; }
   /// Projects positions and velocities in the wanted lanes; quaternions are normalised in all.
-  void project(double* y, const Numbers8& t, const Flags8& wanted, std::array<Landing, kLanes>& landed);
+  virtual void project(double* y, const Numbers8& t, const Flags8& wanted, std::array<Landing, kLanes>& landed) = 0;
 
- private:
-  void fill_masses();
-  void fill_frames();
-  void fill_laws(const double* y, const Numbers8& t);
-  void fill_wrench(const double* y, const Numbers8& t);
-  void state_rates(const double* y, const Numbers8& t, double* rate);
+ protected:
+  /// n_q, n_v: numbers of a state.
+  Batch(std::span<System* const> systems, int first, std::size_t n_q, std::size_t n_v, const CopiesOptions&);
+
+  /// The inputs of one copy's laws; the motions are those that fill_wrench wrote.
   Inputs inputs(int lane, const double* y, double t);
-  int first_solution();
-  void see_pivots();
-  Flags8 check_rows(int corrections);
-  void gather_rows(const double* y, const Numbers8& t);
-  void solve_for(const double* c, const Flags8& wanted, bool fresh);
-  bool project_positions(double* y, const Numbers8& t, const Flags8& wanted, std::array<Landing, kLanes>&);
-  void project_velocities(double* y, const Flags8& wanted, bool factored);
-  void move(double* y);
+  /// The integrated states of a copy, by the last inputs().
+  const VecX& states_of(int lane) const { return states_[static_cast<std::size_t>(lane)]; }
+  /// Sets the forces of all copies, which are scalar code and applied copy by copy; nothing where there are none.
+  void fill_wrench(const double* y, const Numbers8& t);
+  /// The motion of a slot, as the present evaluation has it.
+  virtual void read_motion(int lane, int slot, Motion& out) const = 0;
+  /// Rates of the states of links.
+  void state_rates(const double* y, const Numbers8& t, double* rate);
 
   int n_ = 0, first_ = 0;
+  std::size_t n_q_, n_v_, n_s_;
   std::array<System*, kLanes> systems_{};
-  Stabilization stabilization_;
   Passes pass_;
-  Plan plan_;
-  bool has_laws_ = false, has_forces_ = false;
-  bool rows_moved_ = false;  // since the last factor
-  bool watches_ = false, floors_known_ = false;
-  Numbers z_;
-  Aligned<double> mass_, inverse_, gravity_, frames_, law_, body_, af_, a_, wrench_, J_, Y_, A_, x_, c_, scale_,
-      diagonal_, p_, E_, r_, C_, Ct_, Cd_, length_;
-  alignas(64) std::array<double, kLanes * 4> scratch_{};
-  alignas(64) Numbers8 unmet_{};
-  alignas(64) std::array<double, 3 * kLanes> floors_{};        // one pack per RowKind
-  alignas(64) std::array<double, 3 * kLanes> pivot_floors_{};  // one pack per RowKind
-  alignas(64) std::array<double, 2 * kLanes> pivots_{};        // n_small, smallest_pivot
+  bool watches_ = false, has_forces_ = false;
+  Aligned<double> wrench_;  // 6 packs a slot
+
+ private:
+  std::vector<int> stateful_;  // numbers of links in force with states of their own
   std::vector<Motion> motions_;
   std::array<VecX, kLanes> states_, memory_;
   VecX wrench_of_one_, rates_of_one_;
 };
+
+/// Writes a number, numbers or a matrix, row after row, of one copy.
+inline void put_number(Aligned<double>& to, std::size_t at, int lane, double value) {
+  to[kL * at + static_cast<std::size_t>(lane)] = value;
+}
+template <class M>
+void put_numbers(Aligned<double>& to, std::size_t at, int lane, const M& values) {
+  for (Eigen::Index i = 0; i < values.size(); ++i)
+    put_number(to, at + static_cast<std::size_t>(i), lane, values.data()[i]);
+}
+inline void put_matrix(Aligned<double>& to, std::size_t at, int lane, const Mat3& A) {
+  put_numbers(to, at, lane, Mat3(A.transpose()));
+}
 
 }  // namespace lockstep::lanes

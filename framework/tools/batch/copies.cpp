@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include <lockstep/error.h>
 #include <lockstep/registry.h>
 #include <lockstep/solvers.h>
-#include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/tools/batch/copy_run.h"
+#include "framework/tools/batch/row_batch.h"
+#include "framework/tools/batch/tree_batch.h"
 
 namespace lockstep {
 namespace {
@@ -68,6 +70,8 @@ void check(const CopiesOptions& o, const EmbeddedScheme* scheme) {
   if (!(o.tolerance.relative >= 0) || !(o.tolerance.atol_x >= 0) || !(o.tolerance.relative + o.tolerance.atol_x > 0))
     throw ModelError("copies: tolerances " + text::brief(o.tolerance.relative) + " and " +
                      text::brief(o.tolerance.atol_x) + "; give numbers that are not negative, one of them above zero");
+  if (o.formulation == Formulation::quaternion)
+    throw ModelError("copies: no lanes for the formulation quaternion; take automatic, joint or omega");
   if (o.stabilization.kind == Stabilization::Kind::baumgarte)
     throw ModelError("copies: no lanes for Baumgarte's stabilisation; take project or none");
   if (!(o.stabilization.tolerance > 0))
@@ -83,7 +87,9 @@ struct Copies::Work {
   Registry own;  // if none was given
   std::function<std::unique_ptr<Integrator>()> make_integrator;
   std::unique_ptr<Integrator> method;  // whose coefficients the lanes use
-  std::vector<std::unique_ptr<lanes::Batch>> batches;
+  Formulation formulation = Formulation::omega;           // joint or omega, of the runs,
+  std::vector<std::unique_ptr<lanes::Batch>> batches;     // of these
+  std::vector<std::unique_ptr<lanes::RowBatch>> by_rows;  // for rates and projections, made when they are asked for
   Aligned<double> y, rate;
 
   void check_states(std::span<const State> states) const {
@@ -92,6 +98,9 @@ struct Copies::Work {
                        " copies; give one each");
     for (std::size_t i = 0; i < states.size(); ++i) {
       systems[i]->check_size(states[i]);
+      if (states[i].coordinates)
+        throw ModelError("copies: the state of copy " + std::to_string(i) +
+                         " is in joint coordinates; convert it first (Dynamics::to_slots)");
       for (std::size_t k = 0; k < states[i].modes.size(); ++k)
         if (states[i].modes[k] != systems[i]->links()[k]->active_at_start())
           throw ModelError("copies: link '" + systems[i]->links()[k]->name() +
@@ -99,6 +108,22 @@ struct Copies::Work {
     }
   }
   std::size_t first(const lanes::Batch& batch) const { return static_cast<std::size_t>(batch.first()); }
+  /// make(systems, number of the first of them), for each eight of all.
+  template <class Make>
+  void in_eights(Make&& make) {
+    const std::span<System* const> all(systems);
+    for (std::size_t i = 0; i < all.size(); i += kLanes)
+      make(all.subspan(i, std::min<std::size_t>(kLanes, all.size() - i)), static_cast<int>(i));
+  }
+  std::span<const std::unique_ptr<lanes::RowBatch>> rows() {
+    if (!by_rows.empty()) return by_rows;
+    if (const std::string why = lanes::unsuited_rows(*systems[0]); !why.empty())
+      throw ModelError("copies: rates and projections are those of all rows, and " + why);
+    in_eights(
+        [&](auto some, int first) { by_rows.push_back(std::make_unique<lanes::RowBatch>(some, first, options)); });
+    y.assign(by_rows.front()->n_numbers(), 0.0), rate = y;
+    return by_rows;
+  }
   /// Loads the states of a batch into its array; returns their times.
   lanes::Numbers8 load(lanes::Batch& batch, std::span<const State> states) {
     lanes::Numbers8 t{};
@@ -112,9 +137,27 @@ struct Copies::Work {
   }
 };
 
-std::string Copies::unsuited(System& system) {
+namespace {
+
+// Why a mechanism has no lanes in these coordinates; "" if it has. `joint`: it has in joint coordinates.
+std::string unsuited(System& system, const CopiesOptions& options, bool& joint) {
+  joint = false;
   system.setup();
-  return lanes::unsuited(system);
+  if (std::string why = lanes::unsuited(system); !why.empty()) return why;
+  std::string why_no_tree;
+  System* one[] = {&system};
+  joint = !lanes::TreeBatch::trees_of(one, options, why_no_tree).empty();
+  if (joint) return "";
+  return options.formulation == Formulation::joint ? why_no_tree : lanes::unsuited_rows(system);
+}
+
+}  // namespace
+
+std::string Copies::unsuited(System& system, Formulation formulation) {
+  CopiesOptions options;
+  options.formulation = formulation;
+  bool joint = false;
+  return lockstep::unsuited(system, options, joint);
 }
 
 Copies::Copies(std::vector<System*> systems, CopiesOptions options) : work_(std::make_unique<Work>()) {
@@ -125,26 +168,35 @@ Copies::Copies(std::vector<System*> systems, CopiesOptions options) : work_(std:
   if (w.make_integrator) w.method = w.make_integrator();
   check(options, w.method ? w.method->scheme() : nullptr);
   if (systems.empty()) throw ModelError("copies: no mechanism was given; give at least one");
+  CopiesOptions taken = options;
+  if (!w.method->info().joint) {
+    if (options.formulation == Formulation::joint)
+      throw ModelError("copies: integrator \"" + options.integrator +
+                       "\" does not take joint coordinates; take the formulation automatic");
+    taken.formulation = Formulation::omega;
+  }
+  bool all_joint = true;
   for (std::size_t i = 0; i < systems.size(); ++i) {
     if (!systems[i]) throw ModelError("copies: copy " + std::to_string(i) + " is null; give a mechanism");
-    const std::string why = unsuited(*systems[i]);
+    bool joint = false;
+    const std::string why = lockstep::unsuited(*systems[i], taken, joint);
     if (!why.empty())
       throw ModelError("copies: this mechanism cannot run in lanes: " + why + "; run its copies one by one");
+    all_joint = all_joint && joint;
     const std::string differs = difference(*systems[0], *systems[i]);
     if (!differs.empty())
       throw ModelError("copies: copy " + std::to_string(i) + " is another mechanism than copy 0: it has " + differs +
                        "; copies have equal bodies and links");
   }
+  if (!all_joint) taken.formulation = Formulation::omega;
+  w.formulation = all_joint ? Formulation::joint : Formulation::omega;
   w.systems = std::move(systems), w.options = std::move(options);
-  const std::span<System* const> all(w.systems);
-  for (std::size_t i = 0; i < all.size(); i += kLanes)
-    w.batches.push_back(std::make_unique<lanes::Batch>(all.subspan(i, std::min<std::size_t>(kLanes, all.size() - i)),
-                                                       static_cast<int>(i), w.options));
-  w.y.assign(w.batches.front()->n_numbers(), 0.0), w.rate = w.y;
+  w.in_eights([&](auto some, int first) { w.batches.push_back(lanes::Batch::of(some, first, taken)); });
 }
 Copies::~Copies() = default;
 
 int Copies::size() const { return static_cast<int>(work_->systems.size()); }
+Formulation Copies::formulation() const { return work_->formulation; }
 const CopiesOptions& Copies::options() const { return work_->options; }
 
 std::vector<bool> Copies::rate(std::span<const State> states, std::span<StateRate> out) {
@@ -152,7 +204,7 @@ std::vector<bool> Copies::rate(std::span<const State> states, std::span<StateRat
   w.check_states(states);
   if (out.size() != states.size()) throw ModelError("copies: as many rates as states are wanted");
   std::vector<bool> met(states.size(), true);
-  for (const auto& batch : w.batches) {
+  for (const auto& batch : w.rows()) {
     const lanes::Numbers8 t = w.load(*batch, states);
     const lanes::Flags8 unmet = batch->evaluate(w.y.data(), t, w.rate.data());
     for (int l = 0; l < batch->size(); ++l) {
@@ -169,7 +221,7 @@ std::vector<bool> Copies::project(std::span<State> states) {
   Work& w = *work_;
   w.check_states(states);
   std::vector<bool> converged(states.size(), true);
-  for (const auto& batch : w.batches) {
+  for (const auto& batch : w.rows()) {
     const lanes::Numbers8 t = w.load(*batch, states);
     lanes::Flags8 wanted{};
     std::fill_n(wanted.begin(), batch->size(), true);
@@ -198,7 +250,7 @@ std::vector<CopyReport> Copies::run(std::span<const State> starts, std::span<con
   std::vector<CopyReport> reports(starts.size());
   if (times.empty()) return reports;
   const bool watches = w.method->info().passes_singular && w.options.stabilization.kind == Stabilization::Kind::project;
-  const lanes::RunTask task{w.options, *w.method->scheme(), watches, w.make_integrator, times, output};
+  const lanes::RunTask task{w.options, w.formulation, *w.method->scheme(), watches, w.make_integrator, times, output};
   for (const auto& batch : w.batches) {
     const auto n = static_cast<std::size_t>(batch->size());
     const auto states = starts.subspan(w.first(*batch), n);

@@ -44,12 +44,19 @@ void run_alone(System& system, int copy, State state, OutputSchedule schedule, d
   try {
     DynamicsOptions options;
     options.stabilization = task.options.stabilization;
+    options.formulation = task.formulation;
     Dynamics dynamics(system, std::make_unique<SchurSolver>(), options);
     const std::unique_ptr<Integrator> integrator = task.make_integrator();
     const bool fixed = task.scheme.error == nullptr;
     integrator->set_tolerance(task.options.tolerance);
+    dynamics.to_formulation(state);
     dynamics.accept(state);
     integrator->begin(dynamics, state);
+    const auto tell = [&] {
+      State told = state;
+      dynamics.to_slots(told);
+      task.output(copy, schedule.next() - 1, told);
+    };
     const double largest = task.options.max_step > 0 ? task.options.max_step : std::numeric_limits<double>::infinity();
     report.t = state.t;
     const double t_start = state.t;
@@ -58,7 +65,7 @@ void run_alone(System& system, int copy, State state, OutputSchedule schedule, d
       while (!schedule.done() && schedule.reach() <= state.t) {  // the start may be an output time
         bool output = false;
         state.t = schedule.arrive(output);
-        if (output) task.output(copy, schedule.next() - 1, state);
+        if (output) tell();
       }
       if (schedule.done()) break;
       if (h > 0 && !fixed) {
@@ -79,7 +86,7 @@ void run_alone(System& system, int copy, State state, OutputSchedule schedule, d
       if (!lands || step.h < asked) continue;
       bool output = false;
       report.t = state.t = schedule.arrive(output);
-      if (output) task.output(copy, schedule.next() - 1, state);
+      if (output) tell();
     }
   } catch (const Error& error) {
     report.finished = false;

@@ -8,14 +8,9 @@
 #include "framework/tools/batch/lane_blocks.h"
 #include "framework/tools/batch/lane_passes.h"
 #include "framework/tools/batch/lane_rows.h"
+#include "framework/tools/batch/lane_tree.h"
 
 namespace lockstep::lanes::LOCKSTEP_SET {
-
-LOCKSTEP_LANE V square_root(const V& a) {
-  V r{};
-  for (int l = 0; l < kWide; ++l) r[l] = std::sqrt(a[l]);
-  return r;
-}
 
 LOCKSTEP_LANE void see_bodies(const Plan& plan, const Numbers& z) {
   for (int k = 0; k < plan.n_slots; ++k) {
@@ -208,6 +203,10 @@ LOCKSTEP_PASS(combine,
 LOCKSTEP_PASS(factor_and_solve, (const Plan& plan, const Numbers& z), (plan, from(z, lane)))
 LOCKSTEP_PASS(solve, (const Plan& plan, const Numbers& z), (plan, from(z, lane)))
 LOCKSTEP_PASS(apply, (const Plan& plan, const Numbers& z), (plan, from(z, lane)))
+LOCKSTEP_PASS(outward, (const TreePlan& plan, const TreeNumbers& z), (plan, from(z, lane)))
+LOCKSTEP_PASS(accelerate_tree, (const TreePlan& plan, const TreeNumbers& z, double* rate),
+              (plan, from(z, lane), rate + lane))
+LOCKSTEP_TARGET void half_turns_pass(const TreePlan& plan, const TreeNumbers& z) { half_turns(plan, z); }
 
 Passes all_passes() {
   Passes out;
@@ -228,6 +227,9 @@ Passes all_passes() {
   out.factor_and_solve = factor_and_solve_pass;
   out.solve = solve_pass;
   out.apply = apply_pass;
+  out.half_turns = half_turns_pass;
+  out.outward = outward_pass;
+  out.accelerate_tree = accelerate_tree_pass;
   return out;
 }
 

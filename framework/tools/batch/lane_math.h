@@ -5,6 +5,8 @@
 // memory there are always eight lanes side by side; narrower packs make several rounds (lane_all.h).
 #pragma once
 
+#include <cmath>
+
 #include <lockstep/jet.h>
 #include <lockstep/vec.h>
 #include "framework/tools/batch/lane_plan.h"
@@ -20,6 +22,12 @@ LOCKSTEP_LANE V load(const double* p, std::size_t at) { return *reinterpret_cast
 LOCKSTEP_LANE void store(double* p, std::size_t at, const V& v) { *reinterpret_cast<V*>(p + kLanes * at) = v; }
 LOCKSTEP_LANE V size_of(const V& v) { return v < 0.0 ? -v : v; }
 LOCKSTEP_LANE V larger(const V& a, const V& b) { return a > b ? a : b; }
+
+LOCKSTEP_LANE V square_root(const V& a) {
+  V r{};
+  for (int l = 0; l < kWide; ++l) r[l] = std::sqrt(a[l]);
+  return r;
+}
 
 LOCKSTEP_LANE auto load3(const double* p, std::size_t at) {
   return vec::Vector{load(p, at), load(p, at + 1), load(p, at + 2)};

@@ -3,6 +3,7 @@
 
 #include <lockstep/batch.h>
 #include "framework/tools/batch/lane_numbers.h"
+#include "framework/tools/batch/tree_plan.h"
 
 namespace lockstep::lanes {
 
@@ -35,6 +36,12 @@ struct Passes {
   /// out = y + h sum_i w_i k_i over n packs, h a pack; y null: from zero.
   void (*combine)(std::size_t n, const double* y, const double* h, std::size_t n_k, const double* const* k,
                   const double* w, double* out) = nullptr;
+
+  // In joint coordinates.
+  void (*half_turns)(const TreePlan&, const TreeNumbers&) = nullptr;  ///< y -> cosine, sine
+  void (*outward)(const TreePlan&, const TreeNumbers&) = nullptr;     ///< y, laws -> moving, axes of the coordinates
+  /// rate = d/dt of q and v under gravity and the wrenches; largest accelerations.
+  void (*accelerate_tree)(const TreePlan&, const TreeNumbers&, double* rate) = nullptr;
 };
 
 /// Throws ModelError if the machine does not have these instructions.

@@ -60,6 +60,10 @@ std::string unsuited(const System& system) {
     if (system.left_out(*link) != 0)
       return "rows of link '" + link->name() + "' are left out, and lanes have all of them";
   if (system.held_down_to() > 0) return "rows hold that nearly depend on others, which lanes do not factor";
+  return "";
+}
+
+std::string unsuited_rows(const System& system) {
   const RowTable rows = rows_of(system);
   for (const RowEntry& e : rows.entries)
     if (const std::string why = unsuited_link(*system.links()[e.link]); !why.empty()) return why;

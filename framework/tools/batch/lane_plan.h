@@ -58,8 +58,10 @@ namespace law {
 inline constexpr std::size_t p = 0, pd = 3, pdd = 6, q = 9, A = 13, w = 22, a = 25, size = 28;
 }
 
-/// Why the mechanism cannot run in lanes; "" if it can. The system is set up.
+/// Why the mechanism cannot run in lanes whatever its coordinates; "" if it can. The system is set up.
 std::string unsuited(const System&);
+/// Why its rows have no lanes, for a mechanism that is suited; "" if they have.
+std::string unsuited_rows(const System&);
 Plan make_plan(const System&);
 
 }  // namespace lockstep::lanes

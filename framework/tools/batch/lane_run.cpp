@@ -13,8 +13,6 @@
 namespace lockstep::lanes {
 namespace {
 
-constexpr std::size_t kL = kLanes;
-
 // What SingularPassage asks of the stages of an attempt.
 struct Pivots {
   double fewest = HUGE_VAL, most = 0;  // small ones
@@ -69,6 +67,7 @@ class LaneRun {
 
  private:
   void begin(std::span<const State> starts);
+  void read(int lane, const double* y, double t, State& out) const;
   double first_step(int lane, const State&) const;
   void arrive(int lane);
   void choose_steps();
@@ -76,13 +75,15 @@ class LaneRun {
   Flags8 evaluate_stages();
   void combine_stages(const Weights&, const double* y, double* out);
   double error_of(int lane);
-  void estimate(Numbers8& error);
+  void estimate(Numbers8& error, Flags8& failed);
   void accept(int lane, double error);
   void reject(int lane, double factor);
   void leave(int lane);
+  void fail(int lane, const Error&);
+  void park(int lane);
   void see_pivots(bool first);
   bool near_singular(int lane);
-  double fastest_turn(int lane) const;
+  double fastest_turn(int lane);
 
   Batch& batch_;
   const RunTask& task_;
@@ -97,26 +98,30 @@ class LaneRun {
   std::vector<Aligned<double>> k_;
   alignas(64) Numbers8 t_{}, h_{};
   bool first_done_ = false;  // the first stage is evaluated: no lane has moved since
+  Numbers8 first_a_{}, first_alpha_{};  // largest accelerations there
   State state_, state_end_;  // scratch of one lane
   StateRate rate_, rate_error_;
   std::vector<Motion> motions_;
-  std::span<const State> starts_;
+  std::vector<State> starts_;  // in the coordinates of the batch
 };
 
 void LaneRun::begin(std::span<const State> starts) {
-  starts_ = starts;
-  state_ = state_end_ = starts[0];
-  rate_ = rate_error_ = sized_like(starts[0]);
   for (std::size_t l = 0; l < kL; ++l) {
     const bool used = l < starts.size();
-    const State& start = starts[used ? l : 0];
     const int lane = static_cast<int>(l);
+    State& start = starts_.emplace_back(starts[used ? l : 0]);
+    batch_.to_batch(lane, start);
     batch_.put(lane, start, y_.data());
     batch_.remember(lane, start.z);
     t_[l] = start.t;
-    lanes_[l].going = used;
-    if (!used) continue;
+  }
+  state_ = state_end_ = starts_[0];
+  rate_ = rate_error_ = sized_like(starts_[0]);
+  for (std::size_t l = 0; l < starts.size(); ++l) {
+    const int lane = static_cast<int>(l);
+    const State& start = starts_[l];
     Lane& the = lanes_[l];
+    the.going = true;
     the.schedule.begin(batch_.system(lane), start.t, task_.times);
     the.norm.set(task_.options.tolerance);
     the.norm.set_states(batch_.system(lane).n_error_controlled_states());
@@ -128,9 +133,18 @@ void LaneRun::begin(std::span<const State> starts) {
   }
 }
 
+// The state of a copy in an array, at time t.
+void LaneRun::read(int lane, const double* y, double t, State& out) const {
+  const auto l = static_cast<std::size_t>(lane);
+  batch_.get(lane, y, out);
+  out.t = t, out.z = batch_.memory(lane);
+  out.coordinates = starts_[l].coordinates;
+}
+
 double LaneRun::first_step(int lane, const State& start) const {
   DynamicsOptions options;
   options.stabilization = task_.options.stabilization;
+  options.formulation = task_.formulation;
   Dynamics dynamics(batch_.system(lane), std::make_unique<SchurSolver>(), options);
   ErrorNorm norm = lanes_[static_cast<std::size_t>(lane)].norm;
   StateRate f0 = sized_like(start), f1 = f0;
@@ -138,7 +152,11 @@ double LaneRun::first_step(int lane, const State& start) const {
   double largest = lanes_[static_cast<std::size_t>(lane)].schedule.reach() - start.t;
   if (task_.options.max_step > 0) largest = std::min(largest, task_.options.max_step);
   try {
-    return guess_first_step(dynamics, start, tableau_.order, largest, norm, f0, f1, y1);
+    State y0 = start;
+    batch_.to_slots(lane, y0);
+    dynamics.to_formulation(y0);  // coordinates of its own
+    y1 = y0;
+    return guess_first_step(dynamics, y0, tableau_.order, largest, norm, f0, f1, y1);
   } catch (const Error&) {
     return largest;  // the run will hit and report the error
   }
@@ -151,10 +169,14 @@ void LaneRun::arrive(int lane) {
   t_[static_cast<std::size_t>(lane)] = the.schedule.arrive(output);
   reports_[static_cast<std::size_t>(lane)].t = t_[static_cast<std::size_t>(lane)];
   if (output) {
-    batch_.get(lane, y_.data(), state_);
-    state_.t = t_[static_cast<std::size_t>(lane)];
-    state_.z = batch_.memory(lane);
-    task_.output(batch_.first() + lane, the.schedule.next() - 1, state_);
+    State told = state_;
+    read(lane, y_.data(), t_[static_cast<std::size_t>(lane)], told);
+    try {
+      batch_.to_slots(lane, told);
+    } catch (const Error& error) {
+      return fail(lane, error);
+    }
+    task_.output(batch_.first() + lane, the.schedule.next() - 1, told);
   }
   the.going = !the.schedule.done();
 }
@@ -175,7 +197,7 @@ void LaneRun::choose_steps() {
 void LaneRun::combine_stages(const Weights& w, const double* y, double* out) {
   std::array<const double*, Weights::kMost> k{};
   for (std::size_t i = 0; i < w.n; ++i) k[i] = k_[w.stage[i]].data();
-  batch_.passes().combine(batch_.plan().n(), y, h_.data(), w.n, k.data(), w.w.data(), out);
+  batch_.passes().combine(batch_.n(), y, h_.data(), w.n, k.data(), w.w.data(), out);
 }
 
 // True in lanes where an evaluation failed.
@@ -189,6 +211,8 @@ Flags8 LaneRun::evaluate_stages() {
     const Flags8 unmet = batch_.evaluate(i > 0 ? stage_.data() : y_.data(), t, k_[static_cast<std::size_t>(i)].data());
     for (std::size_t l = 0; l < kL; ++l) failed[l] = failed[l] || unmet[l];
     if (batch_.watches()) see_pivots(i == 0);
+    for (std::size_t l = 0; i == 0 && l < kL; ++l)
+      first_a_[l] = batch_.largest_a(l), first_alpha_[l] = batch_.largest_alpha(l);
   }
   first_done_ = true;
   return failed;
@@ -211,12 +235,10 @@ bool LaneRun::near_singular(int lane) {
 }
 
 // Angular velocity of the body of a copy that turns fastest, rad/s.
-double LaneRun::fastest_turn(int lane) const {
+double LaneRun::fastest_turn(int lane) {
+  read(lane, y_.data(), t_[static_cast<std::size_t>(lane)], state_);
   double w2 = 0;
-  for (int k = 0; k < batch_.plan().n_slots; ++k) {
-    const double* w = y_.data() + kL * (batch_.plan().v_at() + 6 * static_cast<std::size_t>(k) + 3) + lane;
-    w2 = std::max(w2, w[0] * w[0] + w[kL] * w[kL] + w[2 * kL] * w[2 * kL]);
-  }
+  for (int k = 0; k < batch_.system(lane).n_slots(); ++k) w2 = std::max(w2, state_.slot_twist(k).w.squaredNorm());
   return std::sqrt(w2);
 }
 
@@ -225,23 +247,29 @@ double LaneRun::error_of(int lane) {
   return lanes_[static_cast<std::size_t>(lane)].norm.of(rate_error_, state_end_);
 }
 
-// EmbeddedRungeKutta::estimate for eight copies.
-void LaneRun::estimate(Numbers8& error) {
+// EmbeddedRungeKutta::estimate for eight copies. Lanes in which a law fails at the end of the step have failed.
+void LaneRun::estimate(Numbers8& error, Flags8& failed) {
   error.fill(0);
   if (fixed_) return;
   Numbers8 e3{};
   const auto each = [&](const Weights& w, bool scale, Numbers8& out) {
     combine_stages(w, nullptr, error_.data());
     for (int l = 0; l < batch_.size(); ++l) {
-      Lane& the = lanes_[static_cast<std::size_t>(l)];
-      if (!the.going) continue;
-      batch_.get(l, end_.data(), state_end_);
-      if (scale) {
-        batch_.get(l, y_.data(), state_);
-        batch_.get(l, k_[0].data(), rate_);
-        the.norm.scale(state_, rate_, h_[static_cast<std::size_t>(l)], state_end_);
+      const auto i = static_cast<std::size_t>(l);
+      Lane& the = lanes_[i];
+      if (!the.going || failed[i]) continue;
+      try {
+        read(l, end_.data(), t_[i] + h_[i], state_end_);
+        if (scale) {
+          read(l, y_.data(), t_[i], state_);
+          batch_.get(l, k_[0].data(), rate_);
+          rate_.largest_a = first_a_[i], rate_.largest_alpha = first_alpha_[i];
+          the.norm.scale(state_, rate_, h_[i], state_end_);
+        }
+        out[i] = error_of(l);
+      } catch (const Error&) {
+        failed[i] = true;
       }
-      out[static_cast<std::size_t>(l)] = error_of(l);
     }
   };
   each(error_w_, true, error);
@@ -251,10 +279,10 @@ void LaneRun::estimate(Numbers8& error) {
 }
 
 void LaneRun::attempt() {
-  const Flags8 failed = evaluate_stages();
+  Flags8 failed = evaluate_stages();
   combine_stages(b_, y_.data(), end_.data());
   Numbers8 error{};
-  estimate(error);
+  estimate(error, failed);
   Flags8 wanted{};
   for (std::size_t l = 0; l < kL; ++l) wanted[l] = lanes_[l].going && !failed[l] && error[l] <= 1;
   Numbers8 t1 = t_;
@@ -295,8 +323,7 @@ void LaneRun::accept(int lane, double error) {
   the.rejected = false;
   System& system = batch_.system(lane);
   if (system.n_memory() > 0) {
-    batch_.get(lane, y_.data(), state_);
-    state_.t = t_[l], state_.z = batch_.memory(lane);
+    read(lane, y_.data(), t_[l], state_);
     system.motions(state_, motions_);
     Inputs in;
     in.t = state_.t, in.motions = motions_;
@@ -317,20 +344,36 @@ void LaneRun::reject(int lane, double factor) {
   if (fixed_ || step_vanished(t_[l], lanes_[l].advised, lanes_[l].asked)) leave(lane);
 }
 
+// The run of a copy goes on outside of the lanes.
 void LaneRun::leave(int lane) {
   const auto l = static_cast<std::size_t>(lane);
-  Lane& the = lanes_[l];
-  the.going = false;
   State state = state_;
-  batch_.get(lane, y_.data(), state);
-  state.t = t_[l], state.z = batch_.memory(lane);
+  read(lane, y_.data(), t_[l], state);
+  const double h = fixed_ ? task_.options.step : h_[l];
   reports_[l].alone = true;
-  batch_.put(lane, starts_[l], y_.data());  // a state at which the lane can be evaluated
+  park(lane);
+  try {
+    batch_.to_slots(lane, state);
+  } catch (const Error& error) {
+    return fail(lane, error);
+  }
+  run_alone(batch_.system(lane), batch_.first() + lane, std::move(state), lanes_[l].schedule, h, task_, reports_[l]);
+}
+
+void LaneRun::fail(int lane, const Error& error) {
+  park(lane);
+  reports_[static_cast<std::size_t>(lane)].finished = false;
+  reports_[static_cast<std::size_t>(lane)].error = error.what();
+}
+
+// Ends stepping in a lane, which stays at a state at which it can be evaluated.
+void LaneRun::park(int lane) {
+  const auto l = static_cast<std::size_t>(lane);
+  lanes_[l].going = false;
+  batch_.put(lane, starts_[l], y_.data());
   batch_.remember(lane, starts_[l].z);
   t_[l] = starts_[l].t;
   first_done_ = false;
-  const double h = fixed_ ? task_.options.step : h_[l];
-  run_alone(batch_.system(lane), batch_.first() + lane, std::move(state), the.schedule, h, task_, reports_[l]);
 }
 
 }  // namespace

@@ -29,8 +29,7 @@ std::string unsuited(const RunSettings& run) {
   if ((method != "dop853" && method != "dopri5") || has_keys(run.integrator))
     return "lanes are there for dop853 and dopri5 without keys";
   if (run.solver.type != "schur" || has_keys(run.solver)) return "lanes have the solver schur without keys";
-  if (run.formulation != Formulation::omega && run.formulation != Formulation::automatic)
-    return "lanes have the formulation omega";
+  if (run.formulation == Formulation::quaternion) return "lanes have the formulations joint and omega";
   if (run.stabilization.kind == Stabilization::Kind::baumgarte) return "lanes have no Baumgarte stabilisation";
   if (run.nearly_redundant != NearlyRedundant::told)
     return "lanes have all rows of their links: \"nearly_redundant\" is \"told\" in them";
@@ -45,14 +44,14 @@ std::string unsuited(Mechanism& m) {
         make_channel(m.system, request.channel).track)
       return "column \"" + request.channel + "\" looks at every step";
   }
-  return Copies::unsuited(m.system);
+  return Copies::unsuited(m.system, m.run.formulation);
 }
 
 bool alike(const RunSettings& a, const RunSettings& b) {
   return a.integrator.type == b.integrator.type && a.until == b.until && a.step == b.step && a.output == b.output &&
          a.times == b.times && a.tolerance.relative == b.tolerance.relative &&
          a.tolerance.atol_x == b.tolerance.atol_x && a.stabilization.kind == b.stabilization.kind &&
-         a.stabilization.tolerance == b.stabilization.tolerance;
+         a.stabilization.tolerance == b.stabilization.tolerance && a.formulation == b.formulation;
 }
 
 // The output times of a run.
@@ -89,6 +88,7 @@ CopiesOptions options_of(const RunSettings& run, const Registry& registry) {
   options.registry = &registry;
   options.integrator = run.integrator.type, options.tolerance = run.tolerance;
   options.max_step = run.step, options.stabilization = run.stabilization;
+  options.formulation = run.formulation;
   return options;
 }
 

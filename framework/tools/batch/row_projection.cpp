@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "framework/dynamics/evaluate/projection_rule.h"
-#include "framework/tools/batch/batch.h"
+#include "framework/tools/batch/row_batch.h"
 
 namespace lockstep::lanes {
 namespace {
@@ -24,7 +24,7 @@ Numbers8 largest(const double* y, std::size_t first, std::size_t stride, std::si
 
 }  // namespace
 
-void Batch::gather_rows(const double* y, const Numbers8& t) {
+void RowBatch::gather_rows(const double* y, const Numbers8& t) {
   z_.y = y;
   pass_.see_bodies(plan_, z_);
   fill_laws(y, t);
@@ -34,7 +34,7 @@ void Batch::gather_rows(const double* y, const Numbers8& t) {
 
 // M d + J^T z = 0, J d = -c in the wanted lanes, d = 0 in the others; `fresh`: factors first. The stop rule applies
 // unless the rows are newer than the factor: then the caller iterates.
-void Batch::solve_for(const double* c, const Flags8& wanted, bool fresh) {
+void RowBatch::solve_for(const double* c, const Flags8& wanted, bool fresh) {
   for (std::size_t i = 0; i < plan_.size_x; ++i)
     for (std::size_t l = 0; l < kL; ++l) {
       const double x = wanted[l] ? c[kL * i + l] : 0.0;
@@ -55,7 +55,7 @@ void Batch::solve_for(const double* c, const Flags8& wanted, bool fresh) {
 }
 
 // x += d, e <- e exp(d): (1.12).
-void Batch::move(double* y) {
+void RowBatch::move(double* y) {
   for (std::size_t k = 0; k < static_cast<std::size_t>(plan_.n_slots); ++k)
     for (std::size_t l = 0; l < kL; ++l) {
       double* q = y + kL * 7 * k + l;
@@ -67,7 +67,7 @@ void Batch::move(double* y) {
     }
 }
 
-void Batch::project(double* y, const Numbers8& t, const Flags8& wanted, std::array<Landing, kLanes>& landed) {
+void RowBatch::project(double* y, const Numbers8& t, const Flags8& wanted, std::array<Landing, kLanes>& landed) {
   landed.fill({});
   z_.y = y;
   pass_.see_bodies(plan_, z_);
@@ -85,7 +85,8 @@ void Batch::project(double* y, const Numbers8& t, const Flags8& wanted, std::arr
 }
 
 // True if the last factor can be used for the velocities.
-bool Batch::project_positions(double* y, const Numbers8& t, const Flags8& wanted, std::array<Landing, kLanes>& landed) {
+bool RowBatch::project_positions(double* y, const Numbers8& t, const Flags8& wanted,
+                                 std::array<Landing, kLanes>& landed) {
   const Numbers8 x_max = largest(y, 0, 7, 3, plan_.n_slots);
   const double tolerance = stabilization_.tolerance;
   std::array<PositionRounds, kLanes> rounds;
@@ -109,7 +110,7 @@ bool Batch::project_positions(double* y, const Numbers8& t, const Flags8& wanted
   }
 }
 
-void Batch::project_velocities(double* y, const Flags8& wanted, bool factored) {
+void RowBatch::project_velocities(double* y, const Flags8& wanted, bool factored) {
   double* v = y + kL * plan_.v_at();
   const Numbers8 v_max = largest(v, 0, 6, 6, plan_.n_slots);
   for (int round = 0; round < kVelocityRounds; ++round) {

@@ -1,0 +1,18 @@
+// Rows of closures of a tree that moves in a plane: those normal to the plane, which its joints meet at all times.
+#pragma once
+
+#include <lockstep/rows.h>
+#include <lockstep/system.h>
+#include "framework/dynamics/tree/joint_tree.h"
+
+namespace lockstep {
+
+/// Whether rows of a link may have a part that time alone changes.
+bool may_have_laws(const Lock&);
+
+/// Leaves the rows that are normal to the plane of a tree out of the table of its closures. False, and the table as it
+/// was, where a link does not say that it stays in the plane, where a row is neither in it nor normal to it in the poses
+/// that are tried, or where a law may ask for a motion out of it.
+bool leave_out_normal_rows(const JointTree&, const System&, RowTable&);
+
+}  // namespace lockstep

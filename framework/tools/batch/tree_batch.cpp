@@ -1,0 +1,172 @@
+#include "framework/tools/batch/tree_batch.h"
+
+#include <cmath>
+
+#include <lockstep/body.h>
+#include <lockstep/error.h>
+#include <lockstep/lock.h>
+#include "framework/dynamics/evaluate/slot_coordinates.h"
+#include "framework/dynamics/tree/tree_motion.h"
+
+namespace lockstep::lanes {
+namespace {
+
+// Why a tree has no lanes; "" if it has.
+std::string why_no_lanes(const JointTree& tree, const System& system) {
+  const auto link = [&](int number) {
+    return "link '" + system.links()[static_cast<std::size_t>(number)]->name() + "' ";
+  };
+  if (!tree.closures().empty()) return link(tree.closures().front()) + "closes a loop";
+  for (const TreeNode& n : tree.nodes())
+    if (n.moving) return link(n.link) + "has a marker that moves on its body";
+  return "";
+}
+
+bool are_alike(const JointTree& a, const JointTree& b) {
+  return std::ranges::equal(a.nodes(), b.nodes(), [](const TreeNode& x, const TreeNode& y) {
+    return x.slot == y.slot && x.parent == y.parent && x.link == y.link && x.n_slides == y.n_slides &&
+           x.turn == y.turn && x.reversed == y.reversed && !x.imposed == !y.imposed;
+  });
+}
+
+// xx xy xz yy yz zz
+Eigen::Matrix<double, 6, 1> packed(const Mat3& J) { return {J(0, 0), J(0, 1), J(0, 2), J(1, 1), J(1, 2), J(2, 2)}; }
+
+}  // namespace
+
+TreeBatch::Trees TreeBatch::trees_of(std::span<System* const> systems, const CopiesOptions& options,
+                                     std::string& why_not) {
+  Trees trees;
+  if (options.formulation == Formulation::omega) return trees;
+  for (const System* system : systems) {
+    auto tree = JointTree::of(*system, system->start().modes, why_not);
+    if (tree) why_not = why_no_lanes(*tree, *system);
+    if (why_not.empty() && !trees.empty() && !are_alike(*trees.front(), *tree))
+      why_not = "the joints of two copies are not laid out alike";
+    if (!why_not.empty()) return {};
+    trees.push_back(std::move(tree));
+  }
+  return trees;
+}
+
+TreeBatch::TreeBatch(std::span<System* const> systems, int first, Trees trees, const CopiesOptions& options)
+    : Batch(systems, first, static_cast<std::size_t>(trees.front()->n_q()),
+            static_cast<std::size_t>(trees.front()->n_v()), options),
+      trees_(std::move(trees)),
+      plan_(make_plan(*trees_.front())) {
+  while (trees_.size() < kL) trees_.push_back(trees_.front());
+  const std::size_t n = plan_.nodes.size();
+  const auto size = [](Aligned<double>& v, std::size_t packs) { return v.assign(kL * packs, 0.0), v.data(); };
+  z_.gravity = size(gravity_, 3), z_.joint = size(joint_, joint::size * n), z_.more = size(more_, plan_.size_more);
+  z_.law = size(law_, plan_.size_law), z_.half = size(half_, n), z_.cosine = size(cosine_, n), z_.sine = size(sine_, n);
+  z_.moving = size(moving_, moving::size * (n + 1)), z_.dof = size(dof_, dof::size * plan_.n_v);
+  z_.waiting = size(waiting_, articulated::size * plan_.n_waiting), z_.largest = size(largest_, 2);
+  if (has_forces_) z_.wrench = wrench_.data();
+  node_of_.resize(n);
+  for (std::size_t k = 0; k < n; ++k) node_of_[static_cast<std::size_t>(plan_.nodes[k].slot)] = k;
+  fill_joints();
+}
+
+void TreeBatch::fill_joints() {
+  for (int l = 0; l < kLanes; ++l) {
+    put_numbers(gravity_, 0, l, system(l).gravity());
+    put_number(moving_, moving::e, l, 1.0);
+    put_matrix(moving_, moving::A, l, Mat3::Identity());
+    for (std::size_t k = 0; k < plan_.nodes.size(); ++k) {
+      const LaneNode& n = plan_.nodes[k];
+      const TreeNode& t = tree(l).nodes()[k];
+      const Slot& slot = system(l).slot(t.slot);
+      put_numbers(joint_, n.joint + joint::near, l, t.near_u), put_numbers(joint_, n.joint + joint::far, l, t.far_u);
+      put_numbers(joint_, n.joint + joint::K0, l, t.K0.coefficients());
+      put_numbers(joint_, n.joint + joint::K1, l, t.K1.coefficients());
+      put_numbers(joint_, n.joint + joint::axis, l, t.axis);
+      put_number(joint_, n.joint + joint::m, l, slot.mass);
+      put_numbers(joint_, n.joint + joint::J, l, packed(slot.J));
+      if (n.n_slides == 0 && n.turn != TreeTurn::ball && !n.has_law) continue;
+      for (std::size_t i = 0; i < 3; ++i) put_numbers(more_, n.more + more::slide + 3 * i, l, t.slide[i]);
+      put_matrix(more_, n.more + more::ball, l, t.ball);
+      put_numbers(more_, n.more + more::near_q, l, t.near_q.coefficients());
+      put_numbers(more_, n.more + more::far_q, l, t.far_q.coefficients());
+      put_numbers(more_, n.more + more::hinge, l, t.hinge);
+    }
+  }
+}
+
+void TreeBatch::to_batch(int lane, State& state) const {
+  State out;
+  tree(lane).read_off(state, nullptr, out);
+  out.coordinates = trees_[static_cast<std::size_t>(lane)];
+  state = std::move(out);
+}
+
+void TreeBatch::to_slots(int lane, State& state) const { to_slot_coordinates(system(lane), state); }
+
+void TreeBatch::read_motion(int lane, int slot, Motion& O) const {
+  const std::size_t at = moving::size * (node_of_[static_cast<std::size_t>(slot)] + 1);
+  const double* b = moving_.data() + kL * at + static_cast<std::size_t>(lane);
+  const auto number = [&](std::size_t i) { return b[kL * i]; };
+  Vec3 w;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto r = static_cast<Eigen::Index>(i);
+    O.x[r] = number(moving::x + i), O.v[r] = number(moving::v + i), w[r] = number(moving::w + i);
+    for (std::size_t j = 0; j < 3; ++j) O.A(r, static_cast<Eigen::Index>(j)) = number(moving::A + 3 * i + j);
+  }
+  O.e = {number(moving::e), number(moving::e + 1), number(moving::e + 2), number(moving::e + 3)};
+  O.w = O.A.transpose() * w;
+}
+
+// Returns true in the lanes whose laws fail; alone they are told by name.
+Flags8 TreeBatch::fill_laws(const double* y, const Numbers8& t) {
+  Flags8 failed{};
+  if (plan_.size_law == 0) return failed;
+  for (int l = 0; l < kLanes; ++l) {
+    const auto lane = static_cast<std::size_t>(l);
+    inputs(l, y, t[lane]);
+    for (std::size_t k = 0; k < plan_.nodes.size(); ++k) {
+      const LaneNode& n = plan_.nodes[k];
+      if (!n.has_law) continue;
+      Imposed now;
+      try {
+        laws_at(tree(l).nodes()[k], t[lane], states_of(l), now);
+      } catch (const Error&) {
+        failed[lane] = true;
+        continue;  // with the numbers of before
+      }
+      put_numbers(law_, n.law + imposed::p, l, now.p), put_numbers(law_, n.law + imposed::pd, l, now.pd);
+      put_numbers(law_, n.law + imposed::pdd, l, now.pdd), put_numbers(law_, n.law + imposed::w, l, now.w);
+      put_numbers(law_, n.law + imposed::a, l, now.a), put_numbers(law_, n.law + imposed::axis, l, now.axis);
+      put_numbers(law_, n.law + imposed::q, l, now.q.coefficients());
+    }
+  }
+  return failed;
+}
+
+Flags8 TreeBatch::evaluate(const double* y, const Numbers8& t, double* rate) {
+  z_.y = y;
+  Flags8 failed = fill_laws(y, t);
+  passes().half_turns(plan_, z_);
+  passes().outward(plan_, z_);
+  fill_wrench(y, t);
+  passes().accelerate_tree(plan_, z_, rate);
+  state_rates(y, t, rate);
+  for (std::size_t l = 0; l < kL; ++l) failed[l] = failed[l] || !std::isfinite(largest_[l] + largest_[kL + l]);
+  return failed;
+}
+
+double TreeBatch::largest_a(std::size_t lane) const { return std::sqrt(largest_[lane]); }
+double TreeBatch::largest_alpha(std::size_t lane) const { return std::sqrt(largest_[kL + lane]); }
+
+// Nothing drifts; the quaternions of balls are scaled to length one.
+void TreeBatch::project(double* y, const Numbers8&, const Flags8&, std::array<Landing, kLanes>& landed) {
+  landed.fill({});
+  for (const LaneNode& n : plan_.nodes) {
+    if (n.turn != TreeTurn::ball) continue;
+    for (std::size_t l = 0; l < kL; ++l) {
+      double* e = y + kL * (n.q + static_cast<std::size_t>(n.n_slides)) + l;
+      const double unit = 1.0 / std::sqrt(e[0] * e[0] + e[kL] * e[kL] + e[2 * kL] * e[2 * kL] + e[3 * kL] * e[3 * kL]);
+      for (std::size_t i = 0; i < 4; ++i) e[kL * i] *= unit;
+    }
+  }
+}
+
+}  // namespace lockstep::lanes

@@ -1,0 +1,38 @@
+// TreeBatch: copies of a tree in joint coordinates, without a row. Private to the room.
+#pragma once
+
+#include "framework/dynamics/tree/joint_tree.h"
+#include "framework/tools/batch/batch.h"
+
+namespace lockstep::lanes {
+
+class LOCKSTEP_API TreeBatch final : public Batch {
+ public:
+  using Trees = std::vector<std::shared_ptr<const JointTree>>;
+  /// The trees of copies, one each; none where a copy has none that runs in lanes, `why_not` then says what stands in the
+  /// way, by name. The systems are set up, and suited.
+  static Trees trees_of(std::span<System* const> systems, const CopiesOptions&, std::string& why_not);
+
+  TreeBatch(std::span<System* const> systems, int first, Trees trees, const CopiesOptions&);
+
+  void to_batch(int lane, State&) const override;
+  void to_slots(int lane, State&) const override;
+  Flags8 evaluate(const double* y, const Numbers8& t, double* rate) override;
+  double largest_a(std::size_t lane) const override;
+  double largest_alpha(std::size_t lane) const override;
+  void project(double* y, const Numbers8& t, const Flags8& wanted, std::array<Landing, kLanes>& landed) override;
+
+ private:
+  const JointTree& tree(int lane) const { return *trees_[static_cast<std::size_t>(lane)]; }
+  void read_motion(int lane, int slot, Motion& out) const override;
+  void fill_joints();
+  Flags8 fill_laws(const double* y, const Numbers8& t);
+
+  Trees trees_;  // of each lane
+  TreePlan plan_;
+  std::vector<std::size_t> node_of_;  // of each slot
+  TreeNumbers z_;
+  Aligned<double> gravity_, joint_, more_, law_, half_, cosine_, sine_, moving_, dof_, waiting_, largest_;
+};
+
+}  // namespace lockstep::lanes

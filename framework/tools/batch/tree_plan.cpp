@@ -1,0 +1,35 @@
+#include "framework/tools/batch/tree_plan.h"
+
+namespace lockstep::lanes {
+
+TreePlan make_plan(const JointTree& tree) {
+  TreePlan plan;
+  plan.n_q = static_cast<std::size_t>(tree.n_q()), plan.n_v = static_cast<std::size_t>(tree.n_v());
+  for (const TreeNode& t : tree.nodes()) {
+    LaneNode n;
+    n.parent = t.parent, n.slot = t.slot;
+    n.q = static_cast<std::size_t>(t.first_q), n.v = static_cast<std::size_t>(t.first_v);
+    n.n_slides = t.n_slides, n.turn = t.turn, n.reversed = t.reversed, n.has_law = t.imposed != nullptr;
+    n.joint = joint::size * plan.nodes.size();
+    if (n.n_slides > 0 || n.turn == TreeTurn::ball || n.has_law) n.more = plan.size_more, plan.size_more += more::size;
+    if (n.has_law) n.law = plan.size_law, plan.size_law += imposed::size;
+    plan.nodes.push_back(n);
+  }
+  const auto n = static_cast<int>(plan.nodes.size());
+  const auto node = [&](int k) -> LaneNode& { return plan.nodes[static_cast<std::size_t>(k)]; };
+  for (int k = n; k-- > 0;) {
+    LaneNode& b = node(k);
+    if (b.parent < 0) continue;
+    LaneNode& p = node(b.parent);
+    if (b.parent + 1 == k) {
+      b.to = LaneNode::kNext, p.from_next = true;
+      continue;
+    }
+    b.first = p.own < 0;
+    if (b.first) p.own = static_cast<int>(plan.n_waiting++);
+    b.to = p.own;
+  }
+  return plan;
+}
+
+}  // namespace lockstep::lanes

@@ -1,0 +1,78 @@
+// TreePlan: the tree of a batch in joint coordinates, and where the packs of each node are. Private to the room.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "framework/dynamics/tree/joint_tree.h"
+#include "framework/tools/batch/lane_plan.h"
+
+namespace lockstep::lanes {
+
+/// A node of the tree: what is equal in all copies.
+struct LaneNode {
+  int parent = -1, slot = 0;  ///< as those of the TreeNode
+  std::size_t q = 0, v = 0;   ///< where its coordinates and velocities begin, among those of a state
+  int n_slides = 0;           ///< as those of the TreeNode
+  TreeTurn turn = TreeTurn::none;
+  bool reversed = false;
+  std::size_t joint = 0, more = 0, law = 0;  ///< packs of its joint; of what only some joints have; of its laws
+  bool has_law = false;
+  /// Inward, a node takes over from the one that comes after it if that is its child; what other children pass on waits.
+  bool from_next = false;
+  int own = -1,        ///< where that waits, -1: nowhere
+      to = -1;         ///< where what it passes on waits, -1: nowhere; kNext: nowhere, the next takes it
+  bool first = false;  ///< it is the first that waits there
+  static constexpr int kNext = -2;
+
+  int n_v() const { return n_slides + (turn == TreeTurn::none ? 0 : turn == TreeTurn::hinge ? 1 : 3); }
+};
+
+struct TreePlan {
+  std::vector<LaneNode> nodes;  ///< parents before their children
+  std::size_t n_q = 0, n_v = 0;
+  std::size_t size_more = 0, size_law = 0;
+  std::size_t n_waiting = 0;
+};
+
+/// Packs of a joint: markers' origins | e = e_p (c K0 + s K1) | axis of a hinge | mass | inertia xx xy xz yy yz zz.
+namespace joint {
+inline constexpr std::size_t near = 0, far = 3, K0 = 6, K1 = 10, axis = 14, m = 17, J = 18, size = 24;
+}
+/// Directions of translations | axes of a ball, row after row | axes of near and far, and of a hinge among those of D.
+namespace more {
+inline constexpr std::size_t slide = 0, ball = 9, near_q = 18, far_q = 22, hinge = 26, size = 29;
+}
+/// Laws: Imposed.
+namespace imposed {
+inline constexpr std::size_t p = 0, pd = 3, pdd = 6, w = 9, a = 12, axis = 15, q = 18, size = 22;
+}
+/// Of a slot, world axes: e | A, row after row | w | x | v | r, ca, cal: a = a_p + al_p x r + ca, al = al_p + cal | a | al.
+namespace moving {
+inline constexpr std::size_t e = 0, A = 4, w = 13, x = 16, v = 19, r = 22, ca = 25, cal = 28, a = 31, al = 34,
+                             size = 37;
+}
+/// Of a velocity: motion (l, n) of the slot per unit | U = IA (l, n) | u | 1 / D.
+namespace dof {
+inline constexpr std::size_t l = 0, n = 3, Uf = 6, Ut = 9, u = 12, D_1 = 13, size = 14;
+}
+/// An articulated inertia, force = M a + H al + f, moment = H' a + I al + t: M, I as J above | H, column after column.
+namespace articulated {
+inline constexpr std::size_t M = 0, I = 6, H = 12, f = 21, t = 24, size = 27;
+}
+
+/// The arrays of a batch in joint coordinates, in packs of eight.
+struct TreeNumbers {
+  const double* y = nullptr;        ///< state: q, v, s
+  const double* gravity = nullptr;  ///< 3
+  const double* wrench = nullptr;   ///< of the forces: 6 per slot; null: there are none
+  const double *joint = nullptr, *more = nullptr, *law = nullptr;
+  double *half = nullptr, *cosine = nullptr, *sine = nullptr;    ///< of half the angle of each node
+  double *moving = nullptr, *dof = nullptr, *waiting = nullptr;  ///< the ground first | per velocity | inertias
+  double* largest = nullptr;                                     ///< |a|^2, |al|^2 of the slot that has most
+};
+
+/// The plan of copies of one tree. `trees`: one of each copy, of equal shape.
+TreePlan make_plan(const JointTree&);
+
+}  // namespace lockstep::lanes

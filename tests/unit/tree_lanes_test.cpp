@@ -1,0 +1,160 @@
+// Copies in joint coordinates, one per lane, against the recursion of each mechanism alone.
+#include "framework/tools/batch/tree_batch.h"
+
+#include <lockstep/forces.h>
+#include <lockstep/laws.h>
+#include <lockstep/stepping.h>
+#include "tests/support/catch.h"
+#include "tests/support/copies_of.h"
+#include "tests/support/messages.h"
+#include "tests/support/worst.h"
+
+namespace tree_lanes_test {
+
+using namespace lockstep;
+using namespace lockstep::test;
+using lockstep::testing::check_words;
+
+namespace {
+
+double largest(const VecX& a) { return a.size() > 0 ? a.lpNorm<Eigen::Infinity>() : 0.0; }
+
+// Largest difference of the rates in lanes from those of the recursion at the same coordinates, which are away from the
+// start by `away`, relative to the largest rate of their kind. The motions of the slots too.
+double difference(Family& family, double away, Instructions set = Instructions::best) {
+  CopiesOptions options;
+  options.instructions = set, options.formulation = Formulation::joint;
+  const std::vector<System*> systems = family.pointers();
+  for (System* system : systems) system->setup();
+  const std::unique_ptr<lanes::Batch> batch = lanes::Batch::of(systems, 0, options);
+  REQUIRE(dynamic_cast<lanes::TreeBatch*>(batch.get()) != nullptr);
+  Aligned<double> y(batch->n_numbers()), rate(batch->n_numbers());
+  std::vector<State> states;
+  lanes::Numbers8 t{};
+  for (std::size_t k = 0; k < systems.size(); ++k) {
+    State s = systems[k]->start();
+    s.t = t[k] = 0.1 * static_cast<double>(k);
+    batch->to_batch(static_cast<int>(k), s);
+    s.q += away * VecX::Random(s.q.size()), s.v.setRandom();
+    batch->put(static_cast<int>(k), s, y.data());
+    states.push_back(s);
+  }
+  for (const bool failed : batch->evaluate(y.data(), t, rate.data())) CHECK_FALSE(failed);
+  double worst = 0;
+  for (std::size_t k = 0; k < systems.size(); ++k) {
+    Dynamics dynamics(*systems[k], std::make_unique<SchurSolver>(), {Formulation::joint, {}});
+    State own = systems[k]->start();
+    dynamics.to_formulation(own);
+    own.t = t[k], own.q = states[k].q, own.v = states[k].v;
+    StateRate truth, found = sized_like(own);
+    dynamics.rates(own, truth);
+    batch->get(static_cast<int>(k), rate.data(), found);
+    for (const auto part : {&StateRate::q, &StateRate::v, &StateRate::s})
+      keep_worst(worst, largest(found.*part - truth.*part) / std::max(1.0, largest(truth.*part)));
+    keep_worst(worst, std::abs(batch->largest_a(k) - truth.largest_a) / std::max(1.0, truth.largest_a));
+    keep_worst(worst, std::abs(batch->largest_alpha(k) - truth.largest_alpha) / std::max(1.0, truth.largest_alpha));
+  }
+  return worst;
+}
+
+}  // namespace
+
+TEST_CASE("in lanes a tree accelerates as alone: every mask, either way round", "[unit][copies]") {
+  int taken = 0;
+  for (int mask = 1; mask < 64; ++mask)
+    for (const bool reversed : {false, true}) {
+      Family family = random_family(2, [&](inputs::RandomMechanism& m) {
+        reversed ? m.link(-1, 0, Mask(mask)) : m.link(0, -1, Mask(mask));
+        reversed ? m.link(0, 1, Mask(mask)) : m.link(1, 0, Mask(mask));
+      });
+      std::string why = Copies::unsuited(*family.systems[0], Formulation::joint);
+      if (mask == 63) {
+        check_words(why, {"no coordinate is free"});
+        continue;
+      }
+      if (!why.empty()) continue;
+      ++taken;
+      INFO("mask " << mask << ", reversed " << reversed);
+      CHECK(difference(family, 0.4) < 1e-12);
+    }
+  CHECK(taken == 2 * 38);  // of 62 masks, 24 hold one turn alone
+}
+
+TEST_CASE("in lanes a tree accelerates as alone: branches, free bodies, particles", "[unit][copies]") {
+  Family family = random_family(
+      6,
+      [](inputs::RandomMechanism& m) {
+        m.link(0, -1, Mask::xyz);
+        m.link(0, 1, Mask::xyz | Mask::e1 | Mask::e2);
+        m.link(2, 0, Mask::x | Mask::y | Mask::e123);
+        m.link(3, 2, Mask::xyz | Mask::e2 | Mask::e3);
+        m.link(4, 0, Mask::x);
+        m.link(6, -1, Mask::x | Mask::z);
+      },
+      1);
+  CHECK(difference(family, 0.4) < 1e-12);
+  for (const double twist : {0.0, 0.7}) {
+    Family chains(5, [&](int k) { return chain(12, k, twist); });
+    CHECK(difference(chains, 0.4) < 1e-12);
+  }
+}
+
+TEST_CASE("in lanes a tree accelerates as alone: laws, drives, forces", "[unit][copies]") {
+  SECTION("imposed laws and drives, either way round") {
+    Family family = random_family(5, [](inputs::RandomMechanism& m) {
+      m.link(0, -1, Mask::all, oracle::kP | oracle::kQD);
+      m.link(1, 0, Mask::x | Mask::z | Mask::e123, oracle::kP | oracle::kQD);
+      m.link(1, 2, Mask::xyz | Mask::e1 | Mask::e2, oracle::kP | oracle::kQD);
+      m.link(3, 2, Mask::x | Mask::y, oracle::kP);
+      m.driven(4, 1, Mask::xyz | Mask::e1 | Mask::e2, Axis::rz);
+    });
+    CHECK(difference(family, 0.4) < 1e-12);
+  }
+  SECTION("driven speeds, a spring with a moment on either side") {
+    Family family(5, [&](int k) {
+      auto sys = chain(3, k, 0.4);
+      static_cast<MarkerLock&>(*sys->links()[1]).drive_speed(Axis::rz, laws::law([k](auto t) {
+                                                               return 0.1 * k + sin(t);
+                                                             }));
+      Marker& p = sys->add_marker("p", sys->body("rod 2"), {Vec3(0.5, 0.1, 0.2), {}});
+      Marker& s = sys->add_marker("s", sys->body("rod 0"), {Vec3(0, 1, 2), {}});
+      sys->add<SpringDamper>("spring", p, s, {.stiffness = 40.0 + k, .damping = 1.0, .free_length = 0.5});
+      return sys;
+    });
+    CHECK(difference(family, 0.3) < 1e-12);
+  }
+}
+
+TEST_CASE("trees by plain x86-64, FMA and AVX-512 agree", "[unit][copies]") {
+  Family family = random_family(3, [](inputs::RandomMechanism& m) {
+    m.link(0, -1, Mask::xyz | Mask::e1 | Mask::e2);
+    m.link(1, 0, Mask::x | Mask::y | Mask::e123, oracle::kP);
+    m.link(2, 1, Mask::xyz);
+  });
+  int compared = 0;
+  for (const Instructions set : {Instructions::plain, Instructions::fma, Instructions::avx512}) try {
+      CHECK(difference(family, 0.4, set) < 1e-12);
+      ++compared;
+    } catch (const ModelError& absent) {
+      check_words(absent.what(), {"this machine has no"});
+    }
+  CHECK(compared >= 1);
+}
+
+TEST_CASE("copies of trees run in joint coordinates, others in omega", "[unit][copies]") {
+  const auto taken = [](Family family, Formulation formulation) {
+    CopiesOptions options;
+    options.formulation = formulation;
+    return Copies(family.pointers(), options).formulation();
+  };
+  const auto chains = [] { return Family(3, [](int k) { return chain(2, k); }); };
+  const auto ladders = [] { return Family(3, [](int k) { return ladder(1, k); }); };
+  CHECK(taken(chains(), Formulation::automatic) == Formulation::joint);
+  CHECK(taken(chains(), Formulation::omega) == Formulation::omega);
+  CHECK(taken(ladders(), Formulation::automatic) == Formulation::omega);
+  check_words(testing::message_of<ModelError>([&] { taken(ladders(), Formulation::joint); }), {"closes a loop"});
+  check_words(testing::message_of<ModelError>([&] { taken(chains(), Formulation::quaternion); }), {"quaternion"});
+  CHECK(Copies::unsuited(*ladder(1, 0), Formulation::omega).empty());
+}
+
+}  // namespace tree_lanes_test
