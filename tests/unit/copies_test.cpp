@@ -361,7 +361,8 @@ TEST_CASE("copies refuse by name what has no lanes", "[unit][copies]") {
   {
     auto planar = chain(2, 0);
     planar->set_planar(Plane{1});
-    check_words(Copies::unsuited(*planar), {"planar"});
+    check_words(Copies::unsuited(*planar, Formulation::omega), {"planar"});
+    CHECK(Copies::unsuited(*planar) == "");  // in joint coordinates
   }
   {
     inputs::RandomMechanism m(1);

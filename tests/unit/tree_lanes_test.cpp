@@ -99,6 +99,20 @@ TEST_CASE("in lanes a tree accelerates as alone: branches, free bodies, particle
   }
 }
 
+TEST_CASE("in lanes a tree accelerates as alone: in a planar mechanism", "[unit][copies]") {
+  Family family(4, [](int k) {
+    auto sys = chain(4, k);
+    sys->set_gravity(Vec3(0.1 * k, 0, -9.81));
+    Body& loose = sys->add_body("loose", {1.0 + k, Vec3::Zero(), Vec3(1, 2, 3).asDiagonal()}, {Vec3(0, 0, 2), Quat{}});
+    sys->add<Spherical>(
+        "ball", sys->add_body("end", {2.0, Vec3::Zero(), Vec3(1, 2, 3).asDiagonal()}, {Vec3(0.5, 0, 2), Quat{}}), loose,
+        pose_at(Vec3(0.2, 0, 2)));
+    sys->set_planar(Plane{1});
+    return sys;
+  });
+  CHECK(difference(family, 0.4) < 1e-12);
+}
+
 TEST_CASE("in lanes a tree accelerates as alone: laws, drives, forces", "[unit][copies]") {
   SECTION("imposed laws and drives, either way round") {
     Family family = random_family(5, [](inputs::RandomMechanism& m) {

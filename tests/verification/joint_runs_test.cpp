@@ -135,8 +135,6 @@ TEST_CASE("what has no joint coordinates is refused in them by name, and runs in
   CHECK(words.find("is unilateral") != std::string::npos);
   CHECK(words.find("link '") != std::string::npos);
   CHECK(run("bouncing_pendulum", Formulation::automatic).table.n_rows() > 0);
-  const std::string counts = message_of<ModelError>([&] { run("gear_train", Formulation::joint); });
-  CHECK(counts.find("link 'stage_1' keeps a memory") != std::string::npos);
 
   const auto by = [&](const std::string& method, Formulation formulation) {
     return run_scene(scene_path("chain_10"), [&](RunSettings& s) {

@@ -96,6 +96,11 @@ void Dynamics::joint_reactions(Tree& t, const Inputs& in) {
 
 std::string Dynamics::why_not_joint(const std::vector<bool>& modes) { return tree(modes).why_not; }
 
+const Lock* Dynamics::outrun(const State& from, const State& to) {
+  if (!from.coordinates || from.coordinates != to.coordinates) return nullptr;
+  return tree(from.modes).of(from).coordinates->outrun(from, to);
+}
+
 void Dynamics::to_formulation(State& state, const State* near) {
   if (options_.formulation != Formulation::joint && options_.formulation != Formulation::automatic)
     return to_slots(state);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "framework/dynamics/integrate/body_error.h"
+
 namespace lockstep {
 
 namespace {
@@ -34,14 +36,6 @@ struct Largest {
       linear = std::max(linear, x), angular = std::max(angular, w);
       sum += x + w;
     }
-  }
-};
-
-// Squares of what changes most of any slot: its position, orientation, velocity and angular velocity.
-struct Change {
-  double x = 0, r = 0, v = 0, w = 0;
-  void take(double dx, double dr, double dv, double dw) {
-    x = std::max(x, dx), r = std::max(r, dr), v = std::max(v, dv), w = std::max(w, dw);
   }
 };
 
@@ -88,9 +82,9 @@ void ErrorNorm::scale(const State& y0, const StateRate& k0, double h, const Stat
   }
   const Change c =
       y0.coordinates ? change_of_motions(before_.motions, k0, h, now_.motions) : change_of_slots(y0, k0, h, y1);
+  const BodyWeights weights(tolerance_, c);
+  x_ = weights.x, r_ = weights.r, v_ = weights.v, w_ = weights.w;
   const double atol = tolerance_.atol_x + kTiny, rtol = tolerance_.relative;
-  x_ = atol + rtol * std::sqrt(c.x), r_ = atol + rtol * std::sqrt(c.r);
-  v_ = atol + rtol * std::sqrt(c.v), w_ = atol + rtol * std::sqrt(c.w);
   s_.resize(n_s_);
   for (Eigen::Index i = 0; i < n_s_; ++i)
     s_[i] = atol + rtol * std::max(std::abs(y1.s[i] - y0.s[i]), h * std::abs(k0.s[i]));
@@ -139,7 +133,9 @@ double ErrorNorm::of(const StateRate& error, const State& y1) {
     c.take(0, 0, v.linear, v.angular);
     sum += v.sum;
   }
-  double worst = std::max({std::sqrt(c.x) / x_, std::sqrt(c.r) / r_, std::sqrt(c.v) / v_, std::sqrt(c.w) / w_});
+  BodyWeights weights;
+  weights.x = x_, weights.r = r_, weights.v = v_, weights.w = w_;
+  double worst = weights.of(c);
   for (Eigen::Index i = 0; i < n_s_; ++i) worst = std::max(worst, std::abs(error.s[i]) / s_[i]);
   for (Eigen::Index i = 0; i < error.s.size(); ++i) sum += std::abs(error.s[i]);
   return std::isfinite(sum) ? worst : HUGE_VAL;

@@ -172,13 +172,10 @@ std::shared_ptr<const JointTree> JointTree::of(const System& system, const std::
   const auto tree = std::make_shared<JointTree>();
   tree->node_of_.assign(static_cast<std::size_t>(system.n_slots()), -1);
   const auto [joints, others] = tree_and_closures(system, modes);
-  for (const int number : others)
-    if (const Lock& link = *system.links()[static_cast<std::size_t>(number)]; link.remembering() != nullptr) {
-      why_not = "link '" + link.name() + "' keeps a memory from step to step (turns, ways), which long steps outrun";
-      return nullptr;
-    }
   tree->closures_ = others;
   tree->grow(system, Graph(system, joints));
+  why_not = tree->follow_turns(system);
+  if (!why_not.empty()) return nullptr;
   tree->planar_ = PlanarJoints::of(tree->nodes_, system.plane());
   if (system.plane() && !tree->planar_)
     why_not = "a law does not say that it stays in the plane (stays_in_plane, turns_about)";
@@ -258,6 +255,44 @@ void JointTree::add_node(const System& system, int slot, int parent, int link) {
   n_q_ += node.n_q(), n_v_ += node.n_v();
   node_of_[static_cast<std::size_t>(slot)] = static_cast<int>(nodes_.size());
   nodes_.push_back(node);
+}
+
+// Long steps outrun what closures remember from step to step, but for turns of hinges in the tree, whose ways are known
+// (outrun). Returns what is remembered besides, by name; "" for nothing.
+std::string JointTree::follow_turns(const System& system) {
+  const auto node_of_pair = [&](const auto& pair) {
+    return std::ranges::find_if(nodes_, [&](const TreeNode& n) {
+      return n.link >= 0 && system.links()[static_cast<std::size_t>(n.link)]->pairs().front() == pair;
+    });
+  };
+  for (const int number : closures_) {
+    const Lock& link = *system.links()[static_cast<std::size_t>(number)];
+    if (link.remembering() == nullptr) continue;
+    const std::string who = "link '" + link.name() + "' ";
+    if (!link.remembering()->counts_turns_alone())
+      return who + "keeps a memory from step to step (ways), which long steps outrun";
+    for (const auto& pair : link.pairs()) {
+      const auto node = node_of_pair(pair);
+      const bool moves = node != nodes_.end() && !node->moving;
+      const bool slides = moves && node->turn == TreeTurn::none && includes(node->rows, Mask::e123) && !node->imposed;
+      const bool turns = moves && node->turn == TreeTurn::hinge && node->hinge == Vec3(Vec3::UnitZ()) && !node->imposed;
+      if (!slides && !turns)
+        return who + "counts turns of a pair that is no hinge about z of the tree, which long steps outrun";
+      if (turns) counted_.push_back(static_cast<int>(node - nodes_.begin()));
+    }
+  }
+  return "";
+}
+
+const Lock* JointTree::outrun(const State& from, const State& to) const {
+  constexpr double kMost = 2;  // rad; half a turn would be counted wrong
+  for (const int k : counted_) {
+    const TreeNode& n = nodes_[static_cast<std::size_t>(k)];
+    const int q = n.first_q + n.n_slides, v = n.first_v + n.n_slides;
+    const double way = to.q[q] - from.q[q], expected = 0.5 * (to.t - from.t) * (from.v[v] + to.v[v]);
+    if (!(std::abs(way - expected) <= kMost)) return n.lock;
+  }
+  return nullptr;
 }
 
 void JointTree::motions(const State& y, std::span<Motion> out) const {

@@ -210,28 +210,36 @@ class PhiFunction {
     return y;
   }
 
-  template <class T>
-  void expect(LockCoords<T>& y, std::size_t k, double t, const double* memory) const {
+  /// The angle of a pair is expected where the mean of its rates, of the last accepted step and of now, has brought it.
+  /// seven, rates: the coordinates and their rates.
+  template <class T, class Seven>
+  void expect(LockCoords<T>& y, std::size_t k, double t, const double* memory, const Seven& seven,
+              const Seven& rates) const {
     if (Traits::counts(static_cast<int>(k))) {
       const double* a = memory + 3 * Traits::counted(static_cast<int>(k));
-      y.near_angle = a[0] + a[1] * (t - a[2]);
+      const double e0 = seven[3], e3 = seven[6], n = e0 * e0 + e3 * e3;
+      const double rate = n > 0 ? 2.0 * (e0 * rates[6] - e3 * rates[3]) / n : 0.0;
+      y.near_angle = a[0] + 0.5 * (a[1] + rate) * (t - a[2]);
     }
     if constexpr (kOwn > 0) y.memory = memory + kAngles;
   }
-  /// Coordinates of pair k; `variable(n, i)` makes number n of the variables, coordinate i of the pair.
-  template <int k, class T, class Variable>
-  void fill_coords(LockCoords<T>& c, double t, const T& time, const double* memory, Variable&& variable) const {
+  /// Coordinates of pair k, which are `seven` and change by `rates`; `variable(n, i)` makes number n of the variables,
+  /// coordinate i of the pair.
+  template <int k, class T, class Seven, class Variable>
+  void fill_coords(LockCoords<T>& c, double t, const T& time, const double* memory, const Seven& seven,
+                   const Seven& rates, Variable&& variable) const {
     const auto v = [&](int i) { return variable(Traits::start(k) + i - Traits::first(k), i); };
     if constexpr (Traits::reads(k, Reads::translation)) c.x = v(0), c.y = v(1), c.z = v(2);
     if constexpr (Traits::reads(k, Reads::rotation)) c.e0 = v(3), c.e1 = v(4), c.e2 = v(5), c.e3 = v(6);
     c.t = time;
-    expect(c, k, t, memory);
+    expect(c, k, t, memory, seven, rates);
   }
   template <class T, class Variable>
-  Coords<T> coords(double t, const T& time, const double* memory, Variable&& variable) const {
+  Coords<T> coords(const Points& points, double t, const T& time, const double* memory, Variable&& variable) const {
     Coords<T> y;
     each_pair([&](auto k) {
-      fill_coords<k>(y[k], t, time, memory, [&](int n, int i) { return variable(n, i, std::size_t(k)); });
+      fill_coords<k>(y[k], t, time, memory, points[k].y, points[k].yd,
+                     [&](int n, int i) { return variable(n, i, std::size_t(k)); });
     });
     return y;
   }
@@ -242,7 +250,7 @@ class PhiFunction {
       const RelativeKinematics& L = points[k];
       const auto v = [&](int i) { return Time(L.y[i], L.yd[i], 0); };
       y[k] = {v(0), v(1), v(2), v(3), v(4), v(5), v(6), Time(in.t, 1, 0)};
-      expect(y[k], k, in.t, memory);
+      expect(y[k], k, in.t, memory, L.y, L.yd);
     }
     return y;
   }
@@ -286,7 +294,7 @@ class PhiFunction {
     Coords<Grad> y;
     each_pair([&](auto k) {
       const auto& pair = std::get<k>(pairs);
-      fill_coords<k>(y[k], in.t, Grad(in.t, 1.0, 0.0), memory,
+      fill_coords<k>(y[k], in.t, Grad(in.t, 1.0, 0.0), memory, pair.y(), pair.yd(),
                      [&](int n, int i) { return Grad::variable(n, pair.y()[i], pair.yd()[i]); });
     });
     const Rows f = call(y);
@@ -308,13 +316,13 @@ class PhiFunction {
   }
 
   Rows value(const Points& y, const Inputs& in, const double* memory) const {
-    return call(coords(in.t, Grad(in.t, 1.0, 0.0), memory,
+    return call(coords(y, in.t, Grad(in.t, 1.0, 0.0), memory,
                        [&](int n, int i, std::size_t k) { return Grad::variable(n, y[k].y[i], y[k].yd[i]); }));
   }
   /// Sum of lambda phi'' along the direction d of the variables, time fixed.
   double bend(const Points& y, const Inputs& in, const double* memory, const double* lambda,
               const Eigen::Matrix<double, kV, 1>& d) const {
-    const auto f = call(coords(in.t, Time(in.t, 0.0, 0.0), memory,
+    const auto f = call(coords(y, in.t, Time(in.t, 0.0, 0.0), memory,
                                [&](int n, int i, std::size_t k) { return Time(y[k].y[i], d[n], 0.0); }));
     double sum = 0;
     for (int r = 0; r < kRows; ++r) sum += lambda[r] * f[static_cast<std::size_t>(r)].h;
@@ -381,7 +389,8 @@ class PhiFunction {
   void refuse_unread(const std::string& link, Coords<Time> y) const {
     std::array<double, static_cast<std::size_t>(kMemory + 1)> memory{};
     start_memory({memory.data(), static_cast<std::size_t>(kMemory)});
-    for (std::size_t k = 0; k < y.size(); ++k) expect(y[k], k, 0.0, memory.data());
+    const std::array<double, 7> some{0, 0, 0, 1, 0, 0, 0}, none_of_them{};
+    for (std::size_t k = 0; k < y.size(); ++k) expect(y[k], k, 0.0, memory.data(), some, none_of_them);
     const auto finite = [&] {
       const auto rows = call(y);
       return std::all_of(rows.begin(), rows.end(), [](const Time& row) { return std::isfinite(row.v); });

@@ -95,6 +95,8 @@ class PhiCoupling : public Lock, public Driven, public Remembering, public Tange
 
   /// This where phi counts turns or has a memory, else null.
   const Remembering* remembering() const override { return Function::kMemory > 0 ? this : nullptr; }
+  /// Unless phi has a memory of its own.
+  bool counts_turns_alone() const override { return Function::kOwn == 0; }
   /// Three numbers for each pair whose turns are counted, and kMemory of phi.
   int n_memory() const override { return Function::kMemory; }
   /// The angles at the start, and what phi.reset() writes.
@@ -236,6 +238,8 @@ class PhiLock : public MarkerLock, public Remembering {
 
   /// This where phi counts turns or has a memory, else null.
   const Remembering* remembering() const override { return Function::kMemory > 0 ? this : nullptr; }
+  /// Unless phi has a memory of its own.
+  bool counts_turns_alone() const override { return Function::kOwn == 0; }
   /// Three numbers where turns are counted, and kMemory of phi.
   int n_memory() const override { return Function::kMemory; }
   /// The angle at the start, and what phi.reset() writes.

@@ -12,6 +12,7 @@
 
 #include <lockstep/dynamics.h>
 #include <lockstep/memory.h>
+#include "framework/dynamics/integrate/body_error.h"
 #include "framework/tools/batch/lane_passes.h"
 
 namespace lockstep::lanes {
@@ -57,6 +58,17 @@ class LOCKSTEP_API Batch {
   /// Largest accelerations of a slot by the last evaluate(), m/s^2, rad/s^2; in joint coordinates only.
   virtual double largest_a(std::size_t) const { return 0; }
   virtual double largest_alpha(std::size_t) const { return 0; }
+  /// Whether the following four are there: errors of steps on the bodies, by squares, NaN where one is none. Else
+  /// ErrorNorm finds them copy by copy.
+  virtual bool weighs_errors() const { return false; }
+  /// Takes the states y for the starts of steps.
+  virtual void start_from(const double*, const Numbers8&) {}
+  /// What steps of h to the states y at the times t change. Returns true in the lanes whose laws fail.
+  virtual Flags8 change_to(const double*, const Numbers8&, const Numbers8&, std::array<Change, kLanes>&) { return {}; }
+  /// How an error of q and v moves the states of change_to().
+  virtual void weigh(const double*, std::array<Change, kLanes>&) {}
+  /// The step of a copy that change_to() saw last is accepted.
+  virtual void accept(int) {}
   /// From now on evaluate() sees the pivots, in mechanisms with loops.
   virtual void watch_pivots() {}
   bool watches() const { return watches_; }

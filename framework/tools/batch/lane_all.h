@@ -206,6 +206,12 @@ LOCKSTEP_PASS(apply, (const Plan& plan, const Numbers& z), (plan, from(z, lane))
 LOCKSTEP_PASS(outward, (const TreePlan& plan, const TreeNumbers& z), (plan, from(z, lane)))
 LOCKSTEP_PASS(accelerate_tree, (const TreePlan& plan, const TreeNumbers& z, double* rate),
               (plan, from(z, lane), rate + lane))
+LOCKSTEP_PASS(change,
+              (const TreePlan& plan, const TreeNumbers& z, const double* before, const double* h, double* now,
+               double* out),
+              (plan, from(z, lane), before + lane, h + lane, now + lane, out + lane))
+LOCKSTEP_PASS(vary, (const TreePlan& plan, const TreeNumbers& z, const double* dy, double* out),
+              (plan, from(z, lane), dy + lane, out + lane))
 LOCKSTEP_TARGET void half_turns_pass(const TreePlan& plan, const TreeNumbers& z) { half_turns(plan, z); }
 
 Passes all_passes() {
@@ -230,6 +236,8 @@ Passes all_passes() {
   out.half_turns = half_turns_pass;
   out.outward = outward_pass;
   out.accelerate_tree = accelerate_tree_pass;
+  out.change = change_pass;
+  out.vary = vary_pass;
   return out;
 }
 

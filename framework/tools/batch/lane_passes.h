@@ -42,6 +42,11 @@ struct Passes {
   void (*outward)(const TreePlan&, const TreeNumbers&) = nullptr;     ///< y, laws -> moving, axes of the coordinates
   /// rate = d/dt of q and v under gravity and the wrenches; largest accelerations.
   void (*accelerate_tree)(const TreePlan&, const TreeNumbers&, double* rate) = nullptr;
+  /// moving -> now, end::size packs a node, and the squares of what changed from `before` in a step of h (a pack): 4 packs.
+  void (*change)(const TreePlan&, const TreeNumbers&, const double* before, const double* h, double* now,
+                 double* out) = nullptr;
+  /// An error dy of q and v -> the squares of how it moves the slots: 4 packs.
+  void (*vary)(const TreePlan&, const TreeNumbers&, const double* dy, double* out) = nullptr;
 };
 
 /// Throws ModelError if the machine does not have these instructions.

@@ -45,7 +45,6 @@ std::string unsuited_link(const Lock& link) {
 }  // namespace
 
 std::string unsuited(const System& system) {
-  if (system.plane()) return "the system is planar (three velocities a body); lanes work in space, take \"planar\" out";
   if (!system.auxiliaries().empty())
     return "'" + system.auxiliaries().front()->name() + "' integrates states of its own (an auxiliary)";
   if (system.n_slots() == 0) return "nothing moves";
@@ -64,6 +63,8 @@ std::string unsuited(const System& system) {
 }
 
 std::string unsuited_rows(const System& system) {
+  if (system.plane())
+    return "the system is planar (three velocities a body), and lanes have rows in space; take \"planar\" out";
   const RowTable rows = rows_of(system);
   for (const RowEntry& e : rows.entries)
     if (const std::string why = unsuited_link(*system.links()[e.link]); !why.empty()) return why;

@@ -76,6 +76,8 @@ class LaneRun {
   void combine_stages(const Weights&, const double* y, double* out);
   double error_of(int lane);
   void estimate(Numbers8& error, Flags8& failed);
+  void estimate_together(Numbers8& error, Numbers8& e3, Flags8& failed);
+  void estimate_each(Numbers8& error, Numbers8& e3, Flags8& failed);
   void accept(int lane, double error);
   void reject(int lane, double factor);
   void leave(int lane);
@@ -131,6 +133,7 @@ void LaneRun::begin(std::span<const State> starts) {
     while (the.going && the.schedule.reach() <= start.t) arrive(lane);
     if (the.going) the.advised = task_.options.step > 0 ? task_.options.step : first_step(lane, start);
   }
+  batch_.start_from(y_.data(), t_);
 }
 
 // The state of a copy in an array, at time t.
@@ -252,6 +255,37 @@ void LaneRun::estimate(Numbers8& error, Flags8& failed) {
   error.fill(0);
   if (fixed_) return;
   Numbers8 e3{};
+  batch_.weighs_errors() ? estimate_together(error, e3, failed) : estimate_each(error, e3, failed);
+  for (std::size_t l = 0; scheme_.second && l < kL; ++l) error[l] = combined_error(error[l], e3[l]);
+}
+
+// On the bodies of all copies at once.
+void LaneRun::estimate_together(Numbers8& error, Numbers8& e3, Flags8& failed) {
+  Numbers8 t1 = t_;
+  for (std::size_t l = 0; l < kL; ++l) t1[l] += h_[l];
+  std::array<Change, kLanes> change, by;
+  const Flags8 lost = batch_.change_to(end_.data(), t1, h_, change);
+  std::array<BodyWeights, kLanes> weights;
+  for (std::size_t l = 0; l < kL; ++l) {
+    failed[l] = failed[l] || lost[l];
+    const double a = h_[l] * first_a_[l], alpha = h_[l] * first_alpha_[l];
+    change[l].take(0, 0, a * a, alpha * alpha);
+    weights[l] = {task_.options.tolerance, change[l]};
+  }
+  const auto each = [&](const Weights& w, Numbers8& out) {
+    combine_stages(w, nullptr, error_.data());
+    batch_.weigh(error_.data(), by);
+    for (std::size_t l = 0; l < kL; ++l) {
+      const double sum = by[l].x + by[l].r + by[l].v + by[l].w;
+      out[l] = std::isfinite(sum) ? weights[l].of(by[l]) : HUGE_VAL;
+    }
+  };
+  each(error_w_, error);
+  if (scheme_.second) each(second_w_, e3);
+}
+
+// Copy by copy, by ErrorNorm.
+void LaneRun::estimate_each(Numbers8& error, Numbers8& e3, Flags8& failed) {
   const auto each = [&](const Weights& w, bool scale, Numbers8& out) {
     combine_stages(w, nullptr, error_.data());
     for (int l = 0; l < batch_.size(); ++l) {
@@ -273,9 +307,7 @@ void LaneRun::estimate(Numbers8& error, Flags8& failed) {
     }
   };
   each(error_w_, true, error);
-  if (!scheme_.second) return;
-  each(second_w_, false, e3);
-  for (std::size_t l = 0; l < kL; ++l) error[l] = combined_error(error[l], e3[l]);
+  if (scheme_.second) each(second_w_, false, e3);
 }
 
 void LaneRun::attempt() {
@@ -312,6 +344,7 @@ void LaneRun::accept(int lane, double error) {
   Lane& the = lanes_[l];
   if (batch_.watches()) the.singular.add(std::min(the.first.smallest, the.stages.smallest), h_[l] * fastest_turn(lane));
   for (std::size_t i = l; i < y_.size(); i += kL) y_[i] = end_[i];
+  batch_.accept(lane);
   first_done_ = false;
   t_[l] += h_[l];
   reports_[l].t = t_[l];

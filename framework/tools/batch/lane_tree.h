@@ -176,7 +176,7 @@ LOCKSTEP_LANE void carry(const LaneNode& n, const TreePlan& plan, const TreeNumb
   store4(b, moving::e, e);
   store3(b, moving::A, A.r0), store3(b, moving::A + 3, A.r1), store3(b, moving::A + 6, A.r2);
   store3(b, moving::w, w), store3(b, moving::r, d1 + d2), store3(b, moving::ca, ca), store3(b, moving::cal, cal);
-  if (z.wrench == nullptr) return;
+  if (!z.with_positions) return;
   store3(b, moving::x, load3(p, moving::x) + (d1 + d2));
   store3(b, moving::v, load3(p, moving::v) + cross(w_p, d1) + slide + cross(w, d2));
 }
@@ -286,12 +286,115 @@ LOCKSTEP_LANE void accelerate_tree(const TreePlan& plan, const TreeNumbers& z, d
   kinematic_rates(plan, z, rate);
 }
 
+// ------------------------------------------------------------------------------------------- errors on the bodies
+
+/// Squares in each lane: position, orientation, velocity, angular velocity of the slot that has most. A NaN stays.
+struct LaneSizes {
+  V x{}, r{}, v{}, w{};
+  LOCKSTEP_LANE static V most(const V& a, const V& b) { return b <= a ? a : b; }
+  LOCKSTEP_LANE void take(const V& dx, const V& dr, const V& dv, const V& dw) {
+    x = most(x, dx), r = most(r, dr), v = most(v, dv), w = most(w, dw);
+  }
+  LOCKSTEP_LANE void put(double* out) const { store(out, 0, x), store(out, 1, r), store(out, 2, v), store(out, 3, w); }
+};
+
+/// Writes the motions as outward() has left them, and what changed since `before` in a step of h; not less than the
+/// velocities there give.
+LOCKSTEP_LANE void change(const TreePlan& plan, const TreeNumbers& z, const double* before, const double* h,
+                          double* now, double* out) {
+  LaneSizes sizes;
+  const V h2 = load(h, 0) * load(h, 0);
+  for (std::size_t k = 0; k < plan.nodes.size(); ++k) {
+    const double *b = pack(z.moving, moving::size * (k + 1)), *was = pack(before, end::size * k);
+    double* is = pack(now, end::size * k);
+    const V3 x = load3(b, moving::x), v = load3(b, moving::v);
+    const V3 w = transpose_times(load9(b, moving::A), load3(b, moving::w));
+    const Q4 e = load4(b, moving::e), e0 = load4(was, end::e);
+    const V3 dx = x - load3(was, end::x), dv = v - load3(was, end::v), dw = w - load3(was, end::w);
+    const V3 dr = e0.w * e.v - e.w * e0.v - cross(e0.v, e.v);
+    sizes.take(dot(dx, dx), 4.0 * dot(dr, dr), dot(dv, dv), dot(dw, dw));
+    const V3 v0 = load3(was, end::v), w0 = load3(was, end::w);
+    sizes.take(h2 * dot(v0, v0), h2 * dot(w0, w0), V{}, V{});
+    store3(is, end::x, x), store4(is, end::e, e), store3(is, end::v, v), store3(is, end::w, w);
+  }
+  sizes.put(out);
+}
+
+/// How an error dy of q and v moves the slots, at the motions as outward() has left them: vary() of
+/// dynamics/tree/tree_motion.h.
+LOCKSTEP_LANE void vary(const TreePlan& plan, const TreeNumbers& z, const double* dy, double* out) {
+  LaneSizes sizes;
+  for (std::size_t k = 0; k < plan.nodes.size(); ++k) {
+    const LaneNode& n = plan.nodes[k];
+    const auto parent = static_cast<std::size_t>(n.parent + 1), slides = static_cast<std::size_t>(n.n_slides);
+    const double *q = pack(z.y, n.q), *v = pack(z.y, plan.n_q + n.v), *j = pack(z.joint, n.joint);
+    const double *dq = pack(dy, n.q), *dv = pack(dy, plan.n_q + n.v), *d = pack(z.dof, dof::size * n.v);
+    const double *p = pack(z.moving, moving::size * parent), *b = pack(z.moving, moving::size * (k + 1));
+    const double* dp = pack(z.varied, varied::size * parent);
+    const M3 A = load9(b, moving::A), A_p = load9(p, moving::A);
+    const V3 w_p = load3(p, moving::w), w = load3(b, moving::w);
+    const V3 phi_p = load3(dp, varied::phi), dw_p = load3(dp, varied::w);
+
+    V3 turned = zero3(), turn = zero3(), faster = zero3();  // by dq, at v, by dv
+    if (n.turn == TreeTurn::hinge) {
+      const V3 axis = load3(d, dof::size * slides + dof::n);
+      turned = load(dq, slides) * axis, turn = load(v, slides) * axis, faster = load(dv, slides) * axis;
+    } else if (n.turn == TreeTurn::ball) {  // twice the vector part of r' dr
+      const Q4 r = load4(q, slides), dr = load4(dq, slides);
+      const V unit = 2.0 / (r.w * r.w + dot(r.v, r.v));
+      const V3 by = unit * (r.w * dr.v - dr.w * r.v - cross(r.v, dr.v));
+      const V parts[3] = {by.x, by.y, by.z};
+      for (std::size_t i = 0; i < 3; ++i) {
+        const V3 axis = load3(d, dof::size * (slides + i) + dof::n);
+        turned = turned + parts[i] * axis;
+        turn = turn + load(v, slides + i) * axis, faster = faster + load(dv, slides + i) * axis;
+      }
+    }
+    const V3 phi = phi_p + turned;
+    V3 dw = dw_p + faster + cross(n.turn == TreeTurn::ball && !n.reversed ? phi : phi_p, turn);
+    V3 d1 = A_p * load3(j, joint::near), d2 = -(A * load3(j, joint::far));
+    V3 slide = zero3(), moved = zero3(), slid = zero3();  // velocity of the slides, of them by dq, by dv
+    if (n.n_slides > 0 || n.has_law) {
+      V3 rho = zero3();
+      for (std::size_t i = 0; i < slides; ++i) {
+        const V3 along = load3(d, dof::size * i + dof::l);
+        rho = rho + load(q, i) * along, slide = slide + load(v, i) * along;
+        moved = moved + load(dq, i) * along, slid = slid + load(dv, i) * along;
+      }
+      if (n.has_law) {
+        const M3& S = n.reversed ? A : A_p;
+        const double* now = pack(z.law, n.law);
+        rho = rho + S * load3(now, imposed::p), slide = slide + S * load3(now, imposed::pd);
+        dw = dw + cross(n.reversed ? phi : phi_p, S * load3(now, imposed::w));
+      }
+      if (n.reversed)
+        d2 = d2 + rho;
+      else
+        d1 = d1 + rho;
+    }
+    V3 by1 = cross(phi_p, d1), by2 = cross(phi, d2);
+    if (n.reversed)
+      by2 = by2 + moved;
+    else
+      by1 = by1 + moved;
+    const V3 x = load3(dp, varied::x) + by1 + by2;
+    const V3 faster_x = load3(dp, varied::v) + cross(dw_p, d1) + cross(w_p, by1) +
+                        cross(n.reversed ? phi : phi_p, slide) + slid + cross(dw, d2) + cross(w, by2);
+    double* own = pack(z.varied, varied::size * (k + 1));
+    store3(own, varied::x, x), store3(own, varied::phi, phi), store3(own, varied::v, faster_x);
+    store3(own, varied::w, dw);
+    const V3 in_slot = dw - cross(phi, w);
+    sizes.take(dot(x, x), dot(phi, phi), dot(faster_x, faster_x), dot(in_slot, in_slot));
+  }
+  sizes.put(out);
+}
+
 /// The arrays, beginning at this lane.
 LOCKSTEP_LANE TreeNumbers from(const TreeNumbers& z, int lane) {
   TreeNumbers n = z;
   if (n.wrench) n.wrench += lane;
   for (const double** p : {&n.y, &n.gravity, &n.joint, &n.more, &n.law}) *p += lane;
-  for (double** p : {&n.half, &n.cosine, &n.sine, &n.moving, &n.dof, &n.waiting, &n.largest}) *p += lane;
+  for (double** p : {&n.half, &n.cosine, &n.sine, &n.moving, &n.dof, &n.waiting, &n.largest, &n.varied}) *p += lane;
   return n;
 }
 

@@ -61,6 +61,7 @@ TreeBatch::TreeBatch(std::span<System* const> systems, int first, Trees trees, c
   z_.law = size(law_, plan_.size_law), z_.half = size(half_, n), z_.cosine = size(cosine_, n), z_.sine = size(sine_, n);
   z_.moving = size(moving_, moving::size * (n + 1)), z_.dof = size(dof_, dof::size * plan_.n_v);
   z_.waiting = size(waiting_, articulated::size * plan_.n_waiting), z_.largest = size(largest_, 2);
+  z_.varied = size(varied_, varied::size * (n + 1)), size(start_, end::size * n), size(now_, end::size * n);
   if (has_forces_) z_.wrench = wrench_.data();
   node_of_.resize(n);
   for (std::size_t k = 0; k < n; ++k) node_of_[static_cast<std::size_t>(plan_.nodes[k].slot)] = k;
@@ -141,11 +142,17 @@ Flags8 TreeBatch::fill_laws(const double* y, const Numbers8& t) {
   return failed;
 }
 
-Flags8 TreeBatch::evaluate(const double* y, const Numbers8& t, double* rate) {
-  z_.y = y;
-  Flags8 failed = fill_laws(y, t);
+// Moves all slots. Returns true in the lanes whose laws fail.
+Flags8 TreeBatch::move(const double* y, const Numbers8& t, bool with_positions) {
+  z_.y = y, z_.with_positions = with_positions;
+  const Flags8 failed = fill_laws(y, t);
   passes().half_turns(plan_, z_);
   passes().outward(plan_, z_);
+  return failed;
+}
+
+Flags8 TreeBatch::evaluate(const double* y, const Numbers8& t, double* rate) {
+  Flags8 failed = move(y, t, has_forces_);
   fill_wrench(y, t);
   passes().accelerate_tree(plan_, z_, rate);
   state_rates(y, t, rate);
@@ -155,6 +162,34 @@ Flags8 TreeBatch::evaluate(const double* y, const Numbers8& t, double* rate) {
 
 double TreeBatch::largest_a(std::size_t lane) const { return std::sqrt(largest_[lane]); }
 double TreeBatch::largest_alpha(std::size_t lane) const { return std::sqrt(largest_[kL + lane]); }
+
+void TreeBatch::start_from(const double* y, const Numbers8& t) {
+  alignas(64) const Numbers8 still{};
+  move(y, t, true);
+  passes().change(plan_, z_, start_.data(), still.data(), now_.data(), sizes_.data());
+  start_ = now_;
+}
+
+void TreeBatch::accept(int lane) {
+  for (std::size_t i = static_cast<std::size_t>(lane); i < start_.size(); i += kL) start_[i] = now_[i];
+}
+
+Flags8 TreeBatch::change_to(const double* y, const Numbers8& t, const Numbers8& h, std::array<Change, kLanes>& out) {
+  alignas(64) const Numbers8 steps = h;
+  const Flags8 failed = move(y, t, true);
+  passes().change(plan_, z_, start_.data(), steps.data(), now_.data(), sizes_.data());
+  read(out);
+  return failed;
+}
+
+void TreeBatch::weigh(const double* error, std::array<Change, kLanes>& out) {
+  passes().vary(plan_, z_, error, sizes_.data());
+  read(out);
+}
+
+void TreeBatch::read(std::array<Change, kLanes>& out) const {
+  for (std::size_t l = 0; l < kL; ++l) out[l] = {sizes_[l], sizes_[kL + l], sizes_[2 * kL + l], sizes_[3 * kL + l]};
+}
 
 // Nothing drifts; the quaternions of balls are scaled to length one.
 void TreeBatch::project(double* y, const Numbers8&, const Flags8&, std::array<Landing, kLanes>& landed) {

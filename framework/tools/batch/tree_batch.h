@@ -20,6 +20,11 @@ class LOCKSTEP_API TreeBatch final : public Batch {
   Flags8 evaluate(const double* y, const Numbers8& t, double* rate) override;
   double largest_a(std::size_t lane) const override;
   double largest_alpha(std::size_t lane) const override;
+  bool weighs_errors() const override { return n_s_ == 0; }
+  void start_from(const double* y, const Numbers8& t) override;
+  Flags8 change_to(const double* y, const Numbers8& t, const Numbers8& h, std::array<Change, kLanes>& out) override;
+  void weigh(const double* error, std::array<Change, kLanes>& out) override;
+  void accept(int lane) override;
   void project(double* y, const Numbers8& t, const Flags8& wanted, std::array<Landing, kLanes>& landed) override;
 
  private:
@@ -27,12 +32,16 @@ class LOCKSTEP_API TreeBatch final : public Batch {
   void read_motion(int lane, int slot, Motion& out) const override;
   void fill_joints();
   Flags8 fill_laws(const double* y, const Numbers8& t);
+  Flags8 move(const double* y, const Numbers8& t, bool with_positions);
+  void read(std::array<Change, kLanes>& out) const;
 
   Trees trees_;  // of each lane
   TreePlan plan_;
   std::vector<std::size_t> node_of_;  // of each slot
   TreeNumbers z_;
-  Aligned<double> gravity_, joint_, more_, law_, half_, cosine_, sine_, moving_, dof_, waiting_, largest_;
+  Aligned<double> gravity_, joint_, more_, law_, half_, cosine_, sine_, moving_, dof_, waiting_, largest_, varied_;
+  Aligned<double> start_, now_;  // of steps: end::size packs a node
+  alignas(64) std::array<double, 4 * kLanes> sizes_{};
 };
 
 }  // namespace lockstep::lanes

@@ -61,6 +61,15 @@ namespace articulated {
 inline constexpr std::size_t M = 0, I = 6, H = 12, f = 21, t = 24, size = 27;
 }
 
+/// The end of a step, of a slot: x | e | v | w, slot axes.
+namespace end {
+inline constexpr std::size_t x = 0, e = 3, v = 7, w = 10, size = 13;
+}
+/// How an error of the coordinates moves a slot, world axes: of x, a rotation vector, of v, of w.
+namespace varied {
+inline constexpr std::size_t x = 0, phi = 3, v = 6, w = 9, size = 12;
+}
+
 /// The arrays of a batch in joint coordinates, in packs of eight.
 struct TreeNumbers {
   const double* y = nullptr;        ///< state: q, v, s
@@ -70,6 +79,8 @@ struct TreeNumbers {
   double *half = nullptr, *cosine = nullptr, *sine = nullptr;    ///< of half the angle of each node
   double *moving = nullptr, *dof = nullptr, *waiting = nullptr;  ///< the ground first | per velocity | inertias
   double* largest = nullptr;                                     ///< |a|^2, |al|^2 of the slot that has most
+  double* varied = nullptr;                                      ///< the ground first
+  bool with_positions = false;                                   ///< x and v of the slots are asked for
 };
 
 /// The plan of copies of one tree. `trees`: one of each copy, of equal shape.

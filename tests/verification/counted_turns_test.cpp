@@ -1,0 +1,122 @@
+// Links that count turns (gears, belts, differentials) along joints, where steps make many turns.
+#include <cmath>
+#include <numbers>
+
+#include <lockstep/assembly.h>
+#include <lockstep/body.h>
+#include <lockstep/couplings.h>
+#include <lockstep/force.h>
+#include <lockstep/integrators.h>
+#include <lockstep/joints.h>
+#include <lockstep/laws.h>
+#include <lockstep/solvers.h>
+#include <lockstep/step_loop.h>
+#include "tests/support/catch.h"
+#include "tests/support/messages.h"
+#include "tests/support/run_scene.h"
+#include "tests/support/worst.h"
+
+namespace counted_turns_test {
+
+using namespace lockstep;
+using testing::check_words, testing::message_of;
+
+namespace {
+
+/// A moment about the first body's z axis, A cos(W t).
+class Shaker final : public Force {
+ public:
+  Shaker(double A, double W) : Force("shaker"), A_(A), W_(W) {}
+  std::string_view type() const override { return "shaker"; }
+  std::vector<const Marker*> markers() const override { return {}; }
+  void setup() override {}
+  void apply(const Inputs& in, WrenchSum& out) const override { out.torque(0, Vec3(0, 0, A_ * std::cos(W_ * in.t))); }
+
+ private:
+  double A_, W_;
+};
+
+/// Two wheels of 1 and 4 kg m^2; the second turns half as fast, the other way. `driven`: the first by a law.
+struct Wheels {
+  System system;
+  explicit Wheels(bool driven = false) {
+    const auto wheel = [&](const char* name, double J, double x) -> Body& {
+      return system.add_body(name, {1.0, Vec3::Zero(), Vec3(J, J, J).asDiagonal()}, {Vec3(x, 0, 0), Quat{}});
+    };
+    Body &one = wheel("one", 1, 0), &two = wheel("two", 4, 1);
+    auto& a = system.add<Revolute>("a", one, system.ground(), pose_at(Vec3(0, 0, 0)));
+    auto& b = system.add<Revolute>("b", two, system.ground(), pose_at(Vec3(1, 0, 0)));
+    if (driven) a.drive(Axis::rz, laws::polynomial({0.0, 1.0}));
+    system.add(std::make_unique<Gear>(across("mesh", {a, b}), 2.0));
+  }
+};
+
+Dynamics along_joints(System& system) {
+  return Dynamics(system, std::make_unique<SchurSolver>(), {.formulation = Formulation::joint, .stabilization = {}});
+}
+
+}  // namespace
+
+TEST_CASE("links that count turns run along joints as in omega, in far fewer steps", "[verification][joint]") {
+  const auto scene = GENERATE(as<std::string>{}, "gear_train", "differential", "belt");
+  CAPTURE(scene);
+  const auto run = [&](Formulation formulation) {
+    return run_scene(scene_path(scene), [&](RunSettings& r) { r.formulation = formulation; });
+  };
+  const SceneRun automatic = run(Formulation::automatic), omega = run(Formulation::omega);
+  CHECK(5 * automatic.report.steps < omega.report.steps);
+  for (const ColumnError& e : compare(automatic.table, omega.table)) {
+    CAPTURE(e.name);
+    CHECK(e.error <= 1e-8 * std::max(1.0, e.size));
+  }
+}
+
+// J1 + J2/4 = 2: w = 500 sin(20 t) rad/s, 25 rad in each half swing; a step of dop853 sees most of one at this tolerance.
+TEST_CASE("a wheel that swings many turns within a step or two is counted right", "[verification][joint]") {
+  for (const double relative : {1e-1, 1e-3, 1e-6}) {
+    CAPTURE(relative);
+    Wheels wheels;
+    wheels.system.add(std::make_unique<Shaker>(2 * 500.0 * 20.0, 20.0));
+    Dynamics dynamics = along_joints(wheels.system);
+    State start = wheels.system.start();
+    dynamics.to_formulation(start);
+    REQUIRE(start.coordinates);
+    StepLoop loop(dynamics, std::make_unique<Dop853>(), {.tolerance = {relative, 1e-9}});
+    loop.set_state(start);
+    double worst = 0;
+    for (int k = 1; k <= 40; ++k) {
+      loop.run_until(0.05 * k);
+      State now = loop.state();
+      CHECK(dynamics.violation(now) < 1e-9);
+      keep_worst(worst, std::abs(now.q[0] + 2.0 * now.q[1]));
+    }
+    CHECK(worst < 1e-8);
+    const double angle = 25.0 * (1.0 - std::cos(40.0));
+    CHECK(std::abs(loop.state().q[0] - angle) < 100 * relative);
+  }
+}
+
+TEST_CASE("a fixed step that turns are not counted through is refused by the hinge", "[verification][joint]") {
+  Wheels wheels;
+  wheels.system.add(std::make_unique<Shaker>(2 * 500.0 * 20.0, 20.0));
+  Dynamics dynamics = along_joints(wheels.system);
+  State start = wheels.system.start();
+  dynamics.to_formulation(start);
+  StepLoop loop(dynamics, std::make_unique<Rk4>(), {.step = 0.2});
+  loop.set_state(start);
+  check_words(message_of<StepError>([&] { loop.run_until(2.0); }), {"rk4", "hinge 'a'", "counts", "smaller step"});
+}
+
+TEST_CASE("what is remembered besides turns of hinges of the tree stays in omega, by name", "[verification][joint]") {
+  const auto why = [](System& system) { return along_joints(system).why_not_joint(system.start().modes); };
+  Wheels plain, driven(true);
+  plain.system.setup(), driven.system.setup();
+  CHECK(why(plain.system).empty());
+  check_words(why(driven.system), {"link 'mesh'", "no hinge about z of the tree"});
+  const std::string path = message_of<ModelError>([] {
+    run_scene(scene_path("path_follower"), [](RunSettings& r) { r.until = 0.05, r.formulation = Formulation::joint; });
+  });
+  check_words(path, {"keeps a memory", "ways"});
+}
+
+}  // namespace counted_turns_test
