@@ -1,8 +1,12 @@
 // Copies in joint coordinates, one per lane, against the recursion of each mechanism alone.
 #include "framework/tools/batch/tree_batch.h"
 
+#include <cmath>
+
 #include <lockstep/forces.h>
+#include <lockstep/integrators.h>
 #include <lockstep/laws.h>
+#include <lockstep/step_loop.h>
 #include <lockstep/stepping.h>
 #include "tests/support/catch.h"
 #include "tests/support/copies_of.h"
@@ -136,6 +140,161 @@ TEST_CASE("in lanes a tree accelerates as alone: laws, drives, forces", "[unit][
       return sys;
     });
     CHECK(difference(family, 0.3) < 1e-12);
+  }
+}
+
+namespace {
+
+/// A cart that is driven along x, at a speed that jumps from 0 to 2 m/s, and a rod that hangs on it.
+std::unique_ptr<System> cart(int k) {
+  auto sys = std::make_unique<System>(System::Options{Vec3(0, 0, -9.81)});
+  Body& car = sys->add_body("car", {1.0 + k, Vec3::Zero(), Vec3(1, 1, 1).asDiagonal()}, {Vec3(0, 0, 0), Quat{}});
+  Body& rod = sys->add_body("rod", {1.0 + 0.1 * k, Vec3::Zero(), Vec3(0.1, 0.1, 0.01).asDiagonal()},
+                            {Vec3(0, 0, -0.5), Quat{}});
+  auto& rail = sys->add<Prismatic>("rail", car, sys->ground(), pose_at(Vec3(0, 0, 0), Vec3(1, 0, 0)));
+  sys->add<Revolute>("pin", rod, car, pose_at(Vec3(0, 0, 0), Vec3(0, 1, 0)));
+  rail.drive(Axis::z, laws::law([](auto t) { return t < 0.3 ? 0.0 * t : 2.0 * t - 0.6; }, {0.3}));
+  return sys;
+}
+
+struct Ends {
+  std::vector<State> states;
+  std::vector<CopyReport> reports;
+};
+Ends ends_of(Family& family, double t, const std::string& method, bool lanes, double step = 0) {
+  CopiesOptions options;
+  options.integrator = method, options.tolerance = {1e-10, 1e-12}, options.step = step, options.lanes = lanes;
+  std::vector<State> starts = family.starts();
+  Copies copies(family.pointers(), options);
+  CHECK(copies.formulation() == Formulation::joint);
+  Ends out;
+  out.states.resize(starts.size());
+  const std::vector<double> times{t};
+  out.reports = copies.run(starts, times,
+                           [&](int k, std::size_t, const State& s) { out.states[static_cast<std::size_t>(k)] = s; });
+  return out;
+}
+
+/// A push on one body that throws, or is no number, from a time on.
+struct Broken final : Force {
+  Broken(int slot, double from, bool throws) : Force("broken"), slot_(slot), from_(from), throws_(throws) {}
+  std::string_view type() const override { return "broken"; }
+  std::vector<const Marker*> markers() const override { return {}; }
+  void setup() override {}
+  void apply(const Inputs& in, WrenchSum& out) const override {
+    if (in.t < from_) return;
+    if (throws_) throw 42;
+    out.torque(slot_, Vec3(0, std::nan(""), 0));
+  }
+  int slot_;
+  double from_;
+  bool throws_;
+};
+
+/// Two pendulums on the ground; the force of copy 2 acts on the first.
+std::unique_ptr<System> two_pendulums(int k, double from, bool throws) {
+  auto sys = std::make_unique<System>(System::Options{Vec3(0, 0, -9.81)});
+  for (int i = 0; i < 2; ++i) {
+    Body& rod = sys->add_body("rod " + std::to_string(i), {1.0 + k, Vec3::Zero(), Vec3(0.1, 0.1, 0.01).asDiagonal()},
+                              {Vec3(2.0 * i + 0.5, 0, 0), Quat{}});
+    sys->add<Revolute>("pin " + std::to_string(i), rod, sys->ground(), pose_at(Vec3(2.0 * i, 0, 0), Vec3(0, 1, 0)));
+  }
+  sys->add(std::make_unique<Broken>(0, k == 2 ? from : 1e9, throws));
+  return sys;
+}
+
+}  // namespace
+
+TEST_CASE("copies in lanes cross a jump of velocity as a single run does", "[unit][copies]") {
+  const auto method = GENERATE(as<std::string>{}, "dop853", "dopri5", "rk4");
+  CAPTURE(method);
+  const double step = method == "rk4" ? 1e-3 : 0;
+  Family family(5, [](int k) { return cart(k); });
+  const Ends lanes = ends_of(family, 0.8, method, true, step), alone = ends_of(family, 0.8, method, false, step);
+  for (std::size_t k = 0; k < 5; ++k) {
+    INFO(k << ": " << lanes.reports[k].error);
+    REQUIRE(lanes.reports[k].finished);
+    CHECK_FALSE(lanes.reports[k].alone);
+    System& system = *family.systems[k];
+    Dynamics dynamics(system, std::make_unique<SchurSolver>());
+    StepLoop loop(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-10, 1e-12}});
+    loop.run_until(0.8);
+    State truth = loop.state();
+    dynamics.to_slots(truth);
+    CHECK(largest(lanes.states[k].q - alone.states[k].q) < 1e-8);
+    CHECK(largest(lanes.states[k].q - truth.q) < (step > 0 ? 1e-6 : 1e-8));
+    CHECK(largest(lanes.states[k].v - truth.v) < (step > 0 ? 1e-5 : 1e-7));
+  }
+  // The jump itself: the pin moves at 2 m/s at once, and the rod, which hung still, by w = m l 2 m/s / (J + m l^2).
+  const Ends just = ends_of(family, 0.3 + 1e-9, "dop853", true);
+  CHECK(std::abs(just.states[0].v[10]) == Approx(0.5 * 2.0 / (0.1 + 0.25)).epsilon(1e-6));
+}
+
+TEST_CASE("a copy whose force throws or is no number is told by name, the others go on", "[unit][copies]") {
+  const bool throws = GENERATE(false, true);
+  const auto method = GENERATE(as<std::string>{}, "dop853", "rk4");
+  CAPTURE(throws, method);
+  Family family(8, [&](int k) { return two_pendulums(k, 0.2, throws); });
+  const Ends ends = ends_of(family, 0.5, method, true, method == "rk4" ? 1e-3 : 0);
+  for (std::size_t k = 0; k < 8; ++k) {
+    CAPTURE(k, ends.reports[k].error);
+    CHECK(ends.reports[k].finished == (k != 2));
+    CHECK(ends.reports[k].alone == (k == 2));
+    if (k != 2) CHECK(ends.states[k].q.allFinite());
+  }
+  check_words(ends.reports[2].error, {"broken"});
+  CHECK(ends.reports[2].t < 0.2 + 1e-9);
+}
+
+TEST_CASE("errors of steps in lanes are those of ErrorNorm", "[unit][copies]") {
+  Family family = random_family(7, [](inputs::RandomMechanism& m) {
+    m.link(0, -1, Mask::xyz);
+    m.link(1, 0, Mask::xyz | Mask::e1 | Mask::e2);
+    m.link(1, 2, Mask::x | Mask::y | Mask::e123);
+    m.link(3, 1, Mask::x | Mask::z | Mask::e2 | Mask::e3, oracle::kP | oracle::kQD);
+    m.link(3, 4, Mask::xyz | Mask::e1 | Mask::e2, oracle::kP | oracle::kQD);
+    m.link(0, 5, Mask::y, oracle::kP);
+  });
+  const std::vector<System*> systems = family.pointers();
+  for (System* system : systems) system->setup();
+  CopiesOptions options;
+  options.formulation = Formulation::joint;
+  const std::unique_ptr<lanes::Batch> batch = lanes::Batch::of(systems, 0, options);
+  REQUIRE(batch->weighs_errors());
+  Aligned<double> y0(batch->n_numbers()), y1 = y0, error = y0;
+  lanes::Numbers8 t{}, t1{}, h{};
+  std::vector<State> from, to;
+  std::vector<StateRate> errors;
+  for (std::size_t k = 0; k < systems.size(); ++k) {
+    State s = systems[k]->start();
+    batch->to_batch(static_cast<int>(k), s);
+    s.t = t[k] = 0.1 * static_cast<double>(k), h[k] = 0.05 + 0.01 * static_cast<double>(k);
+    s.v.setRandom();
+    from.push_back(s);
+    s.t = t1[k] = t[k] + h[k];
+    s.q += 0.1 * VecX::Random(s.q.size()), s.v += 0.1 * VecX::Random(s.v.size());
+    to.push_back(s);
+    StateRate e = sized_like(s);
+    e.q.setRandom(), e.v.setRandom(), e.q *= 1e-3, e.v *= 1e-3;
+    errors.push_back(e);
+    batch->put(static_cast<int>(k), from[k], y0.data()), batch->put(static_cast<int>(k), to[k], y1.data());
+    State packed = s;
+    packed.q = e.q, packed.v = e.v;
+    batch->put(static_cast<int>(k), packed, error.data());
+  }
+  std::array<Change, lanes::kLanes> change, by;
+  batch->start_from(y0.data(), t);
+  batch->change_to(y1.data(), t1, h, change);
+  batch->weigh(error.data(), by);
+  for (std::size_t k = 0; k < systems.size(); ++k) {
+    const Tolerance tolerance{1e-4 * static_cast<double>(k), 1e-6};
+    StateRate still = sized_like(from[k]);
+    still.v.setZero(), still.q.setZero();
+    ErrorNorm norm;
+    norm.set(tolerance);
+    norm.scale(from[k], still, h[k], to[k]);
+    const double truth = norm.of(errors[k], to[k]);
+    CHECK(BodyWeights(tolerance, change[k]).of(by[k]) == Approx(truth).epsilon(1e-10));
   }
 }
 

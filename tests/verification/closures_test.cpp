@@ -322,13 +322,21 @@ TEST_CASE("rows normal to the plane of a tree are left out of what closes its lo
     SolveReport report;
     CHECK(difference(dynamics, state, report) < 1e-11);
   }
-  // An axis that is tilted, and a slide along the normal by a law: nothing is left out.
+  // An axis that is tilted, a slide along the normal by a law, and a hinge that is too high: nothing is left out.
   System tilted = lying_four_bar(hinge(Vec3(1e-5, 0, 1)));
   CHECK(rows(tilted) == 5);
   System lifted = lying_four_bar([](System& s, Body& a, Body& b, const Vec3& at) {
     s.add<GenericLock>("C", a, b, pose_at(at), Mask::x | Mask::y).drive(Axis::z, laws::polynomial({0.0, 1.0}));
   });
   CHECK(rows(lifted) == 3);
+  System high = lying_four_bar([](System& s, Body& a, Body& b, const Vec3& at) {
+    Marker &p = s.add_marker("p", a, {Vec3(rotation(a.home.q).transpose() * (at - a.home.x)), conjugate(a.home.q)}),
+           &q = s.add_marker(
+               "q", b,
+               {Vec3(rotation(b.home.q).transpose() * (at - b.home.x + Vec3(0, 0, 1e-3))), conjugate(b.home.q)});
+    s.add<GenericLock>("C", p, q, Mask::xyz | Mask::e1 | Mask::e2);
+  });
+  CHECK(rows(high) == 5);
 }
 
 TEST_CASE("few closures are open at a time in ladders and in rows of four-bars", "[verification][joint]") {

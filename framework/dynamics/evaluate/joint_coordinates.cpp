@@ -96,9 +96,10 @@ void Dynamics::joint_reactions(Tree& t, const Inputs& in) {
 
 std::string Dynamics::why_not_joint(const std::vector<bool>& modes) { return tree(modes).why_not; }
 
-const Lock* Dynamics::outrun(const State& from, const State& to) {
+const Lock* Dynamics::miscounts(const State& from, const State& to, double most) {
   if (!from.coordinates || from.coordinates != to.coordinates) return nullptr;
-  return tree(from.modes).of(from).coordinates->outrun(from, to);
+  const int link = tree(from.modes).of(from).coordinates->miscounts(from, to, most);
+  return link < 0 ? nullptr : system_.links()[static_cast<std::size_t>(link)].get();
 }
 
 void Dynamics::to_formulation(State& state, const State* near) {
@@ -164,7 +165,7 @@ void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* repo
   t.coordinates->kinematic_rate(state, out.q);
   out.s.resize(state.s.size());
   if (state.s.size() > 0) {
-    if (t.solves && (solved || !t.multipliers_known || (t.reads_all && !t.closures().empty()))) {
+    if (t.solves && (solved || !t.multipliers_known || (t.reads_all && t.coordinates->has_rows()))) {
       if (!solved) solved = &evaluate(state), --work_.evaluations;
       system_.state_rates(*solved, out.s);
     } else if (t.solves) {

@@ -34,13 +34,11 @@ std::string reason(Dynamics& dynamics, const State& start, const State& landed, 
          "; two laws or links may part there, or the mechanism is locked: " + advice;
 }
 
-StepError turns_outrun(const Lock& hinge, std::string_view method, double t, double h) {
-  return StepError(
-      fmt::format(
-          "{}: in the step of {:.6g} s from t = {:.9g} s hinge '{}' turns too unevenly for its turns, which a link "
-          "counts, to be known; take a smaller step (--step), or the formulation omega",
-          method, h, t, hinge.name()),
-      t);
+StepError miscounted(const Lock& link, std::string_view method, double t, double h) {
+  return StepError(fmt::format("{}: in the step of {:.6g} s from t = {:.9g} s the turns that link '{}' counts are too "
+                               "uneven to be known; take a smaller step (--step)",
+                               method, h, t, link.name()),
+                   t);
 }
 
 }  // namespace
@@ -86,9 +84,9 @@ StepReport AdaptiveStepper::step(Dynamics& dynamics, State& state, double h) {
     try {
       const Attempt made = attempt(dynamics, h);
       failure.clear();
-      const Lock* const outrun = made.accepted ? dynamics.outrun(start_, end_) : nullptr;
-      if (outrun && fixed()) throw turns_outrun(*outrun, info().name, start_.t, h);
-      if (made.accepted && !outrun && land(dynamics, h, report)) {
+      const Lock* const lost = made.accepted ? dynamics.miscounts(start_, end_) : nullptr;
+      if (lost && fixed()) throw miscounted(*lost, info().name, start_.t, h);
+      if (made.accepted && !lost && land(dynamics, h, report)) {
         report.h = h;
         report.error = made.error;
         if (control_) report.h_next = h * control_->accept(h, made.error, made.iterations, rejected);
@@ -96,8 +94,8 @@ StepReport AdaptiveStepper::step(Dynamics& dynamics, State& state, double h) {
         take_motion(landed_, state);
         return report;
       }
-      if (outrun)
-        failure = "hinge '" + outrun->name() + "' turns too unevenly for its turns to be counted";
+      if (lost)
+        failure = "the turns that link '" + lost->name() + "' counts are too uneven";
       else if (made.accepted)
         failure =
             fmt::format("its end is {:.2g} m off the constraints and cannot be brought back", report.violation_after);

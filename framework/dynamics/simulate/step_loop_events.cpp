@@ -92,8 +92,18 @@ void StepLoop::apply(const Event& e) {
                                "event '" + e.name + "' at t = " + fmt::format("{:.9g}", state_.t) + " s");
 }
 
+// Impacts are those of the bodies; where nothing comes of it, the state is what it was.
 void StepLoop::settle_contacts() {
-  const ContactManager::Settled settled = parts_->contacts.settle(state_);
+  const bool converted = state_.coordinates != nullptr;
+  if (converted) keep_state(state_, parts_->before_change), dynamics_.to_slots(state_);
+  ContactManager::Settled settled;
+  try {
+    settled = parts_->contacts.settle(state_);
+  } catch (...) {
+    if (converted) keep_state(parts_->before_change, state_);
+    throw;
+  }
+  if (converted && !settled.restart) keep_state(parts_->before_change, state_);
   if (settled.impact) ++report_.impacts;
   if (!settled.resting.empty()) make_consistent(settled.resting);
   if (settled.impact) dynamics_.accept(state_);  // counted turns continue at the new speeds

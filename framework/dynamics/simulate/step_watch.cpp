@@ -16,6 +16,7 @@ namespace {
 constexpr double kLonger = 1e-9;     // by which a step may be longer than asked for, relative,
 constexpr double kElsewhere = 1e-9;  // and its end be elsewhere than t + h
 constexpr double kUnit = 1e-6;       // of |e|^2 - 1
+constexpr double kMiscounted = 3;    // rad; from half a turn on turns are counted wrong
 
 bool same_sizes(const State& a, const State& b) {
   return a.q.size() == b.q.size() && a.v.size() == b.v.size() && a.s.size() == b.s.size() && a.z.size() == b.z.size() &&
@@ -67,6 +68,8 @@ void StepWatch::check(const State& from, const State& to, double h, StepReport& 
   if (wrong.empty()) wrong = wrong_time(from.t, to.t, h, report);
   if (wrong.empty()) wrong = wrong_numbers(to);
   if (wrong.empty()) wrong = wrong_quaternion(to, dynamics_.system());
+  if (const Lock* link = wrong.empty() ? dynamics_.miscounts(from, to, kMiscounted) : nullptr)
+    wrong = "turns what link '" + link->name() + "' counts too unevenly to be known; take a smaller step (--step)";
   if (!wrong.empty())
     throw StepError(fmt::format("{}: the step from t = {:.9g} s {}", method_.info().name, from.t, wrong), from.t);
   if (method_.origin() != "built in" && (!to.coordinates || to.coordinates->has_rows()))

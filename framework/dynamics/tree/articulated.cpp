@@ -229,6 +229,8 @@ LOCKSTEP_INLINE SpatialWrench operator*(double x, const SpatialWrench& a) { retu
 LOCKSTEP_INLINE double dot(const SpatialWrench& a, const SpatialTwist& b) { return dot(a.f, b.a) + dot(a.t, b.al); }
 LOCKSTEP_INLINE double force2(const SpatialWrench& a) { return dot(a.f, a.f); }
 LOCKSTEP_INLINE double moment2(const SpatialWrench& a) { return dot(a.t, a.t); }
+LOCKSTEP_INLINE double linear2(const SpatialTwist& a) { return dot(a.a, a.a); }
+LOCKSTEP_INLINE double angular2(const SpatialTwist& a) { return dot(a.al, a.al); }
 
 LOCKSTEP_INLINE ArticulatedBodies::Joint ArticulatedBodies::joint(const JointTree& tree, std::size_t k) const {
   const TreeNode& n = tree.nodes()[k];

@@ -71,8 +71,8 @@ double ClosureRows::norm(const VecX& c) const {
   return worst;
 }
 
-bool ClosureRows::is_met(const std::array<double, 3>& bounds) {
-  std::array<double, 3> largest = bounds;
+bool ClosureRows::is_met() {
+  std::array<double, 3> largest{};
   for (std::size_t j = 0; j < fronts_.sources.size(); ++j) {
     const auto row = static_cast<Eigen::Index>(j);
     // What lambda alone would cause, and what other rows balance: its rounding is left where nothing moves.

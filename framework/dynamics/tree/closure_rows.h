@@ -49,9 +49,8 @@ class LOCKSTEP_API ClosureRows {
   inline double multiplier(const ClosureFront&, int j, double with, const VecX& lambda) const;
   /// From diagonal_; arm2: as in PivotFloors, read the first time.
   void measure_scales(const RowTable&, double arm2);
-  /// From r_ and size_: whether the residuals are small enough. bounds: no scale of a kind of row is smaller than
-  /// kScaleFloor of this.
-  bool is_met(const std::array<double, 3>& bounds = {});
+  /// From r_ and size_: whether the residuals are small enough.
+  bool is_met();
 
   ClosureFronts fronts_;
   std::vector<double> Lambda_, V_, l_;                     // l by place

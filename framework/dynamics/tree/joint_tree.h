@@ -96,14 +96,25 @@ class LOCKSTEP_API JointTree final : public Coordinates {
   /// The same joints in a plane, where they keep all slots in one; else null.
   const PlanarJoints* planar() const { return planar_.get(); }
 
-  /// The hinge whose turn closures count, and that outruns their counting in a step from one state to another: the mean of
-  /// its rates misses its way by more than 2 rad. Null: none.
-  const Lock* outrun(const State& from, const State& to) const;
+  /// Number of a link that counts turns by the mean of the rates, where that misses the way of a pair by more than `most`,
+  /// rad, in a step from one state to the other, at its end or inside it. -1: none.
+  int miscounts(const State& from, const State& to, double most) const;
 
  private:
   template <class G>
   void grow(const System&, const G& graph);
   std::string follow_turns(const System&);
+  // A turn that a closure counts: a sum of angles.
+  struct CountedTurn {
+    struct Part {
+      int q, v;  // numbers of an angle and of its rate
+      double sign;
+    };
+    int link;
+    std::vector<Part> parts;
+  };
+  bool turns_about_normal(const Marker&) const;
+  std::string add_parts(const System&, int slot, double sign, CountedTurn&) const;
   void add_node(const System&, int slot, int parent, int link);
   // Numbers of the motions of a node, and of the node `node` (-1: the ground), where the ground's is the first.
   static std::size_t motion_of(const TreeNode& node) { return static_cast<std::size_t>(node.slot + 1); }
@@ -112,7 +123,7 @@ class LOCKSTEP_API JointTree final : public Coordinates {
   std::vector<TreeNode> nodes_;
   std::vector<int> node_of_;  // of each slot
   std::vector<int> closures_;
-  std::vector<int> counted_;  // nodes whose turns closures count
+  std::vector<CountedTurn> counted_;
   std::shared_ptr<const PlanarJoints> planar_;
   int n_q_ = 0, n_v_ = 0;
   bool has_laws_ = false;

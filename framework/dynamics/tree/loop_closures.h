@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <span>
 #include <utility>
@@ -11,7 +10,6 @@
 
 #include <lockstep/rows.h>
 #include "framework/dynamics/tree/closure_rows.h"
-#include "framework/dynamics/tree/largest.h"
 
 namespace lockstep {
 
@@ -67,7 +65,8 @@ class LoopClosures final : public ClosureRows {
   void find(std::size_t k, const Twist& a) { find(k, a, lambda_); }
 
  private:
-  std::array<double, 3> bounds_of(const Largest&) const;  // by RowKind
+  template <class Bodies>
+  void raise_sizes(const Bodies&);
   bool has_parent(std::size_t node) const { return fronts_.parents[node] < fronts_.n_nodes; }
   void close_again(const ClosureFront&, Wrench* p);
   template <class Bodies>
@@ -145,21 +144,27 @@ LOCKSTEP_INLINE bool LoopClosures<Wrench, Twist>::met(const Bodies& bodies) {
     }
     r_[row] = r, size_[row] = size;
   }
-  return is_met() || is_met(bounds_of(bodies.largest()));
+  if (is_met()) return true;
+  raise_sizes(bodies);
+  return is_met();
 }
 
-// Where all scales of a kind vanish (rows normal to a plane in which all moves), r is rounding of other directions, bounded
+// Where all terms of a row vanish (it is normal to a plane in which all moves), r is rounding of other directions, bounded
 // in any frame by |J_f| |a| + |J_t| |al|: raised as residual_floor() raises it by energy.
 template <class Wrench, class Twist>
-LOCKSTEP_INLINE std::array<double, 3> LoopClosures<Wrench, Twist>::bounds_of(const Largest& most) const {
-  std::array<double, 3> bounds{};
-  for (const ClosureSource& source : fronts_.sources)
+template <class Bodies>
+LOCKSTEP_INLINE void LoopClosures<Wrench, Twist>::raise_sizes(const Bodies& bodies) {
+  for (std::size_t j = 0; j < fronts_.sources.size(); ++j) {
+    const ClosureSource& source = fronts_.sources[j];
+    double bound = 0;
     for (int i = 0; i < source.n_sides; ++i) {
-      const Wrench& J = J_[static_cast<std::size_t>(source.first_side + i)];
-      double& bound = bounds[static_cast<std::size_t>(source.kind)];
-      bound = std::max(bound, std::sqrt(force2(J)) * most.a() + std::sqrt(moment2(J)) * most.alpha());
+      const auto at = static_cast<std::size_t>(source.first_side + i);
+      const auto a = bodies.acceleration(static_cast<std::size_t>(fronts_.sides[at].node));
+      bound += std::sqrt(force2(J_[at]) * linear2(a)) + std::sqrt(moment2(J_[at]) * angular2(a));
     }
-  return bounds;
+    double& size = size_[static_cast<Eigen::Index>(j)];
+    size = std::max(size, kScaleFloor * bound);
+  }
 }
 
 // Lambda is symmetric: what is right of the diagonal is neither written nor read. At the ground nothing moves, and K is

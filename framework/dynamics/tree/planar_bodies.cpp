@@ -146,6 +146,8 @@ LOCKSTEP_INLINE FlatWrench operator*(double x, const FlatWrench& a) { return {x 
 LOCKSTEP_INLINE double dot(const FlatWrench& a, const FlatTwist& b) { return dot(a.f, b.a) + a.t * b.al; }
 LOCKSTEP_INLINE double force2(const FlatWrench& a) { return dot(a.f, a.f); }
 LOCKSTEP_INLINE double moment2(const FlatWrench& a) { return a.t * a.t; }
+LOCKSTEP_INLINE double linear2(const FlatTwist& a) { return dot(a.a, a.a); }
+LOCKSTEP_INLINE double angular2(const FlatTwist& a) { return a.al * a.al; }
 
 // What eliminate() and shift() do with IA, here with K: its rows are K' / D^-1 once the coordinates are gone. Of a hinge
 // u, g and gs are about the parent's point already.

@@ -20,6 +20,7 @@ namespace {
 
 constexpr double kNone = 1e-10;  // relative to the largest number of a row, as in a planar mechanism
 constexpr double kMostArm = 10;  // along the normal, in lengths of the mechanism
+constexpr double kMet = 1e-9;    // of a length or half a turn: what a start is assembled to, and round-off
 constexpr int kPoses = 3;
 
 // A state away from all coordinates zero, different for every k.
@@ -34,9 +35,9 @@ State pose_of(const JointTree& tree, const System& system, int k) {
   return y;
 }
 
-// Largest numbers of a row: in the plane; along its normal; about axes in the plane.
+// Largest numbers of a row: in the plane; along its normal; about axes in the plane; of its residual.
 struct Parts {
-  double in = 0, along = 0, about = 0;
+  double in = 0, along = 0, about = 0, C = 0;
   bool lies_in() const { return in > kNone * std::max(along, about); }
   // Lever arms along the normal give moments about axes in the plane, which the tree carries; a tilted axis gives more.
   bool is_tilted() const { return along > kNone * in || about > kMostArm * in; }
@@ -60,7 +61,9 @@ std::vector<std::vector<Parts>> parts_of(const JointTree& tree, const System& sy
       link->gather(Group(&link, 1), in, table.spatial_span(shape));
       const RowBlock block = table.spatial(shape);
       out[l].resize(static_cast<std::size_t>(shape.m));
-      for (int row = 0; row < shape.m; ++row)
+      for (int row = 0; row < shape.m; ++row) {
+        double& C = out[l][static_cast<std::size_t>(row)].C;
+        C = std::max(C, std::abs(block.C(row)));
         for (int i = 0; i < shape.n; ++i) {
           const std::array<double, 6> J = block.J(i, row);
           const Motion& own = motions[static_cast<std::size_t>(link->slots()[i] + 1)];
@@ -70,6 +73,7 @@ std::vector<std::vector<Parts>> parts_of(const JointTree& tree, const System& sy
           p.in = std::max({p.in, (f - along * normal).norm(), std::abs(turn)});
           p.along = std::max(p.along, std::abs(along)), p.about = std::max(p.about, (t - turn * normal).norm());
         }
+      }
     }
   }
   return out;
@@ -123,6 +127,8 @@ bool leave_out_normal_rows(const JointTree& tree, const System& system, RowTable
       const Parts& p = parts[l][static_cast<std::size_t>(e.own[static_cast<std::size_t>(k)])];
       if (p.lies_in() && p.is_tilted()) return false;
       if (p.lies_in()) continue;
+      const bool is_met = p.C <= kMet * std::max(1.0, system.length()), is_normal = p.along > 0 || p.about > 0;
+      if (!is_met || !is_normal) return false;
       if (may_have_laws(link_of(e))) return false;
       absent[l] |= 1U << k;
     }

@@ -1,7 +1,7 @@
 // Copies: eight copies of one mechanism at once, one per vector lane: parameter studies, ensembles, differences.
 //
-// One evaluation serves all eight, with the same kernels on packs of eight numbers (framework/docs/solvers.md, section
-// 3). Each copy has its own masses, markers, gravity, laws, forces, start, time and step.
+// One evaluation serves all eight, on packs of eight numbers (framework/docs/solvers.md, section 3). Each copy has its
+// own masses, markers, gravity, laws, forces, start, time and step.
 #pragma once
 
 #include <functional>

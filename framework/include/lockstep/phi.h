@@ -48,8 +48,7 @@ struct LockCoords {
       e2,                 ///< along y of S
       e3,                 ///< along z of S
       t;                  ///< time, s
-  double near_angle =
-      0;  ///< where angle_z() is expected, rad: the last accepted angle, carried on by the mean of its rates
+  double near_angle = 0;  ///< where angle_z() is expected, rad: the last angle, carried on by the mean of its rates
   const double* memory = nullptr;  ///< the kMemory numbers of phi itself in State::z
 
   /// Turn of P about the z axis of S, rad. With kCountsTurns = true it runs on past full turns, with false it is within

@@ -1,15 +1,17 @@
 #include "framework/tools/batch/batch.h"
 
+#include <lockstep/error.h>
 #include "framework/tools/batch/row_batch.h"
 #include "framework/tools/batch/tree_batch.h"
 
 namespace lockstep::lanes {
 
 std::unique_ptr<Batch> Batch::of(std::span<System* const> systems, int first, const CopiesOptions& options) {
+  if (options.formulation == Formulation::omega) return std::make_unique<RowBatch>(systems, first, options);
   std::string why_not;
-  if (auto trees = TreeBatch::trees_of(systems, options, why_not); !trees.empty())
-    return std::make_unique<TreeBatch>(systems, first, std::move(trees), options);
-  return std::make_unique<RowBatch>(systems, first, options);
+  auto trees = TreeBatch::trees_of(systems, why_not);
+  if (trees.empty()) throw ModelError("copies: no joint coordinates in lanes: " + why_not);
+  return std::make_unique<TreeBatch>(systems, first, std::move(trees), options);
 }
 
 Batch::Batch(std::span<System* const> systems, int first, std::size_t n_q, std::size_t n_v,
@@ -28,6 +30,7 @@ Batch::Batch(std::span<System* const> systems, int first, std::size_t n_q, std::
   }
   for (const auto& link : systems_[0]->links())
     if (link->active_at_start() && link->n_own_states() > 0) stateful_.push_back(link->number());
+  reads_motions_ = has_forces_ || !stateful_.empty();
   const int n_slots = systems_[0]->n_slots();
   motions_.resize(static_cast<std::size_t>(n_slots + 1));
   wrench_.assign(kL * 6 * static_cast<std::size_t>(n_slots), 0.0);
@@ -70,16 +73,21 @@ Inputs Batch::inputs(int lane, const double* y, double t) {
   return in;
 }
 
+void Batch::see_motions(int lane) {
+  for (int k = 0; k < system(lane).n_slots(); ++k) read_motion(lane, k, motions_[static_cast<std::size_t>(k + 1)]);
+}
+
 void Batch::fill_wrench(const double* y, const Numbers8& t) {
   if (!has_forces_) return;
   for (int l = 0; l < kLanes; ++l) {
-    const System& system = *systems_[static_cast<std::size_t>(l)];
     wrench_of_one_.setZero();
-    if (l < n_ && !system.forces().empty()) {
-      for (int k = 0; k < system.n_slots(); ++k) read_motion(l, k, motions_[static_cast<std::size_t>(k + 1)]);
+    if (l < n_ && !system(l).forces().empty()) {
+      see_motions(l);
       const Inputs in = inputs(l, y, t[static_cast<std::size_t>(l)]);
       WrenchSum sum(in.motions, wrench_of_one_);
-      for (const auto& force : system.forces()) force->apply(in, sum);
+      guarded(l, [&] {
+        for (const auto& force : system(l).forces()) force->apply(in, sum);
+      });
     }
     put_numbers(wrench_, 0, l, wrench_of_one_);
   }
@@ -89,13 +97,16 @@ void Batch::state_rates(const double* y, const Numbers8& t, double* rate) {
   if (n_s_ == 0) return;
   for (int l = 0; l < kLanes; ++l) {
     const auto lane = static_cast<std::size_t>(l);
+    if (!stateful_.empty()) see_motions(l);
     const Inputs in = inputs(l, y, t[lane]);
     rates_of_one_.setZero();
-    for (const int number : stateful_) {
-      const Lock& link = *systems_[lane]->links()[static_cast<std::size_t>(number)];
-      link.stateful()->state_rates(
-          in, {rates_of_one_.data() + link.first_state(), static_cast<std::size_t>(link.n_own_states())});
-    }
+    guarded(l, [&] {
+      for (const int number : stateful_) {
+        const Lock& link = *system(l).links()[static_cast<std::size_t>(number)];
+        link.stateful()->state_rates(
+            in, {rates_of_one_.data() + link.first_state(), static_cast<std::size_t>(link.n_own_states())});
+      }
+    });
     double* to = rate + kL * (n_q_ + n_v_) + lane;
     for (Eigen::Index i = 0; i < rates_of_one_.size(); ++i, to += kLanes) *to = rates_of_one_[i];
   }

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <memory>
+#include <new>
 #include <span>
 #include <string>
 #include <vector>
@@ -28,8 +29,8 @@ struct Landing {
 
 class LOCKSTEP_API Batch {
  public:
-  /// Of copies in joint coordinates where `options` and the mechanism let them (TreeBatch), else in the slots' own. The
-  /// systems are set up and suited; `first`: the number of the first of them, for messages.
+  /// Of copies in joint coordinates (TreeBatch), with the formulation omega in the slots' own (RowBatch). The systems are
+  /// set up and suited; `first`: the number of the first of them, for messages. Throws ModelError without trees.
   static std::unique_ptr<Batch> of(std::span<System* const> systems, int first, const CopiesOptions& options);
   virtual ~Batch();
 
@@ -82,8 +83,20 @@ class LOCKSTEP_API Batch {
   /// n_q, n_v: numbers of a state.
   Batch(std::span<System* const> systems, int first, std::size_t n_q, std::size_t n_v, const CopiesOptions&);
 
-  /// The inputs of one copy's laws; the motions are those that fill_wrench wrote.
+  /// The inputs of one copy's laws; its motions are those that see_motions wrote last.
   Inputs inputs(int lane, const double* y, double t);
+  void see_motions(int lane);
+  /// act(), which may be user code; what it throws makes the lane a lost one.
+  template <class Act>
+  void guarded(int lane, Act&& act) {
+    try {
+      act();
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (...) {
+      lost_[static_cast<std::size_t>(lane)] = true;
+    }
+  }
   /// The integrated states of a copy, by the last inputs().
   const VecX& states_of(int lane) const { return states_[static_cast<std::size_t>(lane)]; }
   /// Sets the forces of all copies, which are scalar code and applied copy by copy; nothing where there are none.
@@ -98,6 +111,8 @@ class LOCKSTEP_API Batch {
   std::array<System*, kLanes> systems_{};
   Passes pass_;
   bool watches_ = false, has_forces_ = false;
+  bool reads_motions_ = false;  // forces, or rates of links' states
+  Flags8 lost_{};               // lanes in which user code threw since this was cleared; alone they are told by name
   Aligned<double> wrench_;  // 6 packs a slot
 
  private:

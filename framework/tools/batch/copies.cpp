@@ -70,8 +70,6 @@ void check(const CopiesOptions& o, const EmbeddedScheme* scheme) {
   if (!(o.tolerance.relative >= 0) || !(o.tolerance.atol_x >= 0) || !(o.tolerance.relative + o.tolerance.atol_x > 0))
     throw ModelError("copies: tolerances " + text::brief(o.tolerance.relative) + " and " +
                      text::brief(o.tolerance.atol_x) + "; give numbers that are not negative, one of them above zero");
-  if (o.formulation == Formulation::quaternion)
-    throw ModelError("copies: no lanes for the formulation quaternion; take automatic, joint or omega");
   if (o.stabilization.kind == Stabilization::Kind::baumgarte)
     throw ModelError("copies: no lanes for Baumgarte's stabilisation; take project or none");
   if (!(o.stabilization.tolerance > 0))
@@ -139,25 +137,33 @@ struct Copies::Work {
 
 namespace {
 
-// Why a mechanism has no lanes in these coordinates; "" if it has. `joint`: it has in joint coordinates.
-std::string unsuited(System& system, const CopiesOptions& options, bool& joint) {
-  joint = false;
-  system.setup();
-  if (std::string why = lanes::unsuited(system); !why.empty()) return why;
-  std::string why_no_tree;
-  System* one[] = {&system};
-  joint = !lanes::TreeBatch::trees_of(one, options, why_no_tree).empty();
-  if (joint) return "";
-  return options.formulation == Formulation::joint ? why_no_tree : lanes::unsuited_rows(system);
+// Why these mechanisms have no lanes in the coordinates of `formulation`, which is joint or omega at the end; "" if they
+// have.
+std::string unsuited(std::span<System* const> systems, Formulation& formulation) {
+  for (System* system : systems) {
+    system->setup();
+    if (std::string why = lanes::unsuited(*system); !why.empty()) return why;
+  }
+  if (formulation == Formulation::quaternion)
+    return "the formulation quaternion has none; take automatic, joint or omega";
+  std::string why_no_trees;
+  const bool asked = formulation == Formulation::joint;
+  if (formulation != Formulation::omega && !lanes::TreeBatch::trees_of(systems, why_no_trees).empty()) {
+    formulation = Formulation::joint;
+    return "";
+  }
+  formulation = Formulation::omega;
+  if (asked) return why_no_trees;
+  for (const System* system : systems)
+    if (std::string why = lanes::unsuited_rows(*system); !why.empty()) return why;
+  return "";
 }
 
 }  // namespace
 
 std::string Copies::unsuited(System& system, Formulation formulation) {
-  CopiesOptions options;
-  options.formulation = formulation;
-  bool joint = false;
-  return lockstep::unsuited(system, options, joint);
+  System* const one[] = {&system};
+  return lockstep::unsuited(one, formulation);
 }
 
 Copies::Copies(std::vector<System*> systems, CopiesOptions options) : work_(std::make_unique<Work>()) {
@@ -175,21 +181,17 @@ Copies::Copies(std::vector<System*> systems, CopiesOptions options) : work_(std:
                        "\" does not take joint coordinates; take the formulation automatic");
     taken.formulation = Formulation::omega;
   }
-  bool all_joint = true;
   for (std::size_t i = 0; i < systems.size(); ++i) {
     if (!systems[i]) throw ModelError("copies: copy " + std::to_string(i) + " is null; give a mechanism");
-    bool joint = false;
-    const std::string why = lockstep::unsuited(*systems[i], taken, joint);
-    if (!why.empty())
-      throw ModelError("copies: this mechanism cannot run in lanes: " + why + "; run its copies one by one");
-    all_joint = all_joint && joint;
+    systems[i]->setup();
     const std::string differs = difference(*systems[0], *systems[i]);
     if (!differs.empty())
       throw ModelError("copies: copy " + std::to_string(i) + " is another mechanism than copy 0: it has " + differs +
                        "; copies have equal bodies and links");
   }
-  if (!all_joint) taken.formulation = Formulation::omega;
-  w.formulation = all_joint ? Formulation::joint : Formulation::omega;
+  if (const std::string why = lockstep::unsuited(systems, taken.formulation); !why.empty())
+    throw ModelError("copies: this mechanism cannot run in lanes: " + why + "; run its copies one by one");
+  w.formulation = taken.formulation;
   w.systems = std::move(systems), w.options = std::move(options);
   w.in_eights([&](auto some, int first) { w.batches.push_back(lanes::Batch::of(some, first, taken)); });
 }

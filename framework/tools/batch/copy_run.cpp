@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/dynamics/simulate/step_rules.h"
-#include <lockstep/solvers.h>
 #include <lockstep/error.h>
+#include <lockstep/solvers.h>
+#include <lockstep/step_loop.h>
+#include "framework/dynamics/simulate/consistency.h"
+#include "framework/dynamics/simulate/step_rules.h"
 
 namespace lockstep::lanes {
 
@@ -39,6 +41,15 @@ double OutputSchedule::arrive(bool& output) {
   return output ? times_[next_++] : jumps_[next_jump_++];
 }
 
+void pass_jump(Dynamics& dynamics, State& state, double t) {
+  const double limit = StepLoopOptions().start_limit;
+  dynamics.to_slots(state);
+  const PositionJump jump(dynamics, state);
+  state.t = t;
+  if (const std::string refusal = jump.refusal(dynamics, state, limit); !refusal.empty()) throw AssemblyError(refusal);
+  make_consistent(dynamics, state, "the jump of a law", limit);
+}
+
 void run_alone(System& system, int copy, State state, OutputSchedule schedule, double h, const RunTask& task,
                CopyReport& report) {
   try {
@@ -52,7 +63,15 @@ void run_alone(System& system, int copy, State state, OutputSchedule schedule, d
     dynamics.to_formulation(state);
     dynamics.accept(state);
     integrator->begin(dynamics, state);
-    const auto tell = [&] {
+    const auto arrive = [&] {
+      bool output = false;
+      const double t = schedule.arrive(output);
+      if (!output) {
+        pass_jump(dynamics, state, t);
+        dynamics.to_formulation(state);
+        return;
+      }
+      state.t = t;
       State told = state;
       dynamics.to_slots(told);
       task.output(copy, schedule.next() - 1, told);
@@ -62,11 +81,7 @@ void run_alone(System& system, int copy, State state, OutputSchedule schedule, d
     const double t_start = state.t;
     long n_slow = 0;
     while (!schedule.done()) {
-      while (!schedule.done() && schedule.reach() <= state.t) {  // the start may be an output time
-        bool output = false;
-        state.t = schedule.arrive(output);
-        if (output) tell();
-      }
+      while (!schedule.done() && schedule.reach() <= state.t) arrive();  // the start may be an output time
       if (schedule.done()) break;
       if (h > 0 && !fixed) {
         n_slow = schedule.end() - state.t > kMostSteps * h ? n_slow + 1 : 0;
@@ -84,9 +99,8 @@ void run_alone(System& system, int copy, State state, OutputSchedule schedule, d
       if (step.h_next > 0) h = advised_after(h, asked, step.h, step.h_next);
       report.t = state.t;
       if (!lands || step.h < asked) continue;
-      bool output = false;
-      report.t = state.t = schedule.arrive(output);
-      if (output) tell();
+      arrive();
+      report.t = state.t;
     }
   } catch (const Error& error) {
     report.finished = false;

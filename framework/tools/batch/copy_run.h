@@ -44,6 +44,10 @@ struct RunTask {
   const Copies::Output& output;
 };
 
+/// Takes a state from the near side of the jump of a law to its instant t, in the slots' own coordinates: velocities that
+/// jump are projected, as StepLoop does. Throws AssemblyError where positions jump, and what the laws throw.
+void pass_jump(Dynamics&, State&, double t);
+
 /// Runs from `state` to the end of the schedule with the scalar Dynamics and integrator, or until it fails. `h`: first
 /// step; 0: the method's own guess.
 void run_alone(System&, int copy, State state, OutputSchedule schedule, double h, const RunTask&, CopyReport&);

@@ -133,10 +133,10 @@ LOCKSTEP_LANE void norm(const Plan& plan, const double* c, const double* L, doub
     for (int k = 0; k < node.m; ++k) {
       V& most = node.kinds.of(k) == RowKind::translation ? t : r;
       const V x = schur::size_of(K::number(c, node.x + k));
-      most = x <= most ? most : x;  // a NaN stays
+      most = largest_or_nan(most, x);
     }
   const V turned = 2.0 * load(L, 0) * r;
-  store(out, 0, turned <= t ? t : turned);
+  store(out, 0, largest_or_nan(t, turned));
 }
 
 LOCKSTEP_LANE void rates(const Plan& plan, const Numbers& z, double* rate) {

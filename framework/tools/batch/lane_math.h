@@ -22,6 +22,11 @@ LOCKSTEP_LANE V load(const double* p, std::size_t at) { return *reinterpret_cast
 LOCKSTEP_LANE void store(double* p, std::size_t at, const V& v) { *reinterpret_cast<V*>(p + kLanes * at) = v; }
 LOCKSTEP_LANE V size_of(const V& v) { return v < 0.0 ? -v : v; }
 LOCKSTEP_LANE V larger(const V& a, const V& b) { return a > b ? a : b; }
+/// The larger one; a NaN stays.
+LOCKSTEP_LANE V largest_or_nan(const V& most, const V& x) {
+  const V next = x <= most ? most : x;
+  return most != most ? most : next;
+}
 
 LOCKSTEP_LANE V square_root(const V& a) {
   V r{};

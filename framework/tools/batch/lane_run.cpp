@@ -68,7 +68,9 @@ class LaneRun {
  private:
   void begin(std::span<const State> starts);
   void read(int lane, const double* y, double t, State& out) const;
+  Dynamics dynamics_of(int lane) const;
   double first_step(int lane, const State&) const;
+  void cross_jump(int lane, double t);
   void arrive(int lane);
   void choose_steps();
   void attempt();
@@ -79,6 +81,7 @@ class LaneRun {
   void estimate_together(Numbers8& error, Numbers8& e3, Flags8& failed);
   void estimate_each(Numbers8& error, Numbers8& e3, Flags8& failed);
   void accept(int lane, double error);
+  void update_memory(int lane);
   void reject(int lane, double factor);
   void leave(int lane);
   void fail(int lane, const Error&);
@@ -101,6 +104,7 @@ class LaneRun {
   alignas(64) Numbers8 t_{}, h_{};
   bool first_done_ = false;  // the first stage is evaluated: no lane has moved since
   Numbers8 first_a_{}, first_alpha_{};  // largest accelerations there
+  bool jumped_ = false;                 // a copy was moved otherwise than by a step
   State state_, state_end_;  // scratch of one lane
   StateRate rate_, rate_error_;
   std::vector<Motion> motions_;
@@ -108,22 +112,35 @@ class LaneRun {
 };
 
 void LaneRun::begin(std::span<const State> starts) {
+  int first_good = -1;
   for (std::size_t l = 0; l < kL; ++l) {
-    const bool used = l < starts.size();
-    const int lane = static_cast<int>(l);
-    State& start = starts_.emplace_back(starts[used ? l : 0]);
-    batch_.to_batch(lane, start);
-    batch_.put(lane, start, y_.data());
-    batch_.remember(lane, start.z);
-    t_[l] = start.t;
+    starts_.push_back(starts[l < starts.size() ? l : 0]);
+    lanes_[l].going = l < starts.size();
+    try {
+      batch_.to_batch(static_cast<int>(l), starts_[l]);
+      if (first_good < 0) first_good = static_cast<int>(l);
+    } catch (const Error& error) {  // a law
+      lanes_[l].going = false;
+      if (l < starts.size())
+        reports_[l].finished = false, reports_[l].error = error.what(), reports_[l].t = starts[l].t;
+    }
   }
-  state_ = state_end_ = starts_[0];
-  rate_ = rate_error_ = sized_like(starts_[0]);
-  for (std::size_t l = 0; l < starts.size(); ++l) {
+  if (first_good < 0) return;
+  const auto good = static_cast<std::size_t>(first_good);
+  state_ = state_end_ = starts_[good];
+  rate_ = rate_error_ = sized_like(state_);
+  for (std::size_t l = 0; l < kL; ++l) {
     const int lane = static_cast<int>(l);
-    const State& start = starts_[l];
+    if (!lanes_[l].going && starts_[l].q.size() != state_.q.size()) starts_[l] = state_;
+    batch_.put(lane, starts_[l], y_.data());
+    batch_.remember(lane, starts_[l].z);
+    t_[l] = starts_[l].t;
+  }
+  for (std::size_t l = 0; l < starts.size(); ++l) {
     Lane& the = lanes_[l];
-    the.going = true;
+    if (!the.going) continue;
+    const int lane = static_cast<int>(l);
+    const State start = starts_[l];  // arrive() may park the lane
     the.schedule.begin(batch_.system(lane), start.t, task_.times);
     the.norm.set(task_.options.tolerance);
     the.norm.set_states(batch_.system(lane).n_error_controlled_states());
@@ -144,18 +161,21 @@ void LaneRun::read(int lane, const double* y, double t, State& out) const {
   out.coordinates = starts_[l].coordinates;
 }
 
-double LaneRun::first_step(int lane, const State& start) const {
+Dynamics LaneRun::dynamics_of(int lane) const {
   DynamicsOptions options;
   options.stabilization = task_.options.stabilization;
   options.formulation = task_.formulation;
-  Dynamics dynamics(batch_.system(lane), std::make_unique<SchurSolver>(), options);
+  return Dynamics(batch_.system(lane), std::make_unique<SchurSolver>(), options);
+}
+
+double LaneRun::first_step(int lane, const State& start) const {
+  Dynamics dynamics = dynamics_of(lane);
   ErrorNorm norm = lanes_[static_cast<std::size_t>(lane)].norm;
   StateRate f0 = sized_like(start), f1 = f0;
-  State y1 = start;
+  State y0 = start, y1;
   double largest = lanes_[static_cast<std::size_t>(lane)].schedule.reach() - start.t;
   if (task_.options.max_step > 0) largest = std::min(largest, task_.options.max_step);
   try {
-    State y0 = start;
     batch_.to_slots(lane, y0);
     dynamics.to_formulation(y0);  // coordinates of its own
     y1 = y0;
@@ -167,21 +187,37 @@ double LaneRun::first_step(int lane, const State& start) const {
 
 // Ends a step at the schedule's next instant.
 void LaneRun::arrive(int lane) {
-  Lane& the = lanes_[static_cast<std::size_t>(lane)];
+  const auto l = static_cast<std::size_t>(lane);
+  Lane& the = lanes_[l];
+  const double before = t_[l];
   bool output = false;
-  t_[static_cast<std::size_t>(lane)] = the.schedule.arrive(output);
-  reports_[static_cast<std::size_t>(lane)].t = t_[static_cast<std::size_t>(lane)];
-  if (output) {
-    State told = state_;
-    read(lane, y_.data(), t_[static_cast<std::size_t>(lane)], told);
-    try {
+  t_[l] = reports_[l].t = the.schedule.arrive(output);
+  State told = state_;
+  try {
+    if (output) {
+      read(lane, y_.data(), t_[l], told);
       batch_.to_slots(lane, told);
-    } catch (const Error& error) {
-      return fail(lane, error);
+    } else {
+      cross_jump(lane, before);
     }
-    task_.output(batch_.first() + lane, the.schedule.next() - 1, told);
+  } catch (const Error& error) {  // a law
+    return fail(lane, error);
   }
+  if (output) task_.output(batch_.first() + lane, the.schedule.next() - 1, told);
   the.going = !the.schedule.done();
+}
+
+// Takes a copy from t, on the near side of the jump of a law, to its instant.
+void LaneRun::cross_jump(int lane, double t) {
+  State state = state_;
+  read(lane, y_.data(), t, state);
+  batch_.to_slots(lane, state);
+  Dynamics dynamics = dynamics_of(lane);
+  pass_jump(dynamics, state, t_[static_cast<std::size_t>(lane)]);
+  batch_.remember(lane, state.z);
+  batch_.to_batch(lane, state);
+  batch_.put(lane, state, y_.data());
+  jumped_ = true;
 }
 
 void LaneRun::choose_steps() {
@@ -337,6 +373,8 @@ void LaneRun::attempt() {
         (fixed_ ? landed[i].converged : end_is_near(landed[i].converged, landed[i].before, batch_.system(l).length()));
     on ? accept(l, error[i]) : reject(l, 0.5);
   }
+  if (jumped_) batch_.start_from(y_.data(), t_);
+  jumped_ = false;
 }
 
 void LaneRun::accept(int lane, double error) {
@@ -354,18 +392,25 @@ void LaneRun::accept(int lane, double error) {
     the.advised = the.rejected ? next : advised_after(the.asked, h_[l], h_[l], next);
   }
   the.rejected = false;
-  System& system = batch_.system(lane);
-  if (system.n_memory() > 0) {
-    read(lane, y_.data(), t_[l], state_);
-    system.motions(state_, motions_);
-    Inputs in;
-    in.t = state_.t, in.motions = motions_;
-    in.s = {state_.s.data(), static_cast<std::size_t>(state_.s.size())};
-    in.z = {state_.z.data(), static_cast<std::size_t>(state_.z.size())};
-    system.accept(in, state_);
-    batch_.remember(lane, state_.z);
+  try {
+    update_memory(lane);
+  } catch (const Error& failure) {
+    return fail(lane, failure);
   }
   if (the.lands) arrive(lane);
+}
+
+void LaneRun::update_memory(int lane) {
+  const System& system = batch_.system(lane);
+  if (system.n_memory() == 0) return;
+  read(lane, y_.data(), t_[static_cast<std::size_t>(lane)], state_);
+  system.motions(state_, motions_);
+  Inputs in;
+  in.t = state_.t, in.motions = motions_;
+  in.s = {state_.s.data(), static_cast<std::size_t>(state_.s.size())};
+  in.z = {state_.z.data(), static_cast<std::size_t>(state_.z.size())};
+  system.accept(in, state_);
+  batch_.remember(lane, state_.z);
 }
 
 // Repeats with a smaller step; a copy that cannot go on leaves for the scalar code, which reports the error.

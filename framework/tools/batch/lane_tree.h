@@ -260,7 +260,7 @@ LOCKSTEP_LANE void solve(const TreePlan& plan, const TreeNumbers& z, double* rat
     }
     store3(b, moving::a, a), store3(b, moving::al, al);
     const V a2 = dot(a, a), al2 = dot(al, al);
-    most = a2 <= most ? most : a2, most_turned = al2 <= most_turned ? most_turned : al2;  // a NaN stays
+    most = largest_or_nan(most, a2), most_turned = largest_or_nan(most_turned, al2);
   }
   store(z.largest, 0, most), store(z.largest, 1, most_turned);
 }
@@ -291,9 +291,8 @@ LOCKSTEP_LANE void accelerate_tree(const TreePlan& plan, const TreeNumbers& z, d
 /// Squares in each lane: position, orientation, velocity, angular velocity of the slot that has most. A NaN stays.
 struct LaneSizes {
   V x{}, r{}, v{}, w{};
-  LOCKSTEP_LANE static V most(const V& a, const V& b) { return b <= a ? a : b; }
   LOCKSTEP_LANE void take(const V& dx, const V& dr, const V& dv, const V& dw) {
-    x = most(x, dx), r = most(r, dr), v = most(v, dv), w = most(w, dw);
+    x = largest_or_nan(x, dx), r = largest_or_nan(r, dr), v = largest_or_nan(v, dv), w = largest_or_nan(w, dw);
   }
   LOCKSTEP_LANE void put(double* out) const { store(out, 0, x), store(out, 1, r), store(out, 2, v), store(out, 3, w); }
 };

@@ -10,6 +10,7 @@
 #include "framework/dynamics/solvers/stop_rule.h"
 
 namespace lockstep::lanes {
+
 RowBatch::RowBatch(std::span<System* const> systems, int first, const CopiesOptions& options)
     : Batch(systems, first, 7 * static_cast<std::size_t>(systems[0]->n_slots()),
             6 * static_cast<std::size_t>(systems[0]->n_slots()), options),
@@ -68,21 +69,25 @@ void RowBatch::fill_frames() {
 void RowBatch::fill_laws(const double* y, const Numbers8& t) {
   if (!has_laws_) return;
   for (int l = 0; l < kLanes; ++l) {
-    const Inputs in = inputs(l, y, t[l]);
-    for (const Link& node : plan_.links) {
-      if (!node.moved && node.turn != Turn::law) continue;
-      const auto& lock = static_cast<const MarkerLock&>(*systems_[l]->links()[node.link]);
-      if (node.moved) {
-        const ImposedTranslation D = lock.imposed_translation(in);
-        put_numbers(law_, node.law + law::p, l, D.p), put_numbers(law_, node.law + law::pd, l, D.pd);
-        put_numbers(law_, node.law + law::pdd, l, D.pdd);
-      }
-      if (node.turn != Turn::law) continue;
-      const ImposedRotation D = lock.imposed_rotation(in);
-      put_numbers(law_, node.law + law::q, l, D.q.coefficients()), put_matrix(law_, node.law + law::A, l, D.A);
-      put_numbers(law_, node.law + law::w, l, D.w), put_numbers(law_, node.law + law::a, l, D.a);
-    }
+    const Inputs in = inputs(l, y, t[static_cast<std::size_t>(l)]);
+    guarded(l, [&] {
+      for (const Link& node : plan_.links)
+        if (node.moved || node.turn == Turn::law) fill_law(node, l, in);
+    });
   }
+}
+
+void RowBatch::fill_law(const Link& node, int lane, const Inputs& in) {
+  const auto& lock = static_cast<const MarkerLock&>(*system(lane).links()[static_cast<std::size_t>(node.link)]);
+  if (node.moved) {
+    const ImposedTranslation D = lock.imposed_translation(in);
+    put_numbers(law_, node.law + law::p, lane, D.p), put_numbers(law_, node.law + law::pd, lane, D.pd);
+    put_numbers(law_, node.law + law::pdd, lane, D.pdd);
+  }
+  if (node.turn != Turn::law) return;
+  const ImposedRotation D = lock.imposed_rotation(in);
+  put_numbers(law_, node.law + law::q, lane, D.q.coefficients()), put_matrix(law_, node.law + law::A, lane, D.A);
+  put_numbers(law_, node.law + law::w, lane, D.w), put_numbers(law_, node.law + law::a, lane, D.a);
 }
 
 void RowBatch::read_motion(int lane, int slot, Motion& O) const {
@@ -99,7 +104,7 @@ void RowBatch::read_motion(int lane, int slot, Motion& O) const {
 // ------------------------------------------------------------------------------------------------------ evaluation
 
 Flags8 RowBatch::evaluate(const double* y, const Numbers8& t, double* rate) {
-  z_.y = y;
+  z_.y = y, lost_ = {};
   pass_.see_bodies(plan_, z_);
   fill_laws(y, t);
   fill_wrench(y, t);
@@ -107,10 +112,11 @@ Flags8 RowBatch::evaluate(const double* y, const Numbers8& t, double* rate) {
   pass_.accelerate_rows(plan_, z_);
   pass_.factor_and_solve(plan_, z_);
   const int corrections = first_solution();
-  const Flags8 unmet = check_rows(corrections);
+  Flags8 unmet = check_rows(corrections);
   pass_.rates(plan_, z_, rate);
   state_rates(y, t, rate);
   if (watches_) see_pivots();
+  for (std::size_t l = 0; l < kL; ++l) unmet[l] = unmet[l] || lost_[l];
   return unmet;
 }
 

@@ -22,6 +22,7 @@ class LOCKSTEP_API RowBatch final : public Batch {
   void fill_masses();
   void fill_frames();
   void fill_laws(const double* y, const Numbers8& t);
+  void fill_law(const Link&, int lane, const Inputs&);
   int first_solution();
   void see_pivots();
   Flags8 check_rows(int corrections);

@@ -1,5 +1,6 @@
 #include "framework/tools/batch/tree_batch.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <lockstep/body.h>
@@ -19,6 +20,9 @@ std::string why_no_lanes(const JointTree& tree, const System& system) {
   if (!tree.closures().empty()) return link(tree.closures().front()) + "closes a loop";
   for (const TreeNode& n : tree.nodes())
     if (n.moving) return link(n.link) + "has a marker that moves on its body";
+  for (const auto& force : system.forces())
+    if (system.plane() && !force->stays_in_plane(system.plane()))
+      return "force '" + force->name() + "' does not say that it stays in the plane of the system";
   return "";
 }
 
@@ -34,10 +38,8 @@ Eigen::Matrix<double, 6, 1> packed(const Mat3& J) { return {J(0, 0), J(0, 1), J(
 
 }  // namespace
 
-TreeBatch::Trees TreeBatch::trees_of(std::span<System* const> systems, const CopiesOptions& options,
-                                     std::string& why_not) {
+TreeBatch::Trees TreeBatch::trees_of(std::span<System* const> systems, std::string& why_not) {
   Trees trees;
-  if (options.formulation == Formulation::omega) return trees;
   for (const System* system : systems) {
     auto tree = JointTree::of(*system, system->start().modes, why_not);
     if (tree) why_not = why_no_lanes(*tree, *system);
@@ -56,7 +58,9 @@ TreeBatch::TreeBatch(std::span<System* const> systems, int first, Trees trees, c
       plan_(make_plan(*trees_.front())) {
   while (trees_.size() < kL) trees_.push_back(trees_.front());
   const std::size_t n = plan_.nodes.size();
-  const auto size = [](Aligned<double>& v, std::size_t packs) { return v.assign(kL * packs, 0.0), v.data(); };
+  const auto size = [](Aligned<double>& v, std::size_t packs) {
+    return v.assign(kL * std::max<std::size_t>(packs, 1), 0.0), v.data();
+  };
   z_.gravity = size(gravity_, 3), z_.joint = size(joint_, joint::size * n), z_.more = size(more_, plan_.size_more);
   z_.law = size(law_, plan_.size_law), z_.half = size(half_, n), z_.cosine = size(cosine_, n), z_.sine = size(sine_, n);
   z_.moving = size(moving_, moving::size * (n + 1)), z_.dof = size(dof_, dof::size * plan_.n_v);
@@ -116,46 +120,40 @@ void TreeBatch::read_motion(int lane, int slot, Motion& O) const {
   O.w = O.A.transpose() * w;
 }
 
-// Returns true in the lanes whose laws fail; alone they are told by name.
-Flags8 TreeBatch::fill_laws(const double* y, const Numbers8& t) {
-  Flags8 failed{};
-  if (plan_.size_law == 0) return failed;
+// In lanes whose laws fail the numbers are those of before.
+void TreeBatch::fill_laws(const double* y, const Numbers8& t) {
+  if (plan_.size_law == 0) return;
   for (int l = 0; l < kLanes; ++l) {
-    const auto lane = static_cast<std::size_t>(l);
-    inputs(l, y, t[lane]);
+    inputs(l, y, t[static_cast<std::size_t>(l)]);
     for (std::size_t k = 0; k < plan_.nodes.size(); ++k) {
       const LaneNode& n = plan_.nodes[k];
       if (!n.has_law) continue;
-      Imposed now;
-      try {
-        laws_at(tree(l).nodes()[k], t[lane], states_of(l), now);
-      } catch (const Error&) {
-        failed[lane] = true;
-        continue;  // with the numbers of before
-      }
-      put_numbers(law_, n.law + imposed::p, l, now.p), put_numbers(law_, n.law + imposed::pd, l, now.pd);
-      put_numbers(law_, n.law + imposed::pdd, l, now.pdd), put_numbers(law_, n.law + imposed::w, l, now.w);
-      put_numbers(law_, n.law + imposed::a, l, now.a), put_numbers(law_, n.law + imposed::axis, l, now.axis);
-      put_numbers(law_, n.law + imposed::q, l, now.q.coefficients());
+      guarded(l, [&] {
+        Imposed now;
+        laws_at(tree(l).nodes()[k], t[static_cast<std::size_t>(l)], states_of(l), now);
+        put_numbers(law_, n.law + imposed::p, l, now.p), put_numbers(law_, n.law + imposed::pd, l, now.pd);
+        put_numbers(law_, n.law + imposed::pdd, l, now.pdd), put_numbers(law_, n.law + imposed::w, l, now.w);
+        put_numbers(law_, n.law + imposed::a, l, now.a), put_numbers(law_, n.law + imposed::axis, l, now.axis);
+        put_numbers(law_, n.law + imposed::q, l, now.q.coefficients());
+      });
     }
   }
-  return failed;
 }
 
-// Moves all slots. Returns true in the lanes whose laws fail.
-Flags8 TreeBatch::move(const double* y, const Numbers8& t, bool with_positions) {
-  z_.y = y, z_.with_positions = with_positions;
-  const Flags8 failed = fill_laws(y, t);
+// Moves all slots.
+void TreeBatch::move(const double* y, const Numbers8& t, bool with_positions) {
+  z_.y = y, z_.with_positions = with_positions, lost_ = {};
+  fill_laws(y, t);
   passes().half_turns(plan_, z_);
   passes().outward(plan_, z_);
-  return failed;
 }
 
 Flags8 TreeBatch::evaluate(const double* y, const Numbers8& t, double* rate) {
-  Flags8 failed = move(y, t, has_forces_);
+  move(y, t, reads_motions_);
   fill_wrench(y, t);
   passes().accelerate_tree(plan_, z_, rate);
   state_rates(y, t, rate);
+  Flags8 failed = lost_;
   for (std::size_t l = 0; l < kL; ++l) failed[l] = failed[l] || !std::isfinite(largest_[l] + largest_[kL + l]);
   return failed;
 }
@@ -176,10 +174,10 @@ void TreeBatch::accept(int lane) {
 
 Flags8 TreeBatch::change_to(const double* y, const Numbers8& t, const Numbers8& h, std::array<Change, kLanes>& out) {
   alignas(64) const Numbers8 steps = h;
-  const Flags8 failed = move(y, t, true);
+  move(y, t, true);
   passes().change(plan_, z_, start_.data(), steps.data(), now_.data(), sizes_.data());
   read(out);
-  return failed;
+  return lost_;
 }
 
 void TreeBatch::weigh(const double* error, std::array<Change, kLanes>& out) {

@@ -11,7 +11,7 @@ class LOCKSTEP_API TreeBatch final : public Batch {
   using Trees = std::vector<std::shared_ptr<const JointTree>>;
   /// The trees of copies, one each; none where a copy has none that runs in lanes, `why_not` then says what stands in the
   /// way, by name. The systems are set up, and suited.
-  static Trees trees_of(std::span<System* const> systems, const CopiesOptions&, std::string& why_not);
+  static Trees trees_of(std::span<System* const> systems, std::string& why_not);
 
   TreeBatch(std::span<System* const> systems, int first, Trees trees, const CopiesOptions&);
 
@@ -31,8 +31,8 @@ class LOCKSTEP_API TreeBatch final : public Batch {
   const JointTree& tree(int lane) const { return *trees_[static_cast<std::size_t>(lane)]; }
   void read_motion(int lane, int slot, Motion& out) const override;
   void fill_joints();
-  Flags8 fill_laws(const double* y, const Numbers8& t);
-  Flags8 move(const double* y, const Numbers8& t, bool with_positions);
+  void fill_laws(const double* y, const Numbers8& t);
+  void move(const double* y, const Numbers8& t, bool with_positions);
   void read(std::array<Change, kLanes>& out) const;
 
   Trees trees_;  // of each lane

@@ -1,7 +1,6 @@
 // TreePlan: the tree of a batch in joint coordinates, and where the packs of each node are. Private to the room.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "framework/dynamics/tree/joint_tree.h"
@@ -83,7 +82,7 @@ struct TreeNumbers {
   bool with_positions = false;                                   ///< x and v of the slots are asked for
 };
 
-/// The plan of copies of one tree. `trees`: one of each copy, of equal shape.
+/// The plan of copies of a tree of this shape.
 TreePlan make_plan(const JointTree&);
 
 }  // namespace lockstep::lanes

@@ -338,7 +338,8 @@ std::string formulation_of(const Mechanism& m, const std::string& why_not_joint,
   const Plane plane = m.system.plane();
   const std::string where =
       plane ? fmt::format(", in the plane with normal {}", "xyz"[static_cast<std::size_t>(plane.n)]) : "";
-  if (asked == Formulation::omega || !why_not_joint.empty()) return plane ? "omega" + where : "omega: " + why_not_joint;
+  if (asked == Formulation::omega) return "omega" + where;
+  if (!why_not_joint.empty()) return "omega" + where + ": " + why_not_joint;
   if (found.tree.closures.empty()) return fmt::format("joint{}: {} unknown velocities, no rows", where, r.freedoms);
   std::size_t unknowns = 0;
   for (const Branch& b : found.tree.branches) unknowns += b.coordinates.size();
