@@ -460,7 +460,6 @@ class LOCKSTEP_API TorsionSpringDamper final : public FormulaForce<TorsionSpring
   static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 
  private:
-  double expected_angle(double t, std::span<const double> z, double rate) const;
   Options options_;
 };
 

@@ -88,12 +88,14 @@ void CoordinateForce::act(const Ends<T>& at, Load& load) const {
   }
   const QuatT<T> e = conjugate(at.S.q()) * at.P.q();
   T q = 2.0 * atan2(k == 0 ? e.x : k == 1 ? e.y : e.z, e.w);
-  q += kTwoPi * std::round((at.z[static_cast<std::size_t>(first_memory())] - value_of(q)) / kTwoPi);
   const Vec3T<T> a_P = at.P.axis(k);
   const T sum = 1.0 + a_P.dot(a_S);
   const bool has_angle = value_of(sum) != 0;
   const Vec3T<T> g = has_angle ? Vec3T<T>(T(1.0 / sum) * (a_P + a_S)) : Vec3T<T>(Vec3T<T>::Zero());
-  const T rate = g.dot(at.P.w() - at.S.w()), f = has_angle ? effort(q, rate) : T(0);
+  const T rate = g.dot(at.P.w() - at.S.w());
+  const double expected = CountedAngle::expected(at.z.data() + first_memory(), value_of(at.t), value_of(rate));
+  q += kTwoPi * std::round((expected - value_of(q)) / kTwoPi);
+  const T f = has_angle ? effort(q, rate) : T(0);
   load.torque(Vec3T<T>(f * g));
   load.supplies(f * rate);
   load.shows(q, rate, f);

@@ -1,11 +1,14 @@
 // The force 'function_force': a formula of one coordinate of P seen from S, its rate and the time, written in a scene.
 #pragma once
 
+#include <algorithm>
+
 #include <lockstep/force.h>
 #include <lockstep/forces.h>
 #include <lockstep/mask.h>
 #include <lockstep/params.h>
 #include "framework/mechanism/expression/function.h"
+#include "framework/mechanism/forces/counted_angle.h"
 
 namespace lockstep {
 
@@ -32,9 +35,11 @@ class LOCKSTEP_API CoordinateForce final : public FormulaForce<CoordinateForce>,
 
   /// This for a torque.
   const Remembering* remembering() const override { return is_rotation(axis_) ? this : nullptr; }
-  int n_memory() const override { return 1; }
-  void start_memory(std::span<double> z) const override { z[0] = 0; }
-  void accept_step(const Inputs& in, std::span<double> z) const override { z[0] = quantity(0, in); }
+  int n_memory() const override { return CountedAngle::kMemory; }
+  void start_memory(std::span<double> z) const override { std::ranges::fill(z, 0.0); }
+  void accept_step(const Inputs& in, std::span<double> z) const override {
+    CountedAngle::accept(quantity(0, in), quantity(1, in), in.t, z);
+  }
 
   static const TypeInfo& info();                                         ///< name and keys of its type
   static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "framework/mechanism/forces/counted_angle.h"
 
 namespace lockstep {
 
@@ -54,15 +55,7 @@ std::vector<Quantity> TorsionSpringDamper::quantities() const {
 }
 
 void TorsionSpringDamper::accept_step(const Inputs& in, std::span<double> z) const {
-  const double angle = quantity(0, in), rate = quantity(1, in);
-  z[0] = angle, z[1] = rate, z[2] = in.t, z[3] = 1;
-}
-
-// The angle accepted last, carried on by the mean of the rates then and now.
-double TorsionSpringDamper::expected_angle(double t, std::span<const double> z, double rate) const {
-  const double* last = z.data() + first_memory();
-  const double way = last[3] != 0 ? 0.5 * (t - last[2]) * (last[1] + rate) : 0.0;
-  return std::isfinite(way) ? last[0] + way : last[0];
+  CountedAngle::accept(quantity(0, in), quantity(1, in), in.t, z);
 }
 
 template <class T, class Load>
@@ -76,7 +69,8 @@ void TorsionSpringDamper::act(const Ends<T>& at, Load& load) const {
   const Vec3T<T> g = has_angle ? Vec3T<T>(T(1.0 / sum) * (z_P + z_S)) : Vec3T<T>(Vec3T<T>::Zero());
   const T rate = g.dot(at.P.w() - at.S.w());
   T angle = 2.0 * atan2(e.z, e.w);
-  angle += kTwoPi * std::round((expected_angle(at.t, at.z, value_of(rate)) - value_of(angle)) / kTwoPi);
+  const double expected = CountedAngle::expected(at.z.data() + first_memory(), value_of(at.t), value_of(rate));
+  angle += kTwoPi * std::round((expected - value_of(angle)) / kTwoPi);
   const T torque = LinearSpring{k, c, th0, T0}.force(angle, rate, value(law, at.t), load);
   load.torque(-torque * g);
   load.shows(angle, rate, has_angle ? torque : T(0));
