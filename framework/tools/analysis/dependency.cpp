@@ -121,8 +121,9 @@ Dependencies by_inertia(int n_columns, int n_rows, const Triplets& triplets) {
   const VecX left = left_of_random_vectors(S).cwiseAbs().rowwise().maxCoeff();
   DependentRows all;
   all.too_many = n_rows - out.rank;
+  const double least = kTakesPart * left.maxCoeff();
   for (int row = 0; row < n_rows; ++row)
-    if (left[row] > kTakesPart * left.maxCoeff()) all.rows.push_back(row);
+    if (left[row] > least) all.rows.push_back(row);
   out.sets.push_back(std::move(all));
   return out;
 }
@@ -146,12 +147,13 @@ NullVectors null_vectors(int n_columns, int n_rows, const Triplets& Jt) {
   NullVectors found;
   if (n_rows <= kDense) {
     found = {circuits(n_columns, n_rows, Jt), kShare};
-  } else if (find_dependencies(n_columns, n_rows, Jt).rank == n_rows) {
+    found.n = static_cast<int>(found.columns.cols());
+  } else if (const int n = n_rows - find_dependencies(n_columns, n_rows, Jt).rank; n == 0) {
     found.columns = MatX(n_rows, 0);
   } else {
     Sparse matrix(n_columns, n_rows);
     matrix.setFromTriplets(Jt.begin(), Jt.end());
-    found = {left_of_random_vectors(matrix.transpose() * matrix), kTakesPart};
+    found = {left_of_random_vectors(matrix.transpose() * matrix), kTakesPart, n};
   }
   for (auto column : found.columns.colwise()) column /= column.cwiseAbs().maxCoeff();
   return found;

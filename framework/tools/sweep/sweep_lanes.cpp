@@ -32,8 +32,8 @@ std::string unsuited(const RunSettings& run) {
   if (run.formulation != Formulation::omega && run.formulation != Formulation::automatic)
     return "lanes have the formulation omega";
   if (run.stabilization.kind == Stabilization::Kind::baumgarte) return "lanes have no Baumgarte stabilisation";
-  if (run.nearly_redundant != NearlyRedundant::told)
-    return "lanes have all rows of their links: \"nearly_redundant\" is \"told\" in them";
+  if (run.nearly_redundant == NearlyRedundant::free || run.nearly_redundant == NearlyRedundant::held)
+    return "lanes have all rows of their links: \"nearly_redundant\" is \"auto\" or \"told\" in them";
   if (run.times.empty() && !(run.output > 0)) return "every step is recorded; give \"output\" or \"times\" to \"run\"";
   return {};
 }
