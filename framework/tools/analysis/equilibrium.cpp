@@ -252,6 +252,7 @@ void EquilibriumSearch::finish() {
 }
 
 std::string EquilibriumReport::method() const {
+  if (stability.kind == Stability::Kind::gripped) return "the start, where friction holds it";
   const std::string newton = fmt::format("Newton's method, {} iteration{}", iterations, iterations == 1 ? "" : "s");
   return relaxed ? fmt::format("dynamic relaxation, {} steps, then {}", relaxation_steps, newton) : newton;
 }

@@ -114,11 +114,10 @@ Json report_json(Resting& r) {
 
 void print(const Loaded& loaded, Resting& r) {
   const EquilibriumReport& e = r.report;
-  if (e.stability.kind == Stability::Kind::gripped)
-    fmt::print("{}\n  equilibrium  the start: friction holds it there\n", loaded.title());
-  else
-    fmt::print("{}\n  equilibrium  {}; unbalanced {:.2g} of the largest force, {:.4g} N\n", loaded.title(), e.method(),
-               e.unbalanced, e.largest_force);
+  fmt::print("{}\n  equilibrium  {}", loaded.title(), e.method());
+  if (e.stability.kind != Stability::Kind::gripped)
+    fmt::print("; unbalanced {:.2g} of the largest force, {:.4g} N", e.unbalanced, e.largest_force);
+  fmt::print("\n");
   fmt::print("{}", stability_text(e.stability));
   for (const GripReport& g : e.grips)
     if (e.stability.kind == Stability::Kind::gripped)
