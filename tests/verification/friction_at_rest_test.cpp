@@ -51,7 +51,7 @@ TEST_CASE("friction holds a block on a slope up to tan(alpha) = mu, and says wha
         const Lock& link =
             guided ? static_cast<Lock&>(system.add<Prismatic>("guide", body, system.ground(), at))
                    : static_cast<Lock&>(system.add<Oldham>("guide", body, system.ground(),
-                                                           pose_at({}, Vec3(std::sin(alpha), 0, std::cos(alpha)))));
+                                                           pose_at({0, 0, 0}, Vec3(std::sin(alpha), 0, std::cos(alpha)))));
         rub(system, link, {.mu = mu});
         if (slope > mu) {
           const std::string said = testing::message_of<SolveError>([&] { rest(system, {.relaxation_steps = 100}); });
@@ -80,7 +80,7 @@ TEST_CASE("friction at rest has the coefficient of rest, the preload and the sha
     CAPTURE(beside);
     System system({.gravity = {0, -kG, 0}});
     Body& body = system.add_body("wheel", block(mass, {beside, -0.3, 0}));
-    const Lock& hinge = system.add<Revolute>("bearing", body, system.ground(), pose_at({}));
+    const Lock& hinge = system.add<Revolute>("bearing", body, system.ground(), pose_at({0, 0, 0}));
     rub(system, hinge, {.mu = mu, .mu_static = mu_s, .radius = r});
     const EquilibriumReport found = rest(system);
     CHECK((found.stability.kind == Kind::gripped) == (beside < mu_s * r));
@@ -98,9 +98,9 @@ TEST_CASE("friction at rest has the coefficient of rest, the preload and the sha
   for (const double push : {4.9, 5.1}) {
     System system;
     Body& body = system.add_body("block", block(mass));
-    const Lock& guide = system.add<Prismatic>("guide", body, system.ground(), pose_at({}, Vec3::UnitX()));
+    const Lock& guide = system.add<Prismatic>("guide", body, system.ground(), pose_at({0, 0, 0}, Vec3::UnitX()));
     rub(system, guide, {.mu = 0.5, .preload = 10});
-    system.add(std::make_unique<AppliedForce>("push", system.add_marker_at("at", body, pose_at({})),
+    system.add(std::make_unique<AppliedForce>("push", system.add_marker_at("at", body, pose_at({0, 0, 0})),
                                               AppliedForce::Options{.force = Vec3(push, 0, 0)}));
     if (push < 5)
       CHECK(rest(system).stability.kind == Kind::gripped);
@@ -118,7 +118,7 @@ TEST_CASE("a clamp jams on its column beyond the arm b/mu, whatever the load", "
       CAPTURE(mass, arm);
       System system({.gravity = {0, 0, -kG}});
       Body& body = system.add_body("clamp", block(mass, {arm, 0, 0}));
-      const Lock& guide = system.add<Prismatic>("column", body, system.ground(), pose_at({}));
+      const Lock& guide = system.add<Prismatic>("column", body, system.ground(), pose_at({0, 0, 0}));
       rub(system, guide, {.mu = mu, .bending_length = b, .load_smoothing = 1e-9});
       if (arm > b / mu)
         CHECK(rest(system).stability.kind == Kind::gripped);
@@ -136,8 +136,8 @@ TEST_CASE("friction in several places is shared as far as the limits allow", "[v
   for (const double share : {0.999, 1.001}) {
     CAPTURE(share);
     System system({.gravity = {0, 0, -kG}});
-    Body& rough = system.add_body("rough", block(mass), {down_slope(alpha).x});
-    Body& smooth = system.add_body("smooth", block(heavy), {down_slope(alpha, 0.5).x});
+    Body& rough = system.add_body("rough", block(mass), pose_at(down_slope(alpha).x));
+    Body& smooth = system.add_body("smooth", block(heavy), pose_at(down_slope(alpha, 0.5).x));
     const Lock& upper = system.add<Prismatic>("upper", rough, system.ground(), down_slope(alpha));
     const Lock& lower = system.add<Prismatic>("lower", smooth, system.ground(), down_slope(alpha, 0.5));
     system.add<Distance>("rod", system.add_marker_at("p", rough, down_slope(alpha)),
@@ -167,10 +167,10 @@ TEST_CASE("what friction does not grip is judged by itself, and equilibria witho
     System system({.gravity = {0, 0, -kG}});
     Body& body = system.add_body("block", block(3));
     Body& rod = system.add_body("rod", block(0.2, {0, 0, hangs ? -0.4 : 0.4}));
-    const Lock& guide = system.add<Prismatic>("guide", body, system.ground(), pose_at({}, Vec3::UnitX()));
-    system.add<Revolute>("hinge", rod, body, pose_at({}, Vec3::UnitY()));
+    const Lock& guide = system.add<Prismatic>("guide", body, system.ground(), pose_at({0, 0, 0}, Vec3::UnitX()));
+    system.add<Revolute>("hinge", rod, body, pose_at({0, 0, 0}, Vec3::UnitY()));
     rub(system, guide, {.mu = 0.5});
-    system.add(std::make_unique<AppliedForce>("push", system.add_marker_at("at", body, pose_at({})),
+    system.add(std::make_unique<AppliedForce>("push", system.add_marker_at("at", body, pose_at({0, 0, 0})),
                                               AppliedForce::Options{.force = Vec3(3, 0, 0)}));
     if (hangs)
       CHECK(rest(system).stability.kind == Kind::gripped);
@@ -179,7 +179,7 @@ TEST_CASE("what friction does not grip is judged by itself, and equilibria witho
   }
   System system({.gravity = {0, -kG, 0}});
   Body& body = system.add_body("wheel", block(2, {0.01, -0.3, 0}));
-  const Lock& hinge = system.add<Revolute>("bearing", body, system.ground(), pose_at({}));
+  const Lock& hinge = system.add<Revolute>("bearing", body, system.ground(), pose_at({0, 0, 0}));
   rub(system, hinge, {.mu = 0.9, .radius = 0.05});
   CHECK(rest(system).stability.kind == Kind::gripped);
   const EquilibriumReport without = rest(system, {.friction = false});

@@ -55,8 +55,8 @@ struct Bench {
                                       {0.6, 0.1, -0.2, 0.3}}};
 
   Bench() {
-    Body& one = system.add_body("one", MassProperties{2, {0.1, 0.05, -0.1}, Mat3::Identity()}, {course[0].x});
-    Body& two = system.add_body("two", MassProperties{3, {-0.1, 0, 0.2}, Mat3::Identity()}, {course[1].x});
+    Body& one = system.add_body("one", MassProperties{2, {0.1, 0.05, -0.1}, Mat3::Identity()}, pose_at(course[0].x));
+    Body& two = system.add_body("two", MassProperties{3, {-0.1, 0, 0.2}, Mat3::Identity()}, pose_at(course[1].x));
     const auto pair = [&](const std::string& name, Body& p, Body& s) {
       return std::pair<Marker&, Marker&>(
           system.add_marker(name + ".P", p, {{0.2, -0.1, 0.3}, normalized(Quat{0.8, 0.1, 0.4, -0.2})}),
@@ -150,9 +150,9 @@ TEST_CASE("the equations of a link have names: rows of drives and of the functio
 
 TEST_CASE("a link that was merged has no equations, which is said with the next move", "[verification][explain]") {
   System system;
-  Body& one = system.add_body("one", MassProperties{2, {}, Mat3::Identity()});
-  Body& two = system.add_body("two", MassProperties{3, {}, Mat3::Identity()});
-  system.add<Revolute>("hinge", one, system.ground(), pose_at({}));
+  Body& one = system.add_body("one", MassProperties{2, Vec3::Zero(), Mat3::Identity()});
+  Body& two = system.add_body("two", MassProperties{3, Vec3::Zero(), Mat3::Identity()});
+  system.add<Revolute>("hinge", one, system.ground(), pose_at({0, 0, 0}));
   system.add<Fixed>("weld", two, one, pose_at({1, 0, 0}));
   system.set_merge(true);
   Dynamics dynamics(system, std::make_unique<SchurSolver>());
