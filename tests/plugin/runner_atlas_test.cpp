@@ -193,8 +193,8 @@ TEST_CASE("atlas: drift over a long time, and what stabilisation keeps of the mo
                               "--stabilizations project,baumgarte,none --out atlas_drift");
   INFO(euler);
   for (const Json& map : euler["maps"])
-    each_run(map, [](const std::string& outcome, long) {
-      CHECK((outcome == "stops with an error" || outcome == "wrong, and says so"));
+    each_run(map, [](const std::string& end, long) {
+      CHECK((end == "stops with an error" || end == "wrong, and says so"));
     });
 }
 

@@ -82,6 +82,10 @@ class Balance {
     const double most = grips_[g].grip.most, now = carries(g);
     return now == 0 ? 0 : most > 0 ? now / most : std::numeric_limits<double>::infinity();
   }
+  /// One of each unit.
+  void forget_limits() {
+    for (GripOf& g : grips_) g.grip.most = 1;
+  }
   void take_limits(const std::vector<GripOf>& now) {
     for (std::size_t g = 0; g < grips_.size() && g < now.size(); ++g) grips_[g].grip.most = now[g].grip.most;
   }
@@ -134,6 +138,8 @@ FrictionLoad friction_load(Dynamics& dynamics, const ForcesAtRest& now, const Re
   const VecX none = VecX::Zero(e.rows().n_rows);
   VecX a, added;
   double least = std::numeric_limits<double>::infinity(), before = least;
+  balance
+      .forget_limits();  // where nothing balances a load, it presses nothing together: a clamp that falls has no grip
   for (int k = 0; k < kRounds; ++k) {
     if (!balance.solve()) return out;
     factor.solve(e, balance.load(), none, a, added);
@@ -147,7 +153,8 @@ FrictionLoad friction_load(Dynamics& dynamics, const ForcesAtRest& now, const Re
       out.holds = true, out.ungripped = balance.ungripped(A.N);
       return out;
     }
-    if (std::abs(worst - before) <= kSettled * worst) return out;
+    if (k == 0) continue;
+    if (std::isfinite(worst) && std::abs(worst - before) <= kSettled * worst) return out;
     before = worst;
     balance.weigh();
   }
