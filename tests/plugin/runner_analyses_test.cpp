@@ -188,7 +188,9 @@ TEST_CASE("runner: explain sums up what acts on a body", "[plugin][runner]") {
   const Called link = call("explain " + sample("four_bar") + " A --planar off");
   INFO(link.text);
   CHECK(link.exit == 0);
-  CHECK(contains(link.text, "drive rz: value 0 rad, rate 10"));
+  CHECK(contains(link.text, "drive rz: value 0 rad, rate 10 rad/s, second derivative 0 rad/s^2"));
+  CHECK(contains(link.text, " m, rate"));
+  CHECK(contains(link.text, " 1/s, multiplier"));
   CHECK(contains(link.text, "3 of the rows"));
   const Called unknown = call("explain " + sample("four_bar") + " couplr");
   CHECK(unknown.exit == 2);
@@ -218,7 +220,8 @@ TEST_CASE("runner: explain gives the laws and powers of a force", "[plugin][runn
   CHECK(contains(words.text, "law: value 4.66"));
 }
 
-TEST_CASE("runner: rows that nearly depend are told, and free or held where that is asked for", "[plugin][runner]") {
+TEST_CASE("runner: rows that nearly depend hold as they are written, and are free or told where that is asked for",
+          "[plugin][runner]") {
   const std::string door = "'" + std::string(paths::kSource) + "/tests/stability/scenes/door.json'";
   const Json free = json_of("check " + door + " --nearly-redundant free --json");
   CHECK(free["freedoms"] == 1);
@@ -231,7 +234,12 @@ TEST_CASE("runner: rows that nearly depend are told, and free or held where that
     REQUIRE(text.find('{') != std::string::npos);
     return Json::parse(text.substr(text.find('{')));
   };
-  const Json told = after_warnings("check " + door + " --json");
+  const Json by_itself = after_warnings("check " + door + " --json");
+  CHECK(by_itself["freedoms"] == 0);
+  REQUIRE(by_itself["nearly_redundant"].size() == 1);
+  CHECK(by_itself["nearly_redundant"][0]["decided"] == "held");
+  CHECK(by_itself["nearly_redundant"][0]["left_out"].size() == 4);
+  const Json told = after_warnings("check " + door + " --nearly-redundant told --json");
   CHECK(told["freedoms"] == 0);
   REQUIRE(told["nearly_redundant"].size() == 1);
   CHECK(told["nearly_redundant"][0]["decided"] == "told");
@@ -248,9 +256,13 @@ TEST_CASE("runner: rows that nearly depend are told, and free or held where that
     CHECK(turned["steps"].get<long>() < 200);
     CHECK(std::abs(turned["columns"][0]["final"].get<double>() - 1) < 1e-6);  // turns on at 1 rad/s
     CHECK(turned["nearly_redundant"].size() == 1);
-    const Json still = after_warnings(
-        "run " + door + " --no-picture --record door_held.csv --json --nearly-redundant held --solver " + solver);
-    CHECK(std::abs(still["columns"][0]["final"].get<double>()) < 1e-6);
+    for (const std::string choice : {" --nearly-redundant held", ""}) {
+      const Json still =
+          after_warnings("run " + door + " --no-picture --record door_held.csv --json --solver " + solver + choice);
+      CHECK(still["status"] == "ok");
+      CHECK(still["nearly_redundant"][0]["decided"] == "held");
+      CHECK(std::abs(still["columns"][0]["final"].get<double>()) < 1e-6);
+    }
   }
   CHECK(contains(call("run " + door + " --no-picture --record door_free.csv --nearly-redundant free").text,
                  "free, high.x, high.y"));
@@ -260,14 +272,17 @@ TEST_CASE("runner: rows that nearly depend are told, and free or held where that
 // Whether its solver then refuses the start or not.
 TEST_CASE("runner: a run names rows that nearly depend, their singular value and both next moves", "[plugin][runner]") {
   const std::string door = "'" + std::string(paths::kSource) + "/tests/stability/scenes/door.json'";
-  for (const std::string& words : {"check " + door, "run " + door + " --no-picture --record door_told.csv"}) {
-    const Called called = call(words);
-    INFO(called.text);
-    for (const char* const row : {"low.y", "low.e1", "high.y", "high.e1"}) CHECK(contains(called.text, row));
-    CHECK(contains(called.text, "1 too many but for "));
-    CHECK(contains(called.text, "e-08: solvers may differ there"));
-    CHECK(contains(called.text, "\"nearly_redundant\": \"held\" or \"free\""));
-  }
+  for (const std::string& words : {"check " + door, "run " + door + " --no-picture --record door_told.csv"})
+    for (const bool told : {true, false}) {
+      const Called called = call(words + (told ? " --nearly-redundant told" : ""));
+      INFO(called.text);
+      for (const char* const row : {"low.y", "low.e1", "high.y", "high.e1"}) CHECK(contains(called.text, row));
+      CHECK(contains(called.text, "1 too many but for "));
+      CHECK(contains(called.text, told ? "e-08: solvers may differ there" : "e-08: held, and "));
+      CHECK(contains(called.text, told ? "\"nearly_redundant\": \"held\" or \"free\""
+                                       : "if they are not meant to hold, say \"nearly_redundant\": \"free\""));
+      if (!told) CHECK(called.exit == 0);
+    }
 }
 
 TEST_CASE("runner: what is decided at the start does not go with events that switch its links", "[plugin][runner]") {
@@ -283,6 +298,61 @@ TEST_CASE("runner: what is decided at the start does not go with events that swi
       CHECK(contains(called.text, "event 'open' switches link 'low'"));
       CHECK(contains(called.text, "\"" + choice + "\""));
     }
+  const Called by_itself = call("check door_opens.json");  // which decides nothing then, and says why
+  INFO(by_itself.text);
+  CHECK(by_itself.exit == 0);
+  CHECK(contains(by_itself.text, "not decided: event 'open' switches links of such a loop"));
+}
+
+TEST_CASE("runner: rows hold by themselves beside other events, and are told beside one-sided links",
+          "[plugin][runner]") {
+  std::ifstream in(std::string(paths::kSource) + "/tests/stability/scenes/door.json");
+  const Json door = Json::parse(in);
+  const auto check = [&](const std::string& name, const Json& scene) {
+    std::ofstream(kRunnerFolder + "/" + name + ".json") << scene;
+    const Called called = call("check " + name + ".json --json");
+    INFO(called.text);
+    const Json found = Json::parse(called.text.substr(called.text.find('{')));
+    REQUIRE(found["nearly_redundant"].size() == 1);
+    return found["nearly_redundant"][0]["decided"].get<std::string>();
+  };
+  Json knob = door;
+  knob["bodies"].push_back(
+      Json::parse(R"({"name": "knob", "mass": 1, "inertia": [0.01, 0.01, 0.01], "position": [0.9, 0, 1]})"));
+  knob["links"].push_back(
+      Json::parse(R"({"name": "shaft", "type": "revolute", "p": "knob", "s": "door", "at": [0.9, 0, 1]})"));
+  knob["events"] = Json::parse(R"([{"name": "off", "at": 0.5, "deactivate": ["shaft"]}])");
+  CHECK(check("door_knob", knob) == "held");
+  Json stop = door;
+  stop["links"].push_back(Json::parse(
+      R"({"name": "stop", "type": "stop", "p": "door", "s": "ground", "at": [0, 0, 0.2], "coordinate": "rz", "high": 1})"));
+  CHECK(check("door_stop", stop) == "told");
+}
+
+TEST_CASE("runner: statics says what friction holds, and where it does not", "[plugin][runner]") {
+  const auto block = [](double mu) {
+    return scene_file("slope_" + std::to_string(static_cast<int>(1000 * mu)),
+                      R"("gravity": [0, 0, -9.81], "bodies": [{"name": "block", "mass": 3, "inertia": [1, 1, 1]}],
+      "links": [{"name": "guide", "type": "prismatic", "p": "block", "s": "ground", "at": [0, 0, 0], "axis": [4, 0, -3]}],
+      "forces": [{"name": "rub", "type": "joint_friction", "link": "guide", "mu": )" +
+                          std::to_string(mu) + "}]");
+  };
+  const Called held = call("statics '" + block(0.8) + "'");
+  INFO(held.text);
+  CHECK(held.exit == 0);
+  CHECK(contains(held.text, "equilibrium  the start, where friction holds it"));
+  CHECK(contains(held.text, "gripped"));
+  CHECK(contains(held.text, "friction     'rub' (sliding) carries 17.658 of 18.8352 N"));
+  const Json j = json_of("statics '" + block(0.8) + "' --json");
+  CHECK(j["stability"] == "gripped");
+  CHECK(j["friction"][0]["force"] == "rub");
+  CHECK(j["friction"][0]["carries"].get<double>() == Approx(3 * 9.81 * 0.6).epsilon(1e-12));
+  CHECK(j["friction"][0]["most"].get<double>() == Approx(0.8 * 3 * 9.81 * 0.8).epsilon(1e-6));
+  CHECK(j["friction"][0]["unit"] == "N");
+  const Called slides = call("statics '" + block(0.7) + "'");
+  INFO(slides.text);
+  CHECK(slides.exit != 0);
+  CHECK(contains(slides.text, "'rub' (sliding) would have to carry 17.658 N, and can 16.4808"));
 }
 
 TEST_CASE("runner: assemble --branches finds elbow up and elbow down", "[plugin][runner]") {

@@ -178,6 +178,73 @@ TEST_CASE("atlas: damping and spin against the step", "[runner][atlas]") {
   }
 }
 
+TEST_CASE("atlas: drift over a long time, and what stabilisation keeps of the motion", "[runner][atlas]") {
+  const Json j = atlas_of(scene_of_map("slow_rod"),
+                          "--vary run.step=0.1,0.2 --vary run.until=60,1200 --integrators rk4 "
+                          "--stabilizations project,baumgarte,none --error 1e-6 --out atlas_drift");
+  INFO(j);
+  const auto outcome = [&](std::size_t map, std::size_t until) { return j["maps"][map]["outcomes"][0][until]; };
+  CHECK(outcome(0, 0) == "works");
+  CHECK(outcome(0, 1) == "works");
+  CHECK(outcome(1, 1) != "works");
+  CHECK(outcome(2, 1) != "works");
+  const Json euler = atlas_of(scene_of_map("slow_rod"),
+                              "--vary run.step=0.1,0.2 --vary run.until=2400,3600 --integrators semi_implicit_euler "
+                              "--stabilizations project,baumgarte,none --out atlas_drift");
+  INFO(euler);
+  for (const Json& map : euler["maps"])
+    each_run(map, [](const std::string& end, long) {
+      CHECK((end == "stops with an error" || end == "wrong, and says so"));
+    });
+}
+
+TEST_CASE("atlas: mass ratios to 1e9, steps to 1e-7 s", "[runner][atlas]") {
+  const Json heavy =
+      atlas_of(scene_of_map("heavy_swing"),
+               "--vary run.tolerance=1e-10,1e-6 --vary ratio=1,1e6,1e9 --integrators dopri5,dop853,radau5 "
+               "--error 1e-10 --out atlas_heavy");
+  INFO(heavy);
+  for (const Json& map : heavy["maps"]) {
+    for (const std::size_t ratio : {0, 1, 2}) {
+      CHECK(map["outcomes"][0][ratio] == "works");
+      CHECK(map["outcomes"][1][ratio] == "inaccurate");
+    }
+    each_run(map, [](const std::string&, long passed) { CHECK(passed == 0); });  // nor does a ratio look like one
+  }
+  const Json shorter = atlas_of(scene_of_map("short_steps"),
+                                "--vary run.step=1e-7,1e-5,1e-3 --vary m=1e-3,1e3 --integrators generalized_alpha "
+                                "--error 1e-7 --out atlas_short");
+  INFO(shorter);
+  for (const std::size_t mass : {0, 1}) {
+    CHECK(shorter["maps"][0]["outcomes"][0][mass] == "works");
+    CHECK(shorter["maps"][0]["outcomes"][2][mass] == "inaccurate");  // of second order
+  }
+}
+
+TEST_CASE("atlas: a long turn in a step counts as told, and shapes from a cube to a leaf", "[runner][atlas]") {
+  const Json j =
+      atlas_of(scene_of_map("plate"),
+               "--vary run.step=0.01,1 --vary thickness=1e-6,1e-2,1 --integrators rk4,rattle2 --out atlas_plate");
+  INFO(j);
+  for (const Json& map : j["maps"])
+    for (const std::size_t shape : {0, 1, 2}) {
+      CHECK(map["outcomes"][0][shape] == "works");
+      CHECK(map["outcomes"][1][shape] == "wrong, and says so");  // 5 rad a step
+    }
+}
+
+TEST_CASE("atlas: near its middle axis a racket turns over alike at any tolerance", "[runner][atlas]") {
+  const Json j = atlas_of(scene_of_map("racket"),
+                          "--vary run.tolerance=1e-12,1e-9 --vary tilt=1e-8,0.1 --integrators dopri5 --error 1e-7 "
+                          "--out atlas_racket");
+  INFO(j);
+  const Json& outcomes = j["maps"][0]["outcomes"];
+  for (const std::size_t tolerance : {0, 1}) {
+    CHECK(outcomes[tolerance][0] == "inaccurate");
+    CHECK(outcomes[tolerance][1] == "works");
+  }
+}
+
 TEST_CASE("atlas: what it cannot draw is refused by name", "[runner][atlas]") {
   const std::string scene = spring();
   const auto refused = [&](const std::string& words, const std::string& part) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <lockstep/lockstep.h>
+#include <lockstep/uniqueness.h>
 #include "framework/tools/analysis/dependency.h"
 #include "tests/support/catch.h"
 
@@ -181,6 +182,41 @@ TEST_CASE("freedoms and redundant rows of large loops are those of small ones, b
     REQUIRE(r.dependencies.size() == 1);
     CHECK(r.dependencies[0].rows.size() == static_cast<std::size_t>(3 * (3 * n + 1)));
     CHECK(r.redundant_links.size() == static_cast<std::size_t>(3 * n + 1));
+  }
+}
+
+// Vectors of one loop have the rows of that loop alone: those of all rows would fill the memory.
+TEST_CASE("reactions of many loops are judged loop by loop, and of a long loop as of a short one", "[unit][analysis]") {
+  const auto not_unique = [](System& sys) {
+    sys.setup();
+    Dynamics dynamics(sys, std::make_unique<SchurSolver>());
+    return uniqueness(dynamics, sys.start());
+  };
+  System many;
+  constexpr int kLoops = 500;
+  for (int k = 0; k < kLoops; ++k) {
+    const std::string number = std::to_string(k);
+    Body& leaf = many.add_body("leaf" + number, shapes::box(20.0, {0.9, 0.04, 2.0}), pose_at({0.45 + k, 0, 1}));
+    many.add<Revolute>("low" + number, leaf, many.ground(), pose_at({0.0 + k, 0, 0.2}));
+    many.add<Revolute>("high" + number, leaf, many.ground(), pose_at({0.0 + k, 0, 1.8}));
+  }
+  const UniquenessReport doors = not_unique(many);
+  CHECK(doors.undetermined == 5 * kLoops);
+  CHECK(doors.rows.size() == 10 * kLoops);
+  CHECK_FALSE(doors.unique("high499.force_on_p_world_z"));
+  CHECK_FALSE(doors.unique("low0.torque_on_p_link_x"));
+  CHECK(doors.unique("low0.torque_on_p_link_z"));
+  for (const int bays : {3, 40}) {  // 50 and 605 rows, densely and sparsely
+    CAPTURE(bays);
+    System sys = ladder(bays, Quat{}, false);
+    const UniquenessReport found = not_unique(sys);
+    CHECK(found.undetermined == 3 * bays);
+    CHECK(names(found.rows).size() == 3 * (3 * static_cast<std::size_t>(bays) + 1));
+    for (const std::string& row : found.rows)
+      CHECK((row.ends_with(".z") || row.ends_with(".e1") || row.ends_with(".e2")));
+    CHECK(found.unique("B1.force_on_p_world_x"));
+    CHECK_FALSE(found.unique("B1.force_on_p_world_z"));
+    CHECK_FALSE(found.unique("B1.torque_on_s_world_y"));
   }
 }
 

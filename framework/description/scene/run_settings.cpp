@@ -154,10 +154,11 @@ RunSettings read_run(const Value& v) {
 }
 
 NearlyRedundant nearly_redundant_from(std::string_view word) {
+  if (word == "auto") return NearlyRedundant::automatic;
   if (word == "told") return NearlyRedundant::told;
   if (word == "free") return NearlyRedundant::free;
   if (word == "held") return NearlyRedundant::held;
-  throw ModelError("rows that nearly depend on others are told, free or held, not '" + std::string(word) + "'");
+  throw ModelError("rows that nearly depend on others are auto, told, free or held, not '" + std::string(word) + "'");
 }
 
 std::unique_ptr<Integrator> make_integrator(const RunSettings& run, const Registry& registry) {

@@ -399,10 +399,11 @@ std::vector<SceneTable> runs() {
          {"nearly_redundant",
           Form::choice,
           Unit::none,
-          "told",
+          "auto",
           "rows that depend on others but for a singular value below 1e-4, as of two hinges whose axes nearly agree: "
-          "told, left out (free), or held",
-          {"told", "free", "held"}},
+          "held, left out (free), or told and not decided; auto: held as they are written, and told where that cannot "
+          "be",
+          {"auto", "told", "free", "held"}},
          {"assemble", Form::boolean, Unit::none, true, "a start off the constraints is moved onto them"},
          any("record", "the channels, by name or as {\"own name\": \"channel\"}"),
          any("draw", "panels of the picture from top to bottom, each a list of recorded names; default: by unit"),

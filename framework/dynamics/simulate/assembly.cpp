@@ -9,6 +9,7 @@
 #include <lockstep/error.h>
 #include <lockstep/log.h>
 #include <lockstep/text.h>
+#include "framework/dynamics/simulate/assembled_positions.h"
 #include "framework/dynamics/simulate/consistency.h"
 #include "framework/dynamics/simulate/coordinate_row.h"
 #include "framework/dynamics/simulate/nearest_start.h"
@@ -266,15 +267,32 @@ LOCKSTEP_API std::string AssemblyReport::text() const {
   return text;
 }
 
+namespace {
+
+void find_positions(Dynamics& dynamics, State& work, const AssemblyOptions& options, Assembler& assembler,
+                    AssemblyReport& report) {
+  const double before = options.coordinates.empty() && options.poses.empty() ? -1 : dynamics.violation(work);
+  const int rounds = before < 0 ? 0 : nearest_start(dynamics, work, options);
+  assembler.positions(report);
+  if (before >= 0) report.before = before, report.iterations += rounds;
+}
+
+}  // namespace
+
+void assemble_positions(Dynamics& dynamics, State& state, const AssemblyOptions& options) {
+  AssemblyReport report;
+  State work = state;
+  Assembler assembler(dynamics, work, options);
+  find_positions(dynamics, work, options, assembler, report);
+  state = std::move(work);
+}
+
 AssemblyReport assemble(Dynamics& dynamics, State& state, const std::vector<VelocityTarget>& targets,
                         const AssemblyOptions& options) {
   AssemblyReport report;
   State work = state;
   Assembler assembler(dynamics, work, options);
-  const double before = options.coordinates.empty() && options.poses.empty() ? -1 : dynamics.violation(work);
-  const int rounds = before < 0 ? 0 : nearest_start(dynamics, work, options);
-  assembler.positions(report);
-  if (before >= 0) report.before = before, report.iterations += rounds;
+  find_positions(dynamics, work, options, assembler, report);
   report.kinetic_before = kinetic_energy(dynamics, work);
   assembler.velocities(targets, report);
   report.kinetic_after = kinetic_energy(dynamics, work);

@@ -116,7 +116,7 @@ std::string obstacle(const System& system) {
     if (force->reacting()) return "force '" + force->name() + "' reads reactions";
   for (const auto& link : system.links()) {
     if (system.merged(*link)) continue;
-    if (system.left_out(*link) != 0) return "rows of link '" + link->name() + "' that nearly depend are left out";
+    if (system.left_out(*link) != 0) return "rows of link '" + link->name() + "' that depend on others are left out";
   }
   return {};
 }

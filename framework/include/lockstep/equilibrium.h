@@ -23,10 +23,11 @@ struct FreeMotion {
 struct Stability {
   /// The verdict.
   enum class Kind {
-    stable,     ///< every free motion is held
-    neutral,    ///< some are held by nothing, and the others are held
-    unstable,   ///< at least one grows
-    not_judged  ///< too many unknowns for dense matrices
+    stable,      ///< every free motion is held
+    neutral,     ///< some are held by nothing, and the others are held
+    unstable,    ///< at least one grows
+    not_judged,  ///< too many unknowns for dense matrices
+    gripped      ///< friction holds it, short of its limits: small disturbances move nothing
   };
   Kind kind = Kind::stable;  ///< the verdict
   int freedoms = 0;          ///< number of free motions
@@ -37,7 +38,7 @@ struct Stability {
   std::vector<FreeMotion> unstable,  ///< those that grow, fastest first
       neutral;                       ///< those that nothing holds
 };
-/// "stable", "neutral", "unstable", "not judged".
+/// "stable", "neutral", "unstable", "not judged", "gripped".
 LOCKSTEP_API std::string to_string(Stability::Kind);
 
 /// Judges a state at rest: eigenvalues of K against M in the null space of the rows, K with the geometric stiffness of
@@ -52,7 +53,18 @@ struct EquilibriumOptions {
   double tolerance = 1e-10;
   int iterations = 200;           ///< of Newton's method, at most
   int relaxation_steps = 20'000;  ///< of dynamic relaxation, at most
+  /// Whether friction (Reacting::grips) may hold the state given; false: the equilibrium is one without friction.
+  bool friction = true;
   bool nearest = false;           ///< takes what Newton's method meets first, stable or not; false: goes downhill
+};
+
+/// What friction carries at rest, and what it could.
+struct GripReport {
+  std::string force,   ///< its name
+      what,            ///< "sliding", "turning"
+      unit;            ///< "N", "N m"
+  double carries = 0,  ///< the size of it
+      most = 0;        ///< its limit
 };
 
 /// What was found, and how.
@@ -69,12 +81,16 @@ struct EquilibriumReport {
   std::vector<std::string> left;     ///< unstable positions of rest that were met and left, by the motion that grew
   std::vector<std::string> pressed;  ///< one-sided links that carry load
   std::vector<std::string> free;     ///< one-sided links that are free
+  /// What friction carries in the state given, where it holds that state (Stability::Kind::gripped), or would have to
+  /// carry there, where it does not; empty where none has a part in it.
+  std::vector<GripReport> grips;
   std::vector<std::string> notes;    ///< what of the scene does not act as in a run
   /// How it was found, in words: "Newton's method, 7 iterations".
   LOCKSTEP_API std::string method() const;
 };
 
 /// Moves a state into equilibrium, at its time: forces and laws have their values there, drives hold their coordinates,
+/// friction holds the state given if it can (then nothing moves), and none acts elsewhere,
 /// velocities of bodies are zero (a marker that moves by a law keeps its rate, and is noted), integrated states keep their values. Newton's method on rows and forces with a line search,
 /// downhill: up to 400 unknowns in the free motions, against each stiffness by its size; beyond with the sparse matrix
 /// K + s M, s as large as it takes. Where that fails, dynamic relaxation. One-sided links come
@@ -107,7 +123,7 @@ struct EquilibriaOptions {
 };
 
 /// Looks for equilibria downhill from this state, then from random poses that fit the rows, by turns as
-/// EquilibriumOptions::nearest, which finds unstable ones too, and downhill. Where a motion is held by nothing, the
+/// EquilibriumOptions::nearest, which finds unstable ones too, and downhill. All of them are without friction. Where a motion is held by nothing, the
 /// positions along it count as one: those of the same softest stiffness and largest force that are the same in all that
 /// is held. Throws as find_equilibrium() does for the state given.
 LOCKSTEP_API EquilibriaReport find_equilibria(Dynamics&, const State&, const EquilibriaOptions& options = {});

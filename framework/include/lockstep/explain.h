@@ -1,4 +1,4 @@
-// Accounts: what acts on a body, what a link does, what laws give, at one state.
+// Accounts: what acts on a body, what a link does, what laws give, at one state; the equations of one link.
 #pragma once
 
 #include <string>
@@ -72,6 +72,24 @@ struct LinkAccount {
 
 /// The account of a link at a state in the slots' own coordinates. Throws what Dynamics::evaluate throws.
 LOCKSTEP_API LinkAccount account_of(Dynamics&, const State&, const Lock&);
+
+/// The equations of one link at a state, one of each for a row. As velocities have them: J v + Ct = 0 and J a = Qc, with
+/// v and a of each slot, translation (world) and turn (axes of the slot). In seven coordinates a body: Cq qd + Ct = 0 and
+/// Cq qdd = Qc, with quaternions of length 1.
+struct LinkEquations {
+  std::vector<std::string> rows;   ///< "A.x", "A.e1": of drives too
+  std::vector<std::string> slots;  ///< what moves, in the order of the columns: a body's name, of welded ones "a + b"
+  VecX C;                          ///< value: m, a component of the error quaternion, or of a function
+  VecX Ct;                         ///< its partial derivative in time
+  VecX Qc;                         ///< what its second derivative has beside J a, with the sign turned
+  MatX J;                          ///< 6 columns per slot: x y z, turns about x y z
+  MatX Cq;                         ///< 7 columns per slot: x y z, and the quaternion, scalar first
+};
+
+/// The equations of a link at a state in the slots' own coordinates: in space, and of the link alone, so that of links
+/// that are not in force too, and with rows that were left out. Throws ModelError for a link that was merged, and what the
+/// code of the link throws.
+LOCKSTEP_API LinkEquations equations_of(Dynamics&, const State&, const Lock&);
 
 /// What a force does at a state.
 struct ForceEffect {

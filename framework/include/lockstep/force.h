@@ -23,6 +23,15 @@ namespace lockstep {
 
 class Force;
 
+/// What friction holds at rest: a force or a moment along some directions, up to a limit.
+struct Grip {
+  std::string what,         ///< "sliding", "turning"
+      unit;                 ///< of `most`: "N", "N m"
+  double most = 0;          ///< the largest size of it
+  std::vector<VecX> along;  ///< what one unit of it does along each of its directions, which are at right angles to one
+                            ///< another: 6 per slot, N (world) and N m (slot axes)
+};
+
 /// The facet of a force that depends on the reactions of links. Such a force derives from it, and Force::reacting()
 /// returns `this`. What it exerts is added to apply(). The solution is found by iteration, so the force as a function
 /// of the reactions must be a contraction, as friction with a coefficient well below one is.
@@ -37,6 +46,8 @@ class LOCKSTEP_API Reacting {
   virtual void react(const Inputs&, const Reactions&, WrenchSum&) const = 0;
   /// Power that react() takes out, W, not negative; default 0.
   virtual double friction_loss(const Inputs&, const Reactions&) const { return 0; }
+  /// What it holds at rest under these reactions, where react() is smooth and holds nothing; default: nothing.
+  virtual std::vector<Grip> grips(const Inputs&, const Reactions&) const { return {}; }
   /// Adds K and D of react() with the multipliers fixed; conventions of TangentSum. Default: central differences.
   virtual void react_tangent(const Inputs&, const Reactions&, TangentSum& out) const;
   /// Recorder channels of the force, whether they depend on reactions or not; used in place of Observable's. Default:

@@ -241,6 +241,8 @@ class LOCKSTEP_API JointFriction final : public Force, public Reacting {
   void react(const Inputs&, const Reactions&, WrenchSum& out) const override;
   void react_tangent(const Inputs&, const Reactions&, TangentSum& out) const override;
   double friction_loss(const Inputs&, const Reactions&) const override;
+  /// mu_s N along the sliding, and mu_s (r (N0 + |F radial|) + r_a |F axial|) about the axis.
+  std::vector<Grip> grips(const Inputs&, const Reactions&) const override;
 
   static const TypeInfo& info();                                         ///< name and keys of its type
   static Options options(const Params&);                                 ///< from parameters checked against info()

@@ -39,14 +39,14 @@ struct RunSettings {
   Formulation formulation = Formulation::automatic;  ///< unknowns of the equations of motion
   Stabilization stabilization;                   ///< how drift off the constraints is removed
   bool assemble = true;                          ///< the start is assembled
-  NearlyRedundant nearly_redundant = NearlyRedundant::told;  ///< what becomes of rows that nearly depend on others
+  NearlyRedundant nearly_redundant = NearlyRedundant::automatic;  ///< what becomes of rows that nearly depend on others
   std::vector<ChannelRequest> record{};          ///< channels to record
   /// Panels of the picture: the recorded names in each. Empty: one panel per unit.
   std::vector<std::vector<std::string>> draw{};
   Where where{};  ///< place of the object in the file
 };
 
-/// By its word: "told", "free" or "held". Throws ModelError for another.
+/// By its word: "auto", "told", "free" or "held". Throws ModelError for another.
 LOCKSTEP_API NearlyRedundant nearly_redundant_from(std::string_view word);
 
 /// A parameter of a scene, or one of its points.

@@ -69,7 +69,9 @@ struct PlanarRows {
 enum class NearlyRedundant {
   told,  ///< nothing is decided: they are told, and solvers may differ there
   free,  ///< rows that depend or nearly depend on others of their set are left out
-  held   ///< they hold; rows that depend on others exactly are left out, so that nothing contradicts
+  held,  ///< they hold; rows that depend on others exactly are left out, so that nothing contradicts
+  /// The model as it is written: held where that can be decided and the mechanism has no more than 300 rows, else told.
+  automatic
 };
 
 /// A mechanism: its bodies, markers, links and forces, their setup, and the passes that evaluate them.

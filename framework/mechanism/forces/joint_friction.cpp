@@ -1,5 +1,6 @@
 #include <lockstep/forces.h>
 
+#include <algorithm>
 #include <cmath>
 #include <tuple>
 
@@ -195,6 +196,30 @@ void JointFriction::react_tangent(const Inputs& in, const Reactions& reactions, 
 ForceAccount JointFriction::account(const Inputs& in, const Reactions& reactions) const {
   const Pressing by = pressing(in, reactions);
   return formula::account(P_, S_, in, [&](const auto& at, auto& load) { act(by, at, load); });
+}
+
+std::vector<Grip> JointFriction::grips(const Inputs& in, const Reactions& reactions) const {
+  const Pressing by = pressing(in, reactions);
+  if (!by.in_force) return {};
+  const double mu = std::max(options_.mu, options_.mu_static);
+  const MarkerInWorld P = in_world(P_, in), S = in_world(S_, in);
+  const int p = p_->body->slot, s = s_->body->slot;
+  const auto new_load = [&] { return VecX(VecX::Zero(6 * (static_cast<Eigen::Index>(in.motions.size()) - 1))); };
+  std::vector<Grip> all;
+  if (!sliding_.isZero(0)) all.push_back({"sliding", "N", mu * by.normal, {}});
+  for (int k = 0; k < 3; ++k) {
+    if (sliding_[k] == 0) continue;
+    const Vec3 F = S.A.col(k);
+    all.back().along.push_back(new_load());
+    const WrenchSum sum(in.motions, all.back().along.back());
+    sum.force(p, F, P.x), sum.force(s, -F, P.x);
+  }
+  if (turning_ < 0) return all;
+  all.push_back(
+      {"turning", "N m", mu * (options_.radius * by.radial + options_.axial_radius * by.axial), {new_load()}});
+  const WrenchSum sum(in.motions, all.back().along.back());
+  sum.torque(p, S.A.col(turning_)), sum.torque(s, -S.A.col(turning_));
+  return all;
 }
 
 double JointFriction::friction_loss(const Inputs& in, const Reactions& reactions) const {

@@ -96,33 +96,43 @@ Sparse shifted(const Sparse& S, double by) {
 // dependencies, and of a few vectors at random one has a share of every row that takes part.
 constexpr double kTheta = 1e-12, kTakesPart = 1e-3;
 
-MatX left_of_random_vectors(const Sparse& S) {
+struct Inertia {
+  int rank = 0;
+  MatX left;  // of a few vectors at random; empty where no row depends on others
+};
+
+Inertia inertia_of(int n_columns, int n_rows, const Triplets& triplets) {
   constexpr double kEps = 1e-13;
   constexpr int kVectors = 8;
-  const Eigen::SimplicialLDLT<Sparse> ldlt(shifted(S, kEps));
-  std::minstd_rand random(1);
-  MatX left(S.rows(), kVectors);
-  for (int k = 0; k < kVectors; ++k) {
-    const VecX signs = VecX::NullaryExpr(S.rows(), [&] { return random() % 2 == 0 ? 1.0 : -1.0; });
-    left.col(k) = kEps * ldlt.solve(signs);
-  }
-  return left;
-}
-
-Dependencies by_inertia(int n_columns, int n_rows, const Triplets& triplets) {
   Sparse Jt(n_columns, n_rows);
   Jt.setFromTriplets(triplets.begin(), triplets.end());
   const Sparse S = Jt.transpose() * Jt;
-  const Eigen::SimplicialLDLT<Sparse> below(shifted(S, -kTheta));
-  if (below.info() != Eigen::Success) throw SolveError("the rank of the rows could not be found: a pivot is zero");
-  Dependencies out;
-  out.rank = static_cast<int>((below.vectorD().array() > 0).count());
+  Inertia out;
+  Eigen::SimplicialLDLT<Sparse> ldlt(shifted(S, -kTheta));
+  if (ldlt.info() != Eigen::Success) throw SolveError("the rank of the rows could not be found: a pivot is zero");
+  out.rank = static_cast<int>((ldlt.vectorD().array() > 0).count());
   if (out.rank == n_rows) return out;
-  const VecX left = left_of_random_vectors(S).cwiseAbs().rowwise().maxCoeff();
+  ldlt.factorize(shifted(S, kEps));
+  std::minstd_rand random(1);
+  out.left.resize(S.rows(), kVectors);
+  for (int k = 0; k < kVectors; ++k) {
+    const VecX signs = VecX::NullaryExpr(S.rows(), [&] { return random() % 2 == 0 ? 1.0 : -1.0; });
+    out.left.col(k) = kEps * ldlt.solve(signs);
+  }
+  return out;
+}
+
+Dependencies by_inertia(int n_columns, int n_rows, const Triplets& triplets) {
+  const Inertia inertia = inertia_of(n_columns, n_rows, triplets);
+  Dependencies out;
+  out.rank = inertia.rank;
+  if (out.rank == n_rows) return out;
+  const VecX left = inertia.left.cwiseAbs().rowwise().maxCoeff();
   DependentRows all;
   all.too_many = n_rows - out.rank;
+  const double least = kTakesPart * left.maxCoeff();
   for (int row = 0; row < n_rows; ++row)
-    if (left[row] > kTakesPart * left.maxCoeff()) all.rows.push_back(row);
+    if (left[row] > least) all.rows.push_back(row);
   out.sets.push_back(std::move(all));
   return out;
 }
@@ -140,26 +150,30 @@ MatX circuits(int n_columns, int n_rows, const Triplets& Jt) {
   return qr.colsPermutation() * pivoted;
 }
 
+void refuse_not_finite(const Triplets& Jt) {
+  for (const auto& t : Jt)
+    if (!std::isfinite(t.value())) throw NonFiniteError("a row is not finite, so that its rank is none", 0.0);
+}
+
 }  // namespace
 
 NullVectors null_vectors(int n_columns, int n_rows, const Triplets& Jt) {
+  refuse_not_finite(Jt);
   NullVectors found;
   if (n_rows <= kDense) {
     found = {circuits(n_columns, n_rows, Jt), kShare};
-  } else if (find_dependencies(n_columns, n_rows, Jt).rank == n_rows) {
+    found.n = static_cast<int>(found.columns.cols());
+  } else if (Inertia inertia = inertia_of(n_columns, n_rows, Jt); inertia.rank == n_rows) {
     found.columns = MatX(n_rows, 0);
   } else {
-    Sparse matrix(n_columns, n_rows);
-    matrix.setFromTriplets(Jt.begin(), Jt.end());
-    found = {left_of_random_vectors(matrix.transpose() * matrix), kTakesPart};
+    found = {std::move(inertia.left), kTakesPart, n_rows - inertia.rank};
   }
   for (auto column : found.columns.colwise()) column /= column.cwiseAbs().maxCoeff();
   return found;
 }
 
 Dependencies find_dependencies(int n_columns, int n_rows, const Triplets& Jt) {
-  for (const auto& t : Jt)
-    if (!std::isfinite(t.value())) throw NonFiniteError("a row is not finite, so that its rank is none", 0.0);
+  refuse_not_finite(Jt);
   return n_rows <= kDense ? by_circuits(n_columns, n_rows, Jt) : by_inertia(n_columns, n_rows, Jt);
 }
 

@@ -39,6 +39,7 @@ Dependencies find_dependencies(int n_columns, int n_rows, const std::vector<Eige
 struct NullVectors {
   MatX columns;          ///< one vector a column: a basis; beyond 300 rows eight of them at random
   double round_off = 0;  ///< numbers up to this are zero
+  int n = 0;             ///< how many independent ones there are
 };
 NullVectors null_vectors(int n_columns, int n_rows, const std::vector<Eigen::Triplet<double>>& Jt);
 

@@ -76,7 +76,7 @@ EquilibriaReport find_equilibria(Dynamics& dynamics, const State& start, const E
       report.all.push_back(std::move(found));
   };
   Equilibrium own{first, {}, 1};
-  own.report = find_equilibrium(dynamics, own.state);
+  own.report = find_equilibrium(dynamics, own.state, {.friction = false});
   take(std::move(own));
   report.starts = 1;
   Scatter random(options.seed);
@@ -87,7 +87,8 @@ EquilibriaReport find_equilibria(Dynamics& dynamics, const State& start, const E
     try {
       if (!fit(dynamics, next.state)) throw SolveError("off its rows");
       // Newton's method alone goes to unstable ones too; every other start goes downhill.
-      next.report = find_equilibrium(dynamics, next.state, {.relaxation_steps = 0, .nearest = k % 2 == 0});
+      next.report =
+          find_equilibrium(dynamics, next.state, {.relaxation_steps = 0, .friction = false, .nearest = k % 2 == 0});
       take(std::move(next));
     } catch (const SolveError&) {
       ++report.failed;

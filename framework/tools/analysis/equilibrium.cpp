@@ -51,6 +51,10 @@ void EquilibriumSearch::run() {
   touch(state_);
   settle(state_);
   start_ = state_;
+  if (rests_by_friction()) {
+    finish();
+    return;
+  }
   for (;;) {
     if (!newton(options_.iterations)) relax();
     if (release()) continue;
@@ -232,11 +236,13 @@ void EquilibriumSearch::finish() {
     if (const double move = (state_.q.segment<3>(7 * k) - start_.q.segment<3>(7 * k)).norm();
         move > report_.largest_move)
       report_.largest_move = move, report_.moved_most = system_.body_of_slot(k).name;
+  if (const std::string words = beyond_friction(); !words.empty()) report_.notes.push_back(words);
   for (const Force* force : now_.e->reacting())
-    report_.notes.push_back(
-        fmt::format("{} '{}' is taken as it acts without motion: friction that is smooth at rest "
-                    "holds nothing, and with real friction it may rest beside this position too",
-                    force->type(), force->name()));
+    if (report_.stability.kind != Stability::Kind::gripped)
+      report_.notes.push_back(
+          fmt::format("{} '{}' is taken as it acts without motion: friction that is smooth at rest "
+                      "holds nothing, and with real friction it may rest beside this position too",
+                      force->type(), force->name()));
   for (const Marker& marker : system_.markers())
     if (moves_under_force(marker))
       report_.notes.push_back(
@@ -246,6 +252,7 @@ void EquilibriumSearch::finish() {
 }
 
 std::string EquilibriumReport::method() const {
+  if (stability.kind == Stability::Kind::gripped) return "the start, where friction holds it";
   const std::string newton = fmt::format("Newton's method, {} iteration{}", iterations, iterations == 1 ? "" : "s");
   return relaxed ? fmt::format("dynamic relaxation, {} steps, then {}", relaxation_steps, newton) : newton;
 }

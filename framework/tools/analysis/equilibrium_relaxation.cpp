@@ -94,7 +94,8 @@ void EquilibriumSearch::no_equilibrium() {
       "relaxation; what is left of the forces is {:.3g} of the largest",
       report_.iterations, report_.relaxation_steps, now_.unbalanced);
   const std::string moving = motion_words(system_, now_.e->inputs(), now_.a);
-  throw SolveError(did + ". " +
+  const std::string friction = beyond_friction();
+  throw SolveError(did + ". " + (friction.empty() ? "" : "At first, " + friction + ". ") +
                    (words.empty() ? "Under the forces " + moving +
                                         ". Start nearer to where it should rest, or hold that motion by a spring"
                                   : "Under the forces " + words + ": hold it by a link, a drive or a spring"));

@@ -43,6 +43,13 @@ class EquilibriumSearch {
   bool take_step();
   bool newton(int most);
 
+  // -- friction
+
+  /// Whether friction holds the present state, and what it does not grip is held otherwise; if so, the report tells it.
+  bool rests_by_friction();
+  /// What the friction of the state given does not hold, in a sentence; "" where it has no part in it.
+  std::string beyond_friction() const;
+
   // -- dynamic relaxation
 
   /// FIRE: the motion itself, its velocity turned into the forces' direction, stopped whenever it goes against them.

@@ -2,6 +2,7 @@
 #include <lockstep/explain.h>
 
 #include <algorithm>
+#include <array>
 #include <ranges>
 
 #include <lockstep/error.h>
@@ -24,6 +25,13 @@ Vec6 reaction_on(const Evaluated& v, const RowEntry& entry, const Lock& link, in
     sum -= v.lambda[entry.first_row + k] * Eigen::Map<const Vec6>(J.data());
   }
   return sum;
+}
+
+/// The name of the body in a slot; of welded ones "a + b".
+std::string bodies_of(const System& system, int slot) {
+  std::string names;
+  for (const Body* part : system.slot(slot).bodies) names += (names.empty() ? "" : " + ") + part->name;
+  return names;
 }
 
 class Ledger {
@@ -119,7 +127,7 @@ BodyBalance balance_of(Dynamics& dynamics, const State& state, const Body& body)
   const Slot& slot = system.slot(body.slot);
   const Motion& m = v.in.slot(body.slot);
   BodyBalance out;
-  for (const Body* part : slot.bodies) out.body += (out.body.empty() ? "" : " + ") + part->name;
+  out.body = bodies_of(system, body.slot);
   out.mass = slot.mass, out.center = m.x, out.acceleration = v.a.segment<3>(6 * body.slot);
   Ledger(system, v, body.slot).write(out);
   out.sum.what = "sum", out.rate.what = "m a, rate of angular momentum";
@@ -170,6 +178,37 @@ LinkAccount account_of(Dynamics& dynamics, const State& state, const Lock& link)
   return out;
 }
 
+LinkEquations equations_of(Dynamics& dynamics, const State& state, const Lock& link) {
+  const System& system = dynamics.system();
+  if (system.merged(link))
+    throw ModelError("link '" + link.name() +
+                     "' was merged: its bodies move as one and it has no rows; give \"merge\": \"off\" "
+                     "(System::set_merge) to see them");
+  const Inputs& in = dynamics.inputs(state);
+  RowTable room;
+  const Lock* const one = &link;
+  const RowSpan span = room.spatial_span(link.shape());
+  in_context([&] { return context_of(link, in.t); }, [&] { link.gather(Group(&one, 1), in, span); });
+  const RowBlock rows = span.lane(0);
+  const Eigen::Index m = link.row_count(), n = link.slots().n;
+  LinkEquations out;
+  out.C.resize(m), out.Ct.resize(m), out.Qc.resize(m), out.J.resize(m, 6 * n), out.Cq.resize(m, 7 * n);
+  for (int i = 0; i < n; ++i) out.slots.push_back(bodies_of(system, link.slots()[i]));
+  for (int k = 0; k < m; ++k) {
+    out.rows.push_back(link.name() + "." + link.row_name(k));
+    out.C[k] = rows.C(k), out.Ct[k] = rows.Ct(k), out.Qc[k] = rows.Qhat(k);
+    for (int i = 0; i < n; ++i) {
+      const std::array<double, 6> J = rows.J(i, k);
+      const auto at = Eigen::Map<const Eigen::Matrix<double, 1, 6>>(J.data());
+      out.J.block<1, 6>(k, 6 * i) = at;
+      out.Cq.block<1, 3>(k, 7 * i) = at.head<3>();
+      out.Cq.block<1, 4>(k, 7 * i + 3) =
+          at.tail<3>() * G_matrix(normalized(state.slot_pose(link.slots()[i]).q));  // (2.13)
+    }
+  }
+  return out;
+}
+
 ForceEffect account_of(Dynamics& dynamics, const State& state, const Force& force) {
   const System& system = dynamics.system();
   const Solution& v = dynamics.evaluate(state);
@@ -190,9 +229,8 @@ ForceEffect account_of(Dynamics& dynamics, const State& state, const Force& forc
                out.dissipation = force.dissipation(v.in), out.supply = force.supply(v.in);
              });
   for (const int slot : force.slots()) {
-    std::string body;
-    for (const Body* part : system.slot(slot).bodies) body += (body.empty() ? "" : " + ") + part->name;
-    out.on.push_back({body, all.segment<3>(6 * slot), v.in.slot(slot).A * all.segment<3>(6 * slot + 3)});
+    out.on.push_back(
+        {bodies_of(system, slot), all.segment<3>(6 * slot), v.in.slot(slot).A * all.segment<3>(6 * slot + 3)});
   }
   return out;
 }

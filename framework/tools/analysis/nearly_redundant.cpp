@@ -13,7 +13,8 @@
 namespace lockstep {
 namespace {
 
-constexpr int kMostRows = 300;      // on common loops
+constexpr int kMostRows =
+    300;  // on common loops, and of a mechanism whose rows hold by themselves: those are factored densely
 constexpr double kPersists = 1e-3;  // of the length: rows that are violated by less nearly depend everywhere
 
 /// Rows on common loops of which some nearly depend on others, and what to do with them. All that depend go, exactly or
@@ -110,7 +111,7 @@ void hold(System& system, const RowTable& table, std::vector<NearDependency>& to
 }  // namespace
 
 std::vector<NearDependency> decide_nearly_redundant(System& system, Dynamics& dynamics, const State& given,
-                                                    NearlyRedundant choice) {
+                                                    NearlyRedundant asked) {
   State state = given;
   dynamics.to_slots(state);
   take_back(system);
@@ -119,6 +120,9 @@ std::vector<NearDependency> decide_nearly_redundant(System& system, Dynamics& dy
   const RowTable table = dynamics.gather(state).rows();
   std::vector<NearSet> all = nearly_dependent(system, table);
   if (all.empty()) return told;
+  const NearlyRedundant choice = asked != NearlyRedundant::automatic ? asked
+                                 : table.n_rows <= kMostRows         ? NearlyRedundant::held
+                                                                     : NearlyRedundant::told;
   try_out(system, dynamics, state, all);
   std::vector<OwnRow> gone;
   for (NearSet& f : all) {

@@ -67,7 +67,7 @@ void judge_without_potential(Stability& out, const Evaluation& e, const RestMatr
 }  // namespace
 
 std::string to_string(Stability::Kind kind) {
-  constexpr const char* kWords[] = {"stable", "neutral", "unstable", "not judged"};
+  constexpr const char* kWords[] = {"stable", "neutral", "unstable", "not judged", "gripped"};
   return kWords[static_cast<int>(kind)];
 }
 
@@ -78,7 +78,12 @@ Stability judge_rest(const Evaluation& e, const VecX& lambda) {
     out.kind = Stability::Kind::not_judged;
     return out;
   }
-  const RestMatrices A(e, lambda);
+  return judge_motions(e, RestMatrices(e, lambda));
+}
+
+Stability judge_motions(const Evaluation& e, const RestMatrices& A) {
+  const System& system = e.system();
+  Stability out;
   out.freedoms = static_cast<int>(A.N.cols());
   if (out.freedoms == 0) return out;
   const RestMotions motions = rest_motions(A);

@@ -10,12 +10,44 @@
 namespace lockstep {
 namespace {
 
-/// Vectors of multipliers that change no motion, one a column and one number a row of the table; of unit size where
-/// rows have length 1.
-struct Undetermined {
+/// Vectors of multipliers that change no motion; of unit size where rows have length 1. Each has the rows of one loop.
+class Undetermined {
+ public:
+  explicit Undetermined(const RowTable& table) : of_row_(static_cast<std::size_t>(table.n_rows)) {}
+
   int n = 0;
-  MatX vectors;
   double round_off = 0;
+
+  void add(const LoopRows& rows, MatX vectors) {
+    for (int k = 0; k < rows.n(); ++k) {
+      const double length = rows.length(k);
+      if (length > 0)
+        vectors.row(k) /= length;
+      else
+        vectors.row(k).setOnes();  // a row of zeros holds nothing
+      of_row_[static_cast<std::size_t>(rows.number(k))] = {static_cast<int>(loops_.size()), k};
+    }
+    loops_.push_back(std::move(vectors));
+  }
+  /// How many have this row.
+  Eigen::Index count(int row) const { return loop(row) < 0 ? 0 : of(row).cols(); }
+  double number(int row, Eigen::Index vector) const {
+    return loop(row) < 0 ? 0 : of(row)(of_row_[static_cast<std::size_t>(row)].place, vector);
+  }
+  /// The largest of a row over all vectors.
+  double largest(int row) const {
+    return loop(row) < 0 ? 0 : of(row).row(of_row_[static_cast<std::size_t>(row)].place).cwiseAbs().maxCoeff();
+  }
+
+ private:
+  struct Place {
+    int loop = -1, place = 0;
+  };
+  int loop(int row) const { return of_row_[static_cast<std::size_t>(row)].loop; }
+  const MatX& of(int row) const { return loops_[static_cast<std::size_t>(loop(row))]; }
+
+  std::vector<Place> of_row_;
+  std::vector<MatX> loops_;
 };
 
 // Combinations of rows that are zero but for a singular value up to kNearlyDependent: where such rows were left out, how
@@ -29,7 +61,7 @@ NullVectors near_null_vectors(const LoopRows& rows) {
   const Eigen::SelfAdjointEigenSolver<MatX> eigen(MatX(J * J.transpose()));
   Eigen::Index n = 0;
   while (n < eigen.eigenvalues().size() && eigen.eigenvalues()[n] < kNearlyDependent * kNearlyDependent) ++n;
-  NullVectors out{eigen.eigenvectors().leftCols(n), kShare};
+  NullVectors out{eigen.eigenvectors().leftCols(n), kShare, static_cast<int>(n)};
   for (Eigen::Index k = 0; k < n; ++k) out.columns.col(k) /= out.columns.col(k).cwiseAbs().maxCoeff();
   return out;
 }
@@ -44,25 +76,16 @@ bool leaves_near_rows_out(const System& system, const RowTable& table, const std
 }
 
 Undetermined undetermined_of(const System& system, const RowTable& table) {
-  Undetermined found;
-  std::vector<VecX> vectors;
+  Undetermined found(table);
   for (const std::vector<int>& entries : loops_of(system, table)) {
     const LoopRows rows(system, table, entries);
     const bool near = leaves_near_rows_out(system, table, entries);
-    const NullVectors null = near ? near_null_vectors(rows) : null_vectors(rows.n_columns(), rows.n(), rows.Jt());
+    NullVectors null = near ? near_null_vectors(rows) : null_vectors(rows.n_columns(), rows.n(), rows.Jt());
     if (null.columns.cols() == 0) continue;
-    found.n += near ? static_cast<int>(null.columns.cols())
-                    : rows.n() - find_dependencies(rows.n_columns(), rows.n(), rows.Jt()).rank;
+    found.n += null.n;
     found.round_off = std::max(found.round_off, null.round_off);
-    for (const auto column : null.columns.colwise()) {
-      VecX lambda = VecX::Zero(table.n_rows);
-      for (int k = 0; k < rows.n(); ++k)
-        lambda[rows.number(k)] = rows.length(k) > 0 ? column[k] / rows.length(k) : 1.0;  // a row of zeros holds nothing
-      vectors.push_back(std::move(lambda));
-    }
+    found.add(rows, std::move(null.columns));
   }
-  found.vectors = MatX(table.n_rows, static_cast<Eigen::Index>(vectors.size()));
-  for (std::size_t k = 0; k < vectors.size(); ++k) found.vectors.col(static_cast<Eigen::Index>(k)) = vectors[k];
   return found;
 }
 
@@ -78,7 +101,7 @@ class Components {
  public:
   Components(const System& system, const Inputs& in, const RowTable& table, const Undetermined& u,
              std::vector<std::string>& channels)
-      : system_(system), in_(in), table_(table), u_(u), channels_(channels) {}
+      : system_(system), in_(in), table_(table), u_(u), channels_(channels), lambda_(VecX::Zero(table.n_rows)) {}
 
   void of(const Lock& link) {
     add(link, "", Reactions::kJoint);
@@ -95,14 +118,16 @@ class Components {
     const Mat3 to_link = in_world(MarkerFrame(*s), in_).A.transpose();
     Largest world, local, other;
     double power = 0;
-    for (const auto column : u_.vectors.colwise()) {
-      const VecX lambda = column;
-      const Reactions reactions(table_, {lambda.data(), static_cast<std::size_t>(lambda.size())});
+    const RowEntry& e = entry(link);
+    const Reactions reactions(table_, {lambda_.data(), static_cast<std::size_t>(lambda_.size())});
+    for (Eigen::Index column = 0; column < u_.count(e.first_row); ++column) {
+      for (int k = 0; k < e.m; ++k)
+        lambda_[e.first_row + k] = u_.number(e.first_row + k, column);  // others are not read
       const LinkWrench on_p = reactions.on_body_of(MarkerFrame(*p), link, in_, part),
                        on_s = reactions.on_body_of(MarkerFrame(*s), link, in_, part);
       world.take(on_p.force, on_p.moment), other.take(on_s.force, on_s.moment);
       local.take(to_link * on_p.force, to_link * on_p.moment);
-      power = std::max(power, std::abs(power_of(link, lambda, part)));
+      power = std::max(power, std::abs(power_of(link, e, part)));
     }
     const std::string start = link.name() + "." + part_name;
     add_axes(start + "force_on_p_world_", world.force, 1), add_axes(start + "force_on_p_link_", local.force, 1);
@@ -115,15 +140,16 @@ class Components {
   }
 
   // (8.8) lambda . Ct over the rows of the drive
-  double power_of(const Lock& link, const VecX& lambda, int part) const {
-    const int at = table_.entry_of_link[static_cast<std::size_t>(link.number())];
-    if (at < 0) return 0;
-    const RowEntry& e = table_.entries[static_cast<std::size_t>(at)];
+  double power_of(const Lock& link, const RowEntry& e, int part) const {
     double power = 0;
     for (int k = 0; k < e.m; ++k)
       if (Reactions::belongs(link.row(e.own[static_cast<std::size_t>(k)]), part))
-        power += lambda[e.first_row + k] * table_.block(e).Ct(k);
+        power += lambda_[e.first_row + k] * table_.block(e).Ct(k);
     return power;
+  }
+  const RowEntry& entry(const Lock& link) const {
+    const int at = table_.entry_of_link[static_cast<std::size_t>(link.number())];
+    return table_.entries[static_cast<std::size_t>(at)];
   }
 
   void add_axes(const std::string& name, const Vec3& largest, double unit) {
@@ -136,6 +162,7 @@ class Components {
   const RowTable& table_;
   const Undetermined& u_;
   std::vector<std::string>& channels_;
+  VecX lambda_;
 };
 
 }  // namespace
@@ -162,7 +189,7 @@ UniquenessReport uniqueness(Dynamics& dynamics, const State& state) {
     components.of(*link);
   }
   for (int row = 0; row < table.n_rows; ++row) {
-    if (u.vectors.row(row).cwiseAbs().maxCoeff() <= u.round_off) continue;
+    if (u.largest(row) <= u.round_off) continue;
     const std::string name = name_of_row(system, table, row);
     report.rows.push_back(name);
     const std::size_t dot = name.rfind('.');

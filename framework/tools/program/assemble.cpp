@@ -28,7 +28,7 @@ int assemble_command(const Arguments& args) {
     const Pose at = body_pose(body, state);
     bodies[body.name] = {{"position", {at.x[0], at.x[1], at.x[2]}}, {"orientation", {at.q.w, at.q.x, at.q.y, at.q.z}}};
     if (!args.json)
-      fmt::print("  {:<14} at [{}, {}, {}], orientation [{}, {}, {}, {}]\n", body.name, at.x[0], at.x[1], at.x[2],
+      fmt::print("  {:<14} at [{}, {}, {}] m, orientation [{}, {}, {}, {}]\n", body.name, at.x[0], at.x[1], at.x[2],
                  at.q.w, at.q.x, at.q.y, at.q.z);
   }
   const nlohmann::ordered_json report = {{"before", r.before},           {"after", r.after},

@@ -277,14 +277,14 @@ void list_parameters(const Scene& scene) {
 
 // Counted where a run begins: a start typed with eight digits leaves none of a loop's freedoms. One that cannot be
 // assembled is taken as it was typed; a run then says why.
-State counted_start(Dynamics& dynamics, Mechanism& m, const State& typed, std::vector<NearDependency>& near) {
+State counted_start(Dynamics& dynamics, Mechanism& m, const State& typed, NearRows& near) {
   State start = decided_start(dynamics, m, &near);
   try {
     if (m.run.assemble) assemble(dynamics, start, m.start_speeds, m.assembly);
   } catch (const Error&) {
     start = typed;
   }
-  if (m.run.nearly_redundant == NearlyRedundant::told) near = nearly_redundant_at(dynamics, m, start);
+  if (!near.looked) near = {true, nearly_redundant_at(dynamics, m, start)};
   return start;
 }
 
@@ -303,7 +303,7 @@ nlohmann::ordered_json position_json(Dynamics& dynamics, const State& state, con
 /// What is counted and found of a scene.
 struct Findings {
   MobilityReport mobility;
-  std::vector<NearDependency> near;
+  NearRows near;
   UniquenessReport reactions;
   BranchPoint position;
   nlohmann::ordered_json position_json;
@@ -386,7 +386,7 @@ nlohmann::ordered_json findings_json(const Loaded& loaded, const Mechanism& m, c
                               {"redundant", r.redundant},
                               {"redundant_links", r.redundant_links},
                               {"dependencies", dependencies_json(r)},
-                              {"nearly_redundant", near_json(found.near, m.run.nearly_redundant)},
+                              {"nearly_redundant", near_json(found.near.all, m.run.nearly_redundant)},
                               {"rows_not_unique", found.reactions.rows},
                               {"columns_not_unique", columns_not_unique(m.run, found.reactions)},
                               {"free_motions", found.moves.free},
@@ -423,7 +423,7 @@ void print_findings(const Loaded& loaded, const Mechanism& m, const Findings& fo
   fmt::print("  formulation         {}\n", found.formulation);
   if (r.redundant > 0) fmt::print("  redundant rows      {} (in {})\n", r.redundant, first_of(r.redundant_links));
   for (const Dependency& d : r.dependencies) fmt::print("{}", words_of(d));
-  for (const NearDependency& d : found.near) fmt::print("{}", words_of(d, m.run.nearly_redundant));
+  for (const NearDependency& d : found.near.all) fmt::print("{}", words_of(d, m.run.nearly_redundant));
   fmt::print("{}", words_of(found.reactions, m.run));
   fmt::print("  start violates      {:.2g} m, {:.2g} m/s{}\n", found.violation, found.violation_v,
              found.violation > 1e-6 || found.violation_v > 1e-6 ? "; a run assembles it first" : "");

@@ -34,10 +34,14 @@ std::string words_of(const NearDependency& d, NearlyRedundant choice) {
            "solvers may differ there; say whether they hold: \"nearly_redundant\": \"held\" or \"free\" "
            "(--nearly-redundant)\n";
   const char* const are = d.left_out.size() == 1 ? "is" : "are";
-  if (choice == NearlyRedundant::held)
-    return out + (d.left_out.empty() ? "held\n"
-                                     : fmt::format("held, and {} {} left out, which depend{} on others exactly\n",
-                                                   first_of(d.left_out), are, d.left_out.size() == 1 ? "s" : ""));
+  if (choice != NearlyRedundant::free)
+    return out +
+           (d.left_out.empty() ? "held"
+                               : fmt::format("held, and {} {} left out, which depend{} on others exactly",
+                                             first_of(d.left_out), are, d.left_out.size() == 1 ? "s" : "")) +
+           (choice == NearlyRedundant::held
+                ? "\n"
+                : "; if they are not meant to hold, say \"nearly_redundant\": \"free\" (--nearly-redundant)\n");
   return out + fmt::format("free, {} {} left out, and violated by some {:.1g} m as it moves; \"held\" holds {}\n",
                            first_of(d.left_out), are, d.violation, d.left_out.size() == 1 ? "it" : "them");
 }
@@ -46,8 +50,8 @@ namespace {
 
 std::string decision(const NearDependency& d, NearlyRedundant choice) {
   if (choice == NearlyRedundant::told) return "told";
-  if (!d.decided) return "undecided";
-  return choice == NearlyRedundant::held ? "held" : "free";
+  if (!d.decided) return choice == NearlyRedundant::automatic && d.undecided.empty() ? "told" : "undecided";
+  return choice == NearlyRedundant::free ? "free" : "held";
 }
 
 }  // namespace

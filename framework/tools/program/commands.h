@@ -53,7 +53,7 @@ struct Arguments {
   std::string headers;                ///< "units" or "plain"; "": the scene's
   bool at_jumps = false;              ///< rows before and after what jumps
   bool allow_files = false;       ///< the scene may read files outside of its folder
-  std::string nearly_redundant;   ///< told, free or held
+  std::string nearly_redundant;   ///< auto, told, free or held
   bool full = false;              ///< no shortcuts: neither planar motion nor merged bodies
   std::vector<std::string> vary;  ///< NAME=a:b:n or NAME=v1,v2,...
   std::vector<std::string> set;   ///< NAME=VALUE

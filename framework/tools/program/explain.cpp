@@ -115,10 +115,19 @@ std::string numbers(const std::vector<double>& values) {
   return "[" + all + "]";
 }
 
+/// The unit of a derivative of a law, with the space before it: " rad/s^2" of the second one of "rad". A quaternion has
+/// angular velocities.
+std::string per_second(const LawAccount& law, int times) {
+  std::string unit = law.value.size() == 4 ? "rad" : law.unit.empty() ? "1" : law.unit;
+  if (unit.ends_with("/s")) unit.resize(unit.size() - 2), ++times;
+  return " " + unit + (times == 1 ? "/s" : fmt::format("/s^{}", times));
+}
+
 void print(const std::vector<LawAccount>& laws) {
   for (const LawAccount& l : laws)
-    fmt::print("  {}: value {}{}{}, rate {}, second derivative {}\n", l.what, numbers(l.value),
-               l.unit.empty() ? "" : " ", l.unit, numbers(l.rate), numbers(l.second));
+    fmt::print("  {}: value {}{}{}, rate {}{}, second derivative {}{}\n", l.what, numbers(l.value),
+               l.unit.empty() ? "" : " ", l.unit, numbers(l.rate), per_second(l, 1), numbers(l.second),
+               per_second(l, 2));
 }
 
 void print(const ForceEffect& a) {
@@ -143,9 +152,19 @@ void print(const LinkAccount& a) {
   if (a.in_force && !a.left_out.empty())
     fmt::print("  left out, since they depend on others exactly or nearly (\"nearly_redundant\"): {}\n",
                text::join(a.left_out));
-  for (const RowAccount& r : a.rows)
-    fmt::print("  row {:<8} value {:>10.3g}, rate {:>10.3g}, multiplier {:>12.6g}{}{}\n", r.name, r.value, r.rate,
-               r.multiplier, r.kind == RowKind::translation ? " N" : "", r.is_drive ? "  (drive)" : "");
+  for (const RowAccount& r : a.rows) {
+    const bool length = r.kind == RowKind::translation, turn = r.kind == RowKind::rotation;
+    fmt::print("  row {:<8} value {:>10.3g}{}, rate {:>10.3g}{}, multiplier {:>12.6g}{}{}\n", r.name, r.value,
+               length ? " m" : "", r.rate,
+               length ? " m/s"
+               : turn ? " 1/s"
+                      : "",
+               r.multiplier,
+               length ? " N"
+               : turn ? " N m (twice the moment)"
+                      : "",
+               r.is_drive ? "  (drive)" : "");
+  }
   const auto wrench = [&](const char* what, const LinkWrench& w) {
     fmt::print(
         "  {} on '{}': force [{:.6g}, {:.6g}, {:.6g}] N, moment about P [{:.6g}, {:.6g}, {:.6g}] N m, world "

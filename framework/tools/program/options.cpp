@@ -55,8 +55,10 @@ void add_scene(CLI::App& verb, Arguments& a) {
       ->allow_extra_args(false);
   verb.add_flag("--allow-files", a.allow_files, "let the scene read files outside of its folder");
   add(verb, "--nearly-redundant", a.nearly_redundant, "WORD",
-      "rows that depend on others but for a singular value below 1e-4: told, left out (free), or held",
-      {"told", "free", "held"});
+      "rows that depend on others but for a singular value below 1e-4: held (auto, where that can be), left out "
+      "(free), "
+      "or told and not decided",
+      {"auto", "told", "free", "held"});
   verb.add_flag("--full", a.full, "no shortcuts: neither planar motion nor merged bodies nor coordinates of joints");
 }
 

@@ -81,7 +81,7 @@ std::string pose_text(const System& system, const State& state) {
   for (const Body& body : system.bodies()) {
     if (body.fixed) continue;
     const Pose at = body_pose(body, state);
-    text += fmt::format("  {:<14} at {}", body.name, vector_text(at.x, std::max(at.x.norm(), system.length())));
+    text += fmt::format("  {:<14} at {} m", body.name, vector_text(at.x, std::max(at.x.norm(), system.length())));
     if (body.freedoms != Freedoms::particle)
       text += fmt::format(", orientation [{:.9g}, {:.9g}, {:.9g}, {:.9g}]", at.q.w, at.q.x, at.q.y, at.q.z);
     text += "\n";

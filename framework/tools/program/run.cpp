@@ -296,9 +296,8 @@ class ProgramRun {
     }
   }
   void tell_near(const State& start) {
-    if (m_.run.nearly_redundant == NearlyRedundant::told && (words_ || args_.json))
-      near_ = nearly_redundant_at(dynamics_, m_, start);
-    for (const NearDependency& d : near_) words_.say("{}", words_of(d, m_.run.nearly_redundant));
+    if (!near_.looked && (words_ || args_.json)) near_ = {true, nearly_redundant_at(dynamics_, m_, start)};
+    for (const NearDependency& d : near_.all) words_.say("{}", words_of(d, m_.run.nearly_redundant));
   }
 
   bool judged() const { return !args_.quiet || args_.strict; }
@@ -363,7 +362,7 @@ class ProgramRun {
     }
     if (args_.json) {
       nlohmann::ordered_json j = json_of(end, rows_.rows());
-      j["nearly_redundant"] = near_json(near_, m_.run.nearly_redundant);
+      j["nearly_redundant"] = near_json(near_.all, m_.run.nearly_redundant);
       j["files"] = files;
       print_json(args_, loaded_, std::move(j));
     }
@@ -407,7 +406,7 @@ class ProgramRun {
   Dynamics dynamics_;
   StepLoop sim_;
   Doubts doubts_;
-  std::vector<NearDependency> near_;
+  NearRows near_;
 };
 
 }  // namespace

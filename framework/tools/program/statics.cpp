@@ -36,13 +36,13 @@ struct Resting {
   Resting(const Scene& scene, const Registry& registry)
       : m(build_mechanism(scene, registry)), dynamics(make_dynamics(m, registry)), state(decided_start(dynamics, m)) {}
 
-  /// From the assembled start, or from the poses of `before`, if it has as many.
-  void find(const Arguments& args, const State* before) {
+  /// From the assembled start, or from the poses of `before`, if it has as many. `friction`: whether it may hold them.
+  void find(const Arguments& args, const State* before, bool friction) {
     state.t = instant_of(args);
     if (before != nullptr && before->q.size() == state.q.size()) state.q = before->q;
     state.v.setZero();
     if (m.run.assemble || before != nullptr) assemble(dynamics, state);
-    report = find_equilibrium(dynamics, state, {.nearest = args.nearest});
+    report = find_equilibrium(dynamics, state, {.friction = friction, .nearest = args.nearest});
   }
   /// Rows and multipliers at rest, without accelerations.
   Evaluated values() {
@@ -82,6 +82,13 @@ Json motions_json(const std::vector<FreeMotion>& motions) {
   return all;
 }
 
+Json grips_json(const std::vector<GripReport>& grips) {
+  Json all = Json::array();
+  for (const GripReport& g : grips)
+    all.push_back({{"force", g.force}, {"what", g.what}, {"carries", g.carries}, {"most", g.most}, {"unit", g.unit}});
+  return all;
+}
+
 Json report_json(Resting& r) {
   const EquilibriumReport& e = r.report;
   return {{"method", e.method()},
@@ -96,6 +103,7 @@ Json report_json(Resting& r) {
           {"softest", e.stability.softest},
           {"unstable", motions_json(e.stability.unstable)},
           {"not_held", motions_json(e.stability.neutral)},
+          {"friction", grips_json(e.grips)},
           {"left", e.left},
           {"pressed", e.pressed},
           {"free", e.free},
@@ -106,9 +114,14 @@ Json report_json(Resting& r) {
 
 void print(const Loaded& loaded, Resting& r) {
   const EquilibriumReport& e = r.report;
-  fmt::print("{}\n  equilibrium  {}; unbalanced {:.2g} of the largest force, {:.4g} N\n", loaded.title(), e.method(),
-             e.unbalanced, e.largest_force);
+  fmt::print("{}\n  equilibrium  {}", loaded.title(), e.method());
+  if (e.stability.kind != Stability::Kind::gripped)
+    fmt::print("; unbalanced {:.2g} of the largest force, {:.4g} N", e.unbalanced, e.largest_force);
+  fmt::print("\n");
   fmt::print("{}", stability_text(e.stability));
+  for (const GripReport& g : e.grips)
+    if (e.stability.kind == Stability::Kind::gripped)
+      fmt::print("  friction     '{}' ({}) carries {:.6g} of {:.6g} {}\n", g.force, g.what, g.carries, g.most, g.unit);
   if (e.largest_move > 0) fmt::print("  moved        '{}' by {:.6g} m, most of all\n", e.moved_most, e.largest_move);
   for (const std::string& words : e.left) fmt::print("  left         a position that is unstable: {}\n", words);
   if (!e.pressed.empty()) fmt::print("  pressed      {}\n", text::join(e.pressed));
@@ -131,10 +144,10 @@ class Path {
   const Table& add(const std::vector<double>& values, Resting& r) {
     std::vector<double> row = values;
     const Stability& s = r.report.stability;
-    row.push_back(s.kind == Stability::Kind::stable     ? 1
-                  : s.kind == Stability::Kind::neutral  ? 0
-                  : s.kind == Stability::Kind::unstable ? -1
-                                                        : std::nan(""));
+    row.push_back(s.kind == Stability::Kind::stable || s.kind == Stability::Kind::gripped ? 1
+                  : s.kind == Stability::Kind::neutral                                    ? 0
+                  : s.kind == Stability::Kind::unstable                                   ? -1
+                                                                                          : std::nan(""));
     row.push_back(s.softest), row.push_back(r.report.unbalanced);
     const std::vector<double> poses = pose_row(r.m.system, r.state, r.values());
     row.insert(row.end(), poses.begin(), poses.end());
@@ -201,7 +214,7 @@ int vary(const Arguments& args, const Loaded& loaded) {
     try {
       auto now =
           std::make_unique<Resting>(vary_scene(loaded.scene, variables, choice, loaded.registry), loaded.registry);
-      now->find(args, before ? &before->state : nullptr);
+      now->find(args, before ? &before->state : nullptr, false);
       std::string text;
       if (!path) {
         path.emplace(variables, now->m.system);
@@ -264,7 +277,7 @@ int statics_command(const Arguments& args) {
   if (!args.all.empty()) return find_all(args, loaded);
   if (!args.vary.empty()) return vary(args, loaded);
   Resting resting(loaded.scene, loaded.registry);
-  resting.find(args, nullptr);
+  resting.find(args, nullptr, true);
   if (!args.record.empty()) {
     Rows rows(args.record);
     Path path({}, resting.m.system);

@@ -140,9 +140,9 @@ void add_advise(CLI::App& verb, Arguments& a) {
 constexpr const char* kAtlasFooter =
     R"(NAME is any number of the scene, as in `lockstep sweep --help`: run.step, run.tolerance, run.stabilization.alpha,
 forces.spring.stiffness, a parameter. NAME=a:b:n are n values evenly, NAME=a:b:n:log evenly in the logarithm. The first
---vary is the x axis. Each method has a map. A run works, is inaccurate, is wrong (and the energy balance or the drift
-says so, or nothing does), or stops with an error. Runs are compared with a tight run of the same mechanism; settings of
-the run make no difference to that. A black line is the largest stable step of a method with fixed steps, by linear
+--vary is the x axis. Each method has a map. A run works, is inaccurate, is wrong (and its energy balance, its drift, a
+turn of more than 1 rad in a step or singular positions passed with plain stages say so, or nothing does), or stops with
+an error. Runs are compared with a tight run of the same mechanism; settings of the run make no difference to that. A black line is the largest stable step of a method with fixed steps, by linear
 theory at the start. The CSV file has a row for every run, with the reason where it stopped.
 
 Example:

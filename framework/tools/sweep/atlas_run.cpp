@@ -17,6 +17,7 @@ namespace lockstep {
 namespace {
 
 constexpr int kInstants = 50;  // at most
+constexpr double kLongTurn = 1;  // rad in a step: the run warns of more
 
 /// A run of a scene with its history.
 struct Ran {
@@ -140,7 +141,8 @@ AtlasCell atlas_run(const Scene& scene, const Registry& registry, const AtlasRef
     cell.error = HUGE_VAL;
     return cell;
   }
-  const bool told = ran.audit.energy == Audit::Energy::not_conserved || ran.audit.drifted || ran.passed > 0;
+  const bool told = ran.audit.energy == Audit::Energy::not_conserved || ran.audit.drifted || ran.passed > 0 ||
+                    ran.report.largest_turn > kLongTurn;
   const double relative = reference.size > 0 ? cell.error / reference.size : 0;
   cell.outcome = relative <= limits.works   ? AtlasOutcome::works
                  : relative <= limits.wrong ? AtlasOutcome::inaccurate

@@ -4,6 +4,8 @@
 
 #include <lockstep/error.h>
 #include <lockstep/solvers.h>
+#include "framework/dynamics/simulate/assembled_positions.h"
+#include "framework/dynamics/simulate/decided_rows.h"
 #include "framework/dynamics/solvers/graph.h"
 
 namespace lockstep {
@@ -24,16 +26,23 @@ bool may_depend(System& system, const State& state) {
   return report.smallest_pivot < kSmall;
 }
 
-// Puts the start on the constraints; false: it is off them, or no row of it depends on others.
-bool find_pose(Dynamics& dynamics, Mechanism& m, State& start) {
-  if (dynamics.violation(start) > kOn * m.system.length()) {
-    if (!m.run.assemble) return false;
-    assemble(dynamics, start, m.start_speeds, m.assembly);
-  } else {
-    if (!may_depend(m.system, start)) return false;
-    dynamics.project(start);
+// Rows are held by themselves where they are as at the start for good, and few enough for a dense factor.
+bool holds_by_itself(System& system, const State& start) {
+  constexpr int kMostRows = 300;
+  system.setup();
+  int rows = 0;
+  for (const auto& link : system.links()) {
+    if (link->unilateral() != nullptr) return false;
+    if (!system.merged(*link) && start.modes[static_cast<std::size_t>(link->number())]) rows += link->row_count();
   }
-  return true;
+  return rows <= kMostRows;
+}
+
+// Whether anything may be decided, as far as can be told without a look at the rows.
+bool is_asked_for(Mechanism& m, const State& start) {
+  const NearlyRedundant choice = m.run.nearly_redundant;
+  return choice != NearlyRedundant::told && has_loops(m.system, start.modes) &&
+         (choice != NearlyRedundant::automatic || holds_by_itself(m.system, start));
 }
 
 // Rows that were left out would stay so when those that hold their directions are released.
@@ -49,26 +58,72 @@ void refuse_switched(const Mechanism& m, const NearDependency& decided) {
                            "leave it \"told\"");
 }
 
+// The first event that switches a link of such a loop, whichever links other events have put into force before; "" if none
+// does.
+std::string switching_event(const Mechanism& m, const State& start) {
+  std::vector<bool> modes = start.modes;
+  for (const EventRequest& request : m.events)
+    for (const auto* names : {&request.event.activate, &request.event.deactivate})
+      for (const auto& link : m.system.links())
+        if (std::ranges::find(*names, link->name()) != names->end())
+          modes[static_cast<std::size_t>(link->number())] = true;
+  for (const EventRequest& request : m.events) {
+    try {
+      refuse_switch_of_decided(m.system, modes, request.event);
+    } catch (const ModelError&) {
+      return request.event.name;
+    }
+  }
+  return {};
+}
+
+// Decides at a pose on the constraints. False: nothing was.
+bool decide(Dynamics& dynamics, Mechanism& m, const State& start, const State& pose, NearRows& near) {
+  const bool by_itself = m.run.nearly_redundant == NearlyRedundant::automatic;
+  near.all = decide_nearly_redundant(m.system, dynamics, pose, m.run.nearly_redundant);
+  if (std::ranges::none_of(near.all, &NearDependency::decided)) return false;
+  if (!by_itself) {
+    for (const NearDependency& d : near.all)
+      if (d.decided) refuse_switched(m, d);
+    return true;
+  }
+  const std::string event = switching_event(m, start);
+  if (event.empty()) return true;
+  near.all = decide_nearly_redundant(m.system, dynamics, pose, NearlyRedundant::told);
+  for (NearDependency& d : near.all)
+    if (d.undecided.empty() && !d.in_passing) d.undecided = "event '" + event + "' switches links of such a loop";
+  return false;
+}
+
 }  // namespace
 
-State decided_start(Dynamics& dynamics, Mechanism& m, std::vector<NearDependency>* near) {
+State decided_start(Dynamics& dynamics, Mechanism& m, NearRows* out) {
   State start = m.system.start();
-  if (m.run.nearly_redundant == NearlyRedundant::told || !has_loops(m.system, start.modes)) return start;
+  if (!is_asked_for(m, start)) return start;
   State pose = start;
+  NearRows near;
   try {
-    if (!find_pose(dynamics, m, pose)) return start;
+    const bool off = dynamics.violation(pose) > kOn * m.system.length();
+    if (off && !m.run.assemble) return start;
+    if (off) assemble_positions(dynamics, pose, m.assembly);
+    near.looked = true;
+    if (may_depend(m.system, pose)) {
+      dynamics.project(pose);
+      near.all = decide_nearly_redundant(m.system, dynamics, pose, NearlyRedundant::told);
+    }
+    if (off && !near.all.empty()) {  // once more, with its words
+      pose = start;
+      assemble(dynamics, pose, m.start_speeds, m.assembly);
+    }
     dynamics.to_slots(pose);
   } catch (const Error&) {  // the run says what is wrong
     return start;
   }
-  const std::vector<NearDependency> found = decide_nearly_redundant(m.system, dynamics, pose, m.run.nearly_redundant);
-  for (const NearDependency& d : found) {
-    if (!d.decided) continue;
-    refuse_switched(m, d);
+  if (!near.all.empty() && decide(dynamics, m, start, pose, near)) {
     start = m.system.start();
     start.q = pose.q;
   }
-  if (near != nullptr) *near = found;
+  if (out != nullptr) *out = std::move(near);
   return start;
 }
 

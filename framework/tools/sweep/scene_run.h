@@ -11,11 +11,18 @@ inline Dynamics make_dynamics(Mechanism& m, const Registry& registry) {
   return Dynamics(m.system, make_solver(m.run, registry), {m.run.formulation, m.run.stabilization});
 }
 
+/// Rows that nearly depend on others at a start.
+struct NearRows {
+  bool looked = false;  ///< whether they were looked for
+  std::vector<NearDependency> all;
+};
+
 /// The start of the system, to be assembled, when it is decided what rows hold that nearly depend on others, where the run
 /// settings ask for that; `near`, where given, tells it. Where anything was decided its positions are those, with all rows
 /// on the constraints, at which it was. Nothing is decided at a start that is off them and is not or cannot be assembled.
-/// Throws ModelError where an event switches one of the links.
-LOCKSTEP_API State decided_start(Dynamics& dynamics, Mechanism& m, std::vector<NearDependency>* near = nullptr);
+/// NearlyRedundant::automatic decides nothing beside one-sided links, nor where an event switches a link of such a loop;
+/// what is asked for by name throws ModelError there.
+LOCKSTEP_API State decided_start(Dynamics& dynamics, Mechanism& m, NearRows* near = nullptr);
 
 /// Rows that nearly depend on others at an assembled start, where nothing is decided; none where that cannot be found out.
 LOCKSTEP_API std::vector<NearDependency> nearly_redundant_at(Dynamics& dynamics, Mechanism& m, const State& start);

@@ -31,8 +31,8 @@ std::string unsuited(const RunSettings& run) {
   if (run.solver.type != "schur" || has_keys(run.solver)) return "lanes have the solver schur without keys";
   if (run.formulation == Formulation::quaternion) return "lanes have the formulations joint and omega";
   if (run.stabilization.kind == Stabilization::Kind::baumgarte) return "lanes have no Baumgarte stabilisation";
-  if (run.nearly_redundant != NearlyRedundant::told)
-    return "lanes have all rows of their links: \"nearly_redundant\" is \"told\" in them";
+  if (run.nearly_redundant == NearlyRedundant::free || run.nearly_redundant == NearlyRedundant::held)
+    return "lanes have all rows of their links: \"nearly_redundant\" is \"auto\" or \"told\" in them";
   if (run.times.empty() && !(run.output > 0)) return "every step is recorded; give \"output\" or \"times\" to \"run\"";
   return {};
 }

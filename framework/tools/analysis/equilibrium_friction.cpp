@@ -1,0 +1,52 @@
+// Friction at rest: whether it holds the state from which a search begins.
+#include <spdlog/fmt/fmt.h>
+
+#include "framework/tools/analysis/equilibrium_search.h"
+#include "framework/tools/analysis/friction_at_rest.h"
+#include "framework/tools/analysis/rest_motions.h"
+
+namespace lockstep {
+namespace {
+
+constexpr int kMostGripped = 400;  // unknowns
+constexpr double kPulls = 1e-9;    // of the largest force
+
+std::string words_of(const GripReport& grip) {
+  return fmt::format("'{}' ({}) would have to carry {:.6g} {}, and can {:.6g}", grip.force, grip.what, grip.carries,
+                     grip.unit, grip.most);
+}
+
+}  // namespace
+
+bool EquilibriumSearch::rests_by_friction() {
+  if (!options_.friction || system_.n_velocities() > kMostGripped) return false;
+  now_.look(state_);
+  if (now_.e->reacting().empty()) return false;
+  RestMatrices A(*now_.e, now_.lambda);
+  if (now_.unbalanced <= options_.tolerance && judge_motions(*now_.e, A).kind == Stability::Kind::stable)
+    return false;  // without friction too
+  FrictionLoad load = friction_load(dynamics_, now_, A);
+  if (load.balances) report_.grips = std::move(load.grips);
+  if (!load.holds) return false;
+  now_.lambda = load.lambda;
+  for (std::size_t i = 0; i < contacts_.size(); ++i)
+    if (contacts_.in_force(i, state_) && contacts_.watched(i, state_) && push(i) < -kPulls * now_.force) return false;
+  RestMatrices held(*now_.e, load.lambda);
+  held.N = load.ungripped;
+  Stability found = judge_motions(*now_.e, held);
+  if (found.kind == Stability::Kind::unstable) return false;
+  if (found.kind == Stability::Kind::stable) found.kind = Stability::Kind::gripped;
+  found.freedoms = static_cast<int>(A.N.cols());
+  report_.stability = std::move(found);
+  now_.unbalanced = 0;  // but for the round-off of a balance that was solved for
+  return true;
+}
+
+std::string EquilibriumSearch::beyond_friction() const {
+  std::string words;
+  for (const GripReport& grip : report_.grips)
+    if (grip.carries > grip.most) words += (words.empty() ? "" : "; ") + words_of(grip);
+  return words.empty() ? words : "friction does not hold the start: " + words;
+}
+
+}  // namespace lockstep
