@@ -147,10 +147,9 @@ Value sound_settings(const Value& v, Refusals& wrong) {
   wrong.attempt([&] { here.raise(); });
   Value::Object sound;
   for (const Value::Member& m : v.object() != nullptr ? *v.object() : Value::Object{}) {
-    const bool again = std::any_of(sound.begin(), sound.end(), [&](const auto& other) { return other.key == m.key; });
     Refusals alone;
     alone.attempt([&] { params_of(Value(Value::Object{m}), "run", "run", nullptr); });
-    if (!again && alone.empty()) sound.push_back(m);
+    if (alone.empty()) sound.push_back(m);
   }
   Value rest(std::move(sound));
   rest.where = v.where;
