@@ -88,7 +88,7 @@ void run(Bytes bytes) {
   for (const auto& [name, entry] : builtins().integrators.entries()) run_with(read, name);
   if (read.run.formulation == Formulation::joint) return;
   read.run.formulation = Formulation::joint;
-  for (const char* name : {"dopri5", "rk4", "rattle4"}) run_with(read, name);
+  for (const char* name : {"dopri5", "rk4", "dop853"}) run_with(read, name);
 }
 
 }  // namespace lockstep::fuzz
