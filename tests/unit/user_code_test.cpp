@@ -178,7 +178,7 @@ TEST_CASE("what a force throws where it is asked again has its name too", "[unit
       if (!armed) return;
       if (++n == 2) throw 7;
       out.force(body.slot, wrong.force, in.slot(body.slot).x);
-      out.moment(body.slot, wrong.moment);
+      out.torque(body.slot, wrong.moment);
     }));
     Dynamics dynamics = dynamics_of(system);
     const State start = system.start();
