@@ -66,6 +66,11 @@ const std::vector<Bad> kBodies = {
     {R"("bodies": [{"name": ~"a.b", "particle": 1}])", {"body 'a.b'", "channels"}},
     {R"("bodies": ~{"name": "a"})", {"bodies", "list of objects"}},
     {R"("bodies": [~3])", {"bodies[0]", "number"}},
+    {R"("bodies": [{"name": "a", "sphere": ~{"radius": 1}}])", {"body 'a', sphere.mass", "neither is given"}},
+    {R"("bodies": [{"name": "a", "mass": 1, "inertia": ~[[1, 0.1, 0], [0, 1, 0], [0, 0, 1]]}])",
+     {"not symmetric", "entry 21 is 0 and entry 12 is 0.1"}},
+    {R"("bodies": [{"name": "a", "sphere": {"mass": 1, "radius": 1}, "orientation": ~{"sequence": "xyz"}}])",
+     {"\"sequence\" needs \"angles\""}},
     {R"("bodies": [{"name": "a", "compound": [{"box": {"mass": 1, "size": [1,1,1]}, ~"place": [0,0,0]}]}])",
      {"compound[0]", "unknown key"}},
 };
@@ -114,6 +119,32 @@ const std::vector<Bad> kLinks = {
     {TWO_BODIES R"("forces": [{"name": "f", "type": ~"spring_dumper", "p": "arm", "s": "ground"}])",
      {"force 'f'", "did you mean \"spring_damper\""}},
     {TWO_BODIES R"("forces": [~{"name": "f", "type": "spring_damper", "stiffness": 1}])", {"force 'f', ", "missing"}},
+    {TWO_BODIES R"("forces": [{"name": "f", "type": "spring_damper", "stiffness": 1, "at": ~[0,0,0]}])",
+     {"force 'f', at", "neither \"p\" nor \"s\" names a body"}},
+    {TWO_BODIES
+     R"("markers": [{"name": "m", "body": "arm"}, {"name": "n", "body": "ground"}], "links": [{"name": "A", "type": "revolute", "p": "m", "s": "n", "at": ~[0,0,0]}])",
+     {"link 'A', at", "have their places already"}},
+    {TWO_BODIES
+     R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0]}, {"name": "G", "type": "revolute", "pairs": ~["A", "A"]}])",
+     {"link 'G', pairs", "2 are given, and a revolute takes 1"}},
+    {TWO_BODIES
+     R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0]}, ~{"name": "G", "type": "gear", "pairs": ["A", "A"], "teeth_1": 3}])",
+     {"link 'G', teeth_2", "needs the teeth of both"}},
+    {TWO_BODIES
+     R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "stops": [{"axis": ~"rz"}]}])",
+     {"link 'A', stops[0].axis", "add \"low\" or \"high\""}},
+    {TWO_BODIES
+     R"("links": [{"name": "S", "type": "stop", "p": "arm", "s": "ground", "at": [0,0,0], "coordinate": "rz", "low": 0, "unilateral": {"side": ~"below"}}])",
+     {"link 'S', unilateral.side", "has its side already"}},
+    {TWO_BODIES
+     R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "friction": ~{"mu": 0.1}}])",
+     {"radius", "only turns"}},
+    {TWO_BODIES
+     R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "friction": {"mu": 0.1, "radius": 1, "mu_static": ~-1}}])",
+     {"mu_static", "mu or more"}},
+    {TWO_BODIES
+     R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "drive": [{"axis": "rz", "law": 1}, {"axis": ~"rz", "law": 2}]}])",
+     {"drive on rz", "driven already"}},
     // the place is that of the culprit, not that of another thing whose name is in the message
     {TWO_BODIES R"("forces": [{"name": ~"f", "type": "applied_torque", "p": "bob", "torque": [0,0,1]}])",
      {"force 'f'", "body 'bob'", "particle"}},
@@ -197,6 +228,14 @@ const std::vector<Bad> kUnits = {
      {"marker 'm', translation.law", "an angle", "a length"}},
 };
 
+const std::vector<Bad> kLaws = {
+    {turning(R"({"type": "spline", "points": [[0, 0], [1, 1], [2, 0]], "start_rate": ~1})"), {"clamped ends only"}},
+    {turning(R"({"type": "spline", "points": [[0, 0], [1, 1], [2, 0]], "ends": "clamped", "start_acceleration": ~1})"),
+     {"degree 5 only"}},
+    {turning(R"({"type": "sequence", "durations": ~[1, 1], "laws": [{"type": "ramp", "slope": 1}]})"),
+     {"drive.law.durations", "are 2 for 1 laws"}},
+};
+
 std::string refusal_of(const std::string& text) {
   const Registry registry = builtin_registry();
   try {
@@ -234,6 +273,7 @@ TEST_CASE("a body that cannot be is refused at its place", "[unit][scene]") { ch
 TEST_CASE("a link, marker or force that cannot be is refused at its place", "[unit][scene]") { check_all(kLinks); }
 TEST_CASE("a run that cannot be is refused at its place", "[unit][scene]") { check_all(kRuns); }
 
+TEST_CASE("a law that cannot be is refused at its place", "[unit][scene]") { check_all(kLaws); }
 TEST_CASE("a unit that does not fit what a law drives is refused at its place", "[unit][scene]") { check_all(kUnits); }
 
 TEST_CASE("units that fit what a law drives are read", "[unit][scene]") {
