@@ -472,6 +472,15 @@ TEST_CASE("formulas that cannot be computed are refused at once, each reason onc
                {"body 'z', particle"}});
 }
 
+TEST_CASE("each of several errors tells the formula that it is of", "[unit][scene]") {
+  check_lines(
+      refusal_of(
+          R"({"lockstep": 1, "parameters": {"n": 2}, "run": {"step": "=n - 2", "tolerance": 0, "until": "=-n"}})"),
+      {{"run.step", "is 0", "the value of the formula \"=n - 2\""},
+       {"run.until", "-2", "the value of the formula \"=-n\""},
+       {"run.tolerance", "is 0; it must be greater than 0"}});
+}
+
 TEST_CASE("a scene of a newer format is refused for that alone", "[unit][scene]") {
   check_lines(refusal_of(R"({"lockstep": 2, "of_then": 3, "bodies": 4, "run": {"step": 0}})"),
               {{"lockstep", "version 2 of the format is unknown here", "reads version 1"}});

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <map>
 #include <set>
+#include <sstream>
 #include <string>
 #include <utility>
 
@@ -248,6 +249,20 @@ void set_by_path(Value& root, const Value::Object& given) {
 }
 
 }  // namespace
+
+SceneError told_with_formulas(const Scene& scene, const SceneError& error) {
+  std::string words;
+  std::istringstream lines(error.what());
+  for (std::string line; std::getline(lines, line);) {
+    words += (words.empty() ? "" : "\n") + line;
+    const auto is_there = [&](const auto& formula) {
+      return formula.first.line != 0 && line.starts_with(formula.first.text() + ": ");
+    };
+    const auto found = std::find_if(scene.formulas.begin(), scene.formulas.end(), is_there);
+    if (found != scene.formulas.end()) words += "; it is the value of the formula \"" + found->second + "\"";
+  }
+  return SceneError(words, static_cast<const ErrorData&>(error));
+}
 
 void resolve_formulas(Scene& scene, const std::vector<std::string>& files) {
   Value& root = scene.root;
