@@ -115,7 +115,7 @@ TEST_CASE("a function of time that closes a loop does its work in joint coordina
     double in_slots = 0, along_joints = 0;
     CHECK(imbalance(Formulation::omega, by_law, in_slots) < 1e-8);
     CHECK(imbalance(Formulation::joint, by_law, along_joints) < 1e-8);
-    CHECK(std::abs(in_slots) > 0.1);
+    CHECK(std::abs(in_slots) > 0.04);
     CHECK(std::abs(along_joints - in_slots) < 1e-8);
   }
 }
