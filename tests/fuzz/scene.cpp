@@ -86,6 +86,9 @@ void run(Bytes bytes) {
   });
   if (read.root.is_null()) return;
   for (const auto& [name, entry] : builtins().integrators.entries()) run_with(read, name);
+  if (read.run.formulation == Formulation::joint) return;
+  read.run.formulation = Formulation::joint;
+  for (const char* name : {"dopri5", "rk4", "dop853"}) run_with(read, name);
 }
 
 }  // namespace lockstep::fuzz

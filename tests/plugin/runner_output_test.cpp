@@ -60,6 +60,29 @@ TEST_CASE("run --json prints its result, and nothing else", "[runner]") {
   CHECK_FALSE(fs::exists(kRunnerFolder + "/as_json.png"));
 }
 
+TEST_CASE("a run tells ways and turns as they are, not as chords of its steps", "[runner]") {
+  // A rod of 2 m swings by a law, 0.8 sin(2 t) rad, for 3 s: 2.976 rad to and fro, in steps of up to 0.16 rad.
+  const std::string file = kRunnerFolder + "/ways.json";
+  std::ofstream(file)
+      << R"({"lockstep": 1, "bodies": [{"name": "rod", "rod": {"mass": 1, "from": [0,0,0], "to": [2,0,0]}}],
+    "links": [{"name": "A", "type": "revolute", "p": "rod", "s": "ground", "at": [0,0,0], "drive": {"axis": "rz",
+      "law": {"type": "sine", "amplitude": 0.8, "omega": 2}}}],
+    "run": {"integrator": "rk4", "step": 0.1, "until": 3, "record": ["rod.x"]}})";
+  const std::string said = call("run '" + file + "' --no-picture").text;
+  const double turned = 0.8 * (4 - std::abs(std::sin(6.0)));  // |sin| from 0 to 6: up, down, up, and almost down
+  INFO(said);
+  const auto number_before = [&](const std::string& words) {
+    const std::size_t end = said.find(words), begin = said.rfind(' ', end - 1);
+    REQUIRE(end != std::string::npos);
+    return std::stod(said.substr(begin, end - begin));
+  };
+  const auto number_behind = [&](const std::string& words) {
+    return std::stod(said.substr(said.find(words) + words.size()));
+  };
+  CHECK(number_before(" m along its way") == Approx(turned).epsilon(1e-3));  // of the middle, 1 m from the axis
+  CHECK(number_behind("turned by ") == Approx(turned).epsilon(1e-3));
+}
+
 TEST_CASE("run --json tells of a run that failed, and of one that is wrong", "[runner]") {
   const Called failed =
       call("run '" + kFourBar + "' --json --set run.max_steps=3 --no-picture --record cut.csv 2>/dev/null");

@@ -228,6 +228,22 @@ TEST_CASE("events switch forces on and off", "[unit][dynamics]") {
               {"event 'e'", "force 'steady'", "set_switched"});
 }
 
+TEST_CASE("events that undo each other at one instant are refused, in whichever order", "[unit][dynamics]") {
+  for (const bool reversed : {false, true}) {
+    System system;
+    Marker& p = system.add_marker("p", system.add_particle("stone", 2, {0, 0, 0}));
+    system.add(std::make_unique<AppliedForce>("push", p, AppliedForce::Options{{8, 0, 0}})).set_switched(true);
+    Dynamics dynamics = dynamics_of(system);
+    StepLoop run(dynamics, std::make_unique<Dopri5>());
+    const Event on{.name = "on", .at = 1, .activate = {"push"}}, off{.name = "off", .at = 1, .deactivate = {"push"}};
+    run.add_event(reversed ? off : on);
+    run.add_event(reversed ? on : off);
+    check_words(message_of<ModelError>([&] { run.run_until(2); }),
+                {"event 'on'", "activates 'push' at t = 1 s", "event 'off'", "the same instant"});
+    CHECK(run.state().t == 1);
+  }
+}
+
 TEST_CASE("who makes the steps short is named", "[unit][dynamics]") {
   SECTION("a force that is no function of the state") {
     const bool implicit = GENERATE(false, true);

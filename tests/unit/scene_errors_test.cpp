@@ -66,6 +66,11 @@ const std::vector<Bad> kBodies = {
     {R"("bodies": [{"name": ~"a.b", "particle": 1}])", {"body 'a.b'", "channels"}},
     {R"("bodies": ~{"name": "a"})", {"bodies", "list of objects"}},
     {R"("bodies": [~3])", {"bodies[0]", "number"}},
+    {R"("bodies": [{"name": "a", "sphere": ~{"radius": 1}}])", {"body 'a', sphere.mass", "neither is given"}},
+    {R"("bodies": [{"name": "a", "mass": 1, "inertia": ~[[1, 0.1, 0], [0, 1, 0], [0, 0, 1]]}])",
+     {"not symmetric", "entry 21 is 0 and entry 12 is 0.1"}},
+    {R"("bodies": [{"name": "a", "sphere": {"mass": 1, "radius": 1}, "orientation": ~{"sequence": "xyz"}}])",
+     {"\"sequence\" needs \"angles\""}},
     {R"("bodies": [{"name": "a", "compound": [{"box": {"mass": 1, "size": [1,1,1]}, ~"place": [0,0,0]}]}])",
      {"compound[0]", "unknown key"}},
 };
@@ -114,6 +119,32 @@ const std::vector<Bad> kLinks = {
     {TWO_BODIES R"("forces": [{"name": "f", "type": ~"spring_dumper", "p": "arm", "s": "ground"}])",
      {"force 'f'", "did you mean \"spring_damper\""}},
     {TWO_BODIES R"("forces": [~{"name": "f", "type": "spring_damper", "stiffness": 1}])", {"force 'f', ", "missing"}},
+    {TWO_BODIES R"("forces": [{"name": "f", "type": "spring_damper", "stiffness": 1, "at": ~[0,0,0]}])",
+     {"force 'f', at", "neither \"p\" nor \"s\" names a body"}},
+    {TWO_BODIES
+     R"("markers": [{"name": "m", "body": "arm"}, {"name": "n", "body": "ground"}], "links": [{"name": "A", "type": "revolute", "p": "m", "s": "n", "at": ~[0,0,0]}])",
+     {"link 'A', at", "have their places already"}},
+    {TWO_BODIES
+     R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0]}, {"name": "G", "type": "revolute", "pairs": ~["A", "A"]}])",
+     {"link 'G', pairs", "2 are given, and a revolute takes 1"}},
+    {TWO_BODIES
+     R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0]}, ~{"name": "G", "type": "gear", "pairs": ["A", "A"], "teeth_1": 3}])",
+     {"link 'G', teeth_2", "needs the teeth of both"}},
+    {TWO_BODIES
+     R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "stops": [{"axis": ~"rz"}]}])",
+     {"link 'A', stops[0].axis", "add \"low\" or \"high\""}},
+    {TWO_BODIES
+     R"("links": [{"name": "S", "type": "stop", "p": "arm", "s": "ground", "at": [0,0,0], "coordinate": "rz", "low": 0, "unilateral": {"side": ~"below"}}])",
+     {"link 'S', unilateral.side", "has its side already"}},
+    {TWO_BODIES
+     R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "friction": ~{"mu": 0.1}}])",
+     {"radius", "only turns"}},
+    {TWO_BODIES
+     R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "friction": {"mu": 0.1, "radius": 1, "mu_static": ~-1}}])",
+     {"mu_static", "mu or more"}},
+    {TWO_BODIES
+     R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "drive": [{"axis": "rz", "law": 1}, {"axis": ~"rz", "law": 2}]}])",
+     {"drive on rz", "driven already"}},
     // the place is that of the culprit, not that of another thing whose name is in the message
     {TWO_BODIES R"("forces": [{"name": ~"f", "type": "applied_torque", "p": "bob", "torque": [0,0,1]}])",
      {"force 'f'", "body 'bob'", "particle"}},
@@ -197,6 +228,14 @@ const std::vector<Bad> kUnits = {
      {"marker 'm', translation.law", "an angle", "a length"}},
 };
 
+const std::vector<Bad> kLaws = {
+    {turning(R"({"type": "spline", "points": [[0, 0], [1, 1], [2, 0]], "start_rate": ~1})"), {"clamped ends only"}},
+    {turning(R"({"type": "spline", "points": [[0, 0], [1, 1], [2, 0]], "ends": "clamped", "start_acceleration": ~1})"),
+     {"degree 5 only"}},
+    {turning(R"({"type": "sequence", "durations": ~[1, 1], "laws": [{"type": "ramp", "slope": 1}]})"),
+     {"drive.law.durations", "are 2 for 1 laws"}},
+};
+
 std::string refusal_of(const std::string& text) {
   const Registry registry = builtin_registry();
   try {
@@ -234,6 +273,7 @@ TEST_CASE("a body that cannot be is refused at its place", "[unit][scene]") { ch
 TEST_CASE("a link, marker or force that cannot be is refused at its place", "[unit][scene]") { check_all(kLinks); }
 TEST_CASE("a run that cannot be is refused at its place", "[unit][scene]") { check_all(kRuns); }
 
+TEST_CASE("a law that cannot be is refused at its place", "[unit][scene]") { check_all(kLaws); }
 TEST_CASE("a unit that does not fit what a law drives is refused at its place", "[unit][scene]") { check_all(kUnits); }
 
 TEST_CASE("units that fit what a law drives are read", "[unit][scene]") {
@@ -348,6 +388,102 @@ TEST_CASE("what is wrong with things of several lists is said at once, but for w
   REQUIRE(lines.size() == wanted.size());
   for (std::size_t i = 0; i < wanted.size(); ++i)
     for (const std::string& word : wanted[i]) CHECK(lines[i].find(word) != std::string::npos);
+}
+
+namespace {
+
+// A message has these lines and no others; each of them holds these words.
+void check_lines(const std::string& message, const std::vector<std::vector<std::string>>& wanted) {
+  INFO(message);
+  std::istringstream in(message);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  REQUIRE(lines.size() == wanted.size());
+  for (std::size_t i = 0; i < wanted.size(); ++i)
+    for (const std::string& word : wanted[i]) {
+      INFO(lines[i]);
+      INFO(word);
+      CHECK(lines[i].find(word) != std::string::npos);
+    }
+}
+
+}  // namespace
+
+TEST_CASE("what is wrong with the settings of a run is said at once", "[unit][scene]") {
+  check_lines(refusal_of(R"({"lockstep": 1, "gravitiy": 3, "requires": ["a/b", "c/d"], "run": {
+    "integrator": 3, "solver": [1], "stabilization": {"alpha": -1, "beta": -2, "tolerance": 0},
+    "step": 0, "until": -1, "output": "0 s", "times": [3, 2], "max_steps": 0, "tolerance": 0, "energy_limit": -1, "violation_limit": 0,
+    "record": [3, "", {"u": 4}, "a.x", "a.x"], "draw": [["b"]], "pictures": [{"x": "b", "y": "c"}]}})"),
+              {{"unknown key \"gravitiy\""},
+               {"run.integrator", "expected a name"},
+               {"run.solver", "expected a name"},
+               {"alpha", "-1 1/s"},
+               {"beta", "-2 1/s"},
+               {"stabilization", "tolerance is 0"},
+               {"run.step", "the step is 0"},
+               {"run.until", "the end of the run is -1"},
+               {"run.output", "the interval is 0"},
+               {"run.times", "both define"},
+               {"run.max_steps", "at least 1"},
+               {"run.tolerance", "is 0"},
+               {"run.energy_limit", "is -1"},
+               {"run.violation_limit", "is 0"},
+               {"run.record", "expected a channel's name"},
+               {"run.record", "\"\" is not one"},
+               {"run.record.u", "number"},
+               {"run.record", "\"a.x\" is requested twice"}});
+  // A key that is unknown or of a wrong form keeps the others from nothing; a name is looked for where all are known.
+  check_lines(refusal_of(R"({"lockstep": 1, "run": {"untill": 3, "step": 0, "output": [2], "tolerance": -1,
+    "record": ["a.x", {"u": "a.y"}], "draw": [["a.x", "v"], [], 3], "pictures": [{"x": "a.x", "y": "w"}, {"x": "z", "y": "u"}]}})"),
+              {{"unknown key \"untill\"", "until"},
+               {"run.output", "a list"},
+               {"run.step", "the step is 0"},
+               {"run.tolerance", "-1"},
+               {"run.draw", "\"v\" is not recorded"},
+               {"run.draw", "names nothing"},
+               {"run.draw", "expected a panel"},
+               {"run.pictures[0].y", "\"w\" is not recorded"},
+               {"run.pictures[1].x", "\"z\" is not recorded"}});
+  check_lines(refusal_of(R"({"lockstep": 1, "run": {"record": "a.x", "draw": [["b"]], "step": 0}})"),
+              {{"run.step", "is 0"}, {"run.record", "expected a list of channels"}});
+  check_lines(refusal_of(R"({"lockstep": 1, "run": 3})"), {{"run", "expected an object"}});
+}
+
+TEST_CASE("channels that are unknown are refused at once, of a record and of events", "[unit][scene]") {
+  const std::string body = R"({"lockstep": 1, "bodies": [{"name": "a", "particle": 1}], )";
+  check_lines(refusal_of(body + R"("run": {"record": ["a.x", "a.xx", {"u": "b.x"}]}})"),
+              {{"run.record", "a.xx"}, {"run.record", "b.x"}});
+  check_lines(refusal_of(body + R"("events": [{"name": "e", "stop": true, "when": {"channel": "b.x"}},
+    {"name": "f", "stop": true, "when": {"channel": "a.x", "crosses": "3 kg"}},
+    {"name": "g", "stop": true, "when": {"channel": "a.xx"}}]})"),
+              {{"event 'e', when.channel", "b"}, {"event 'f', when.crosses", "in m"}, {"event 'g'", "a.xx"}});
+}
+
+TEST_CASE("formulas that cannot be computed are refused at once, each reason once", "[unit][scene]") {
+  check_lines(refusal_of(R"({"lockstep": 1, "parameters": {"a": "=b", "b": "=a", "c": "=1 +", "d": "=2*c", "e": 2},
+    "points": {"P": ["=e*nothing", 0, 0], "Q": [1, 2, 3]},
+    "bodies": [{"name": "x", "particle": "=d"}, {"name": "y", "particle": "=e*f", "position": "R"},
+               {"name": "z", "particle": "=sqrt(", "position": "P"}]})"),
+              {{"parameters.a", "hangs on itself: a -> b -> a"},
+               {"parameters.c", "=1 +"},
+               {"points.P[0]", "nothing"},
+               {"body 'y'", "position", "unknown point \"R\""},
+               {"body 'y', particle", "\"f\""},
+               {"body 'z', particle"}});
+}
+
+TEST_CASE("each of several errors tells the formula that it is of", "[unit][scene]") {
+  check_lines(
+      refusal_of(
+          R"({"lockstep": 1, "parameters": {"n": 2}, "run": {"step": "=n - 2", "tolerance": 0, "until": "=-n"}})"),
+      {{"run.step", "is 0", "the value of the formula \"=n - 2\""},
+       {"run.until", "-2", "the value of the formula \"=-n\""},
+       {"run.tolerance", "is 0; it must be greater than 0"}});
+}
+
+TEST_CASE("a scene of a newer format is refused for that alone", "[unit][scene]") {
+  check_lines(refusal_of(R"({"lockstep": 2, "of_then": 3, "bodies": 4, "run": {"step": 0}})"),
+              {{"lockstep", "version 2 of the format is unknown here", "reads version 1"}});
 }
 
 TEST_CASE("of a thing whose type is missing its own keys are not called unknown", "[unit][scene]") {

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include <lockstep/assembly.h>
 #include <lockstep/error.h>
 #include <lockstep/forces.h>
 #include <lockstep/integrators.h>
@@ -74,6 +76,137 @@ TEST_CASE("what a force throws has its name, whichever call of whichever method 
     INFO(method);
     CHECK(n_named > 3);
   }
+}
+
+namespace {
+
+/// Throws at one of its calls, once it is armed.
+struct Fuse {
+  bool armed = false;
+  long n = 0, call = 0;
+  void burn() {
+    if (armed && ++n == call) throw 7;
+  }
+};
+
+struct GrowingLength final : MotionLaw {
+  Fuse& fuse;
+  explicit GrowingLength(Fuse& f) : fuse(f) {}
+  LawValue at(double t) const override {
+    fuse.burn();
+    return {0.9 + 0.2 * t, 0.2, 0};
+  }
+};
+
+// Two rods on the ground, their ends held apart by a law; a force on one of them. What throws is the force or the law.
+State end_of_loop(bool by_force, long call, long& n, int& errors) {
+  Fuse of_force, of_law;
+  Fuse& fuse = by_force ? of_force : of_law;
+  fuse.call = call;
+  System system({.gravity = Vec3(0, -9.81, 0)});
+  Body& left = system.add_body("left", shapes::rod(1.0, {0, 0, 0}, {0, 0.4, 0}));
+  Body& right = system.add_body("right", shapes::rod(2.0, {0.9, 0.4, 0}, {0.9, 0, 0}));
+  system.add<Revolute>("A", left, system.ground(), pose_at(Vec3(0, 0, 0)));
+  system.add<Revolute>("B", right, system.ground(), pose_at(Vec3(0.9, 0, 0)));
+  Marker &p = system.add_marker_at("p", left, pose_at(Vec3(0, 0.4, 0))),
+         &q = system.add_marker_at("q", right, pose_at(Vec3(0.9, 0.4, 0)));
+  system.add<Distance>("reach", p, q, std::make_shared<GrowingLength>(of_law));
+  system.add(function_force("pull", {&p}, [&](const Inputs& in, WrenchSum& out) {
+    of_force.burn();
+    out.force(left.slot, {1, 0, 0}, in.slot(left.slot).x);
+  }));
+  Dynamics dynamics(system, std::make_unique<SchurSolver>(), {.formulation = Formulation::joint, .stabilization = {}});
+  State start = system.start();
+  assemble(dynamics, start);
+  StepLoop run(dynamics, std::make_unique<Dopri5>(), {.tolerance = {1e-10, 1e-10}});
+  run.set_state(start);
+  fuse.armed = true;
+  for (std::string said; said != "no error";) {
+    said = message_of<UserCodeError>([&] { run.run_until(0.2); });
+    if (said == "no error") break;
+    check_words(said, {by_force ? "force 'pull'" : "link 'reach'", "int"});
+    REQUIRE(++errors < 3);
+  }
+  n = fuse.n;
+  CHECK(run.state().t == 0.2);
+  CHECK(run.state().coordinates != nullptr);
+  State end = run.state();
+  dynamics.to_slots(end);
+  return end;
+}
+
+}  // namespace
+
+TEST_CASE("what a force or a law throws in the joint coordinates of a loop leaves the run where it was",
+          "[unit][dynamics]") {
+  const bool by_force = GENERATE(true, false);
+  long calls = 0, n = 0;
+  int errors = 0;
+  const State expected = end_of_loop(by_force, -1, calls, errors);
+  CHECK(errors == 0);
+  REQUIRE(calls > 40);
+  for (long call = 1; call <= calls; call += 1 + calls / 40) {
+    CAPTURE(by_force, call);
+    errors = 0;
+    const State end = end_of_loop(by_force, call, n, errors);
+    CHECK(errors == 1);
+    CHECK((end.q - expected.q).cwiseAbs().maxCoeff() < 1e-8);
+    CHECK((end.v - expected.v).cwiseAbs().maxCoeff() < 1e-8);
+  }
+}
+
+TEST_CASE("what a force throws where it is asked again has its name too", "[unit][dynamics]") {
+  // A first call that is wrong in some way, and a second one, to find out whose fault that is, which throws.
+  struct Wrong {
+    const char* what;
+    bool particle, planar;
+    Vec3 force, moment;
+  };
+  const double infinite = std::numeric_limits<double>::infinity();
+  for (const Wrong& wrong : {Wrong{"not finite", false, false, {infinite, 0, 0}, {0, 0, 0}},
+                             Wrong{"a moment on a particle", true, false, {0, 0, 0}, {0, 0, 1}},
+                             Wrong{"out of the plane", false, true, {1, 0, 1}, {0, 0, 0}}}) {
+    CAPTURE(wrong.what);
+    System system;
+    if (wrong.planar) system.set_planar(Plane{2});
+    Body& body = wrong.particle ? system.add_particle("bob", 1, Vec3::Zero())
+                                : system.add_body("bob", MassProperties{1, Vec3::Zero(), Mat3::Identity()});
+    Marker& at = system.add_marker("at", body);
+    bool armed = false;
+    int n = 0;
+    system.add(function_force("pull", {&at}, [&](const Inputs& in, WrenchSum& out) {
+      if (!armed) return;
+      if (++n == 2) throw 7;
+      out.force(body.slot, wrong.force, in.slot(body.slot).x);
+      out.torque(body.slot, wrong.moment);
+    }));
+    Dynamics dynamics = dynamics_of(system);
+    const State start = system.start();
+    armed = true;
+    check_words(message_of<UserCodeError>([&] {
+                  State state = start;
+                  dynamics.project_velocity(state);
+                  dynamics.evaluate(state);
+                }),
+                {"force 'pull'", "int"});
+    CHECK(n == 2);
+  }
+  System system;
+  Body& body = system.add_body("bob", MassProperties{1, Vec3::Zero(), Mat3::Identity()});
+  Marker& at = system.add_marker("at", body);
+  int n = 0, last = -1;
+  system.add(function_force("pull", {&at}, [&](const Inputs& in, WrenchSum& out) {
+    if (++n == last) throw 7;
+    out.force(body.slot, Vec3(1, 0, 0), in.slot(body.slot).x);
+  }));
+  const Channel power = make_channel(system, "pull.power");
+  Dynamics dynamics = dynamics_of(system);
+  const State state = system.start();
+  const StepReport report;
+  const Sample sample(dynamics, state, report);
+  sample.values();
+  last = n + 1;
+  check_words(message_of<UserCodeError>([&] { power.value(sample); }), {"force 'pull'", "int"});
 }
 
 TEST_CASE("what an observer throws has a name, and the run goes on as if it had not", "[unit][dynamics]") {

@@ -65,6 +65,61 @@ TEST_CASE("a loop that its closing link drives moves in joint coordinates as in 
     }
 }
 
+namespace {
+
+// Two points 0.9 m + 0.2 m/s t apart.
+struct Telescope {
+  static constexpr Reads kReads = Reads::translation;
+  template <class T>
+  T operator()(const LockCoords<T>& y) const {
+    const T length = 0.9 + 0.2 * y.t;
+    return y.x * y.x + y.y * y.y + y.z * y.z - length * length;
+  }
+};
+
+struct TelescopeLink final : PhiLock<Telescope> {
+  TelescopeLink(std::string name, Marker& p, Marker& s) : PhiLock(std::move(name), p, s, Mask::none, Telescope{}) {}
+  std::string_view type() const override { return "telescope"; }
+};
+
+}  // namespace
+
+TEST_CASE("a function of time that closes a loop does its work in joint coordinates", "[verification][joint]") {
+  const auto imbalance = [](Formulation formulation, bool by_law, double& work) {
+    System s({.gravity = Vec3(0, -9.81, 0)});
+    Body& left = s.add_body("left", shapes::rod(1.0, {0, 0, 0}, {0, 0.4, 0}));
+    Body& right = s.add_body("right", shapes::rod(2.0, {0.9, 0.4, 0}, {0.9, 0, 0}));
+    s.add<Revolute>("A", left, s.ground(), pose_at(Vec3(0, 0, 0)));
+    s.add<Revolute>("B", right, s.ground(), pose_at(Vec3(0.9, 0, 0)));
+    Marker &p = s.add_marker_at("p", left, pose_at(Vec3(0, 0.4, 0))),
+           &q = s.add_marker_at("q", right, pose_at(Vec3(0.9, 0.4, 0)));
+    if (by_law)
+      s.add<Distance>("reach", p, q, laws::polynomial({0.9, 0.2}));
+    else
+      s.add<TelescopeLink>("reach", p, q);
+    Recorder recorder(s);
+    for (const char* channel : {"energy.drives", "energy.balance"}) recorder.add(make_channel(s, channel));
+    Dynamics dynamics(s, std::make_unique<SchurSolver>(), {.formulation = formulation, .stabilization = {}});
+    StepLoop loop(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-11, 1e-11}});
+    State start = s.start();
+    assemble(dynamics, start);
+    loop.set_state(start);
+    loop.add_observer(recorder);
+    loop.run_until(0.5);
+    CHECK((loop.state().coordinates != nullptr) == (formulation == Formulation::joint));
+    work = recorder.table().last("energy.drives");
+    return std::abs(recorder.table().last("energy.balance"));
+  };
+  for (const bool by_law : {true, false}) {
+    CAPTURE(by_law);
+    double in_slots = 0, along_joints = 0;
+    CHECK(imbalance(Formulation::omega, by_law, in_slots) < 1e-8);
+    CHECK(imbalance(Formulation::joint, by_law, along_joints) < 1e-8);
+    CHECK(std::abs(in_slots) > 0.04);
+    CHECK(std::abs(along_joints - in_slots) < 1e-8);
+  }
+}
+
 TEST_CASE("a look aside leaves nothing behind in joint coordinates either", "[verification][joint]") {
   const auto run = [](bool looks) {
     Scene scene = read_scene(scene_path("nfourbar_2"));

@@ -144,6 +144,7 @@ void Definitions::take(const Value& root, const char* key, bool points) {
 
 const Amount& Definitions::value(Entry& e) {
   if (e.value) return *e.value;
+  if (e.refusal) std::rethrow_exception(e.refusal);
   const std::string context =
       e.place.empty() ? part_of(part_of("scene", e.point ? "points" : "parameters"), e.name) : "\"" + e.name + "\"";
   const auto begun = std::find(open_.begin(), open_.end(), &e);
@@ -156,6 +157,18 @@ const Amount& Definitions::value(Entry& e) {
     refuse(e.given->where, context,
            "more than " + std::to_string(kMostChained) + " parameters hang on one another; shorten the chain");
   open_.push_back(&e);
+  try {
+    e.value = computed(e, context);
+  } catch (...) {  // what hangs on it is refused for the same reason
+    e.refusal = std::current_exception();
+    open_.pop_back();
+    throw;
+  }
+  open_.pop_back();
+  return *e.value;
+}
+
+Amount Definitions::computed(Entry& e, const std::string& context) {
   Amount q;
   if (e.place.empty()) {
     q = given(*e.given, context, e.point);
@@ -163,10 +176,7 @@ const Amount& Definitions::value(Entry& e) {
     const Vec3 x = place_of(e);
     q.is_vector = true, q.v[0] = x[0], q.v[1] = x[1], q.v[2] = x[2];
   }
-  open_.pop_back();
-  if (e.point) q = as_point(q, e.given->where, context);
-  e.value = q;
-  return *e.value;
+  return e.point ? as_point(q, e.given->where, context) : q;
 }
 
 // -- places of bodies and markers, as the scene gives them

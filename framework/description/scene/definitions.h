@@ -1,6 +1,7 @@
 // The parameters and points of a scene, by name.
 #pragma once
 
+#include <exception>
 #include <map>
 #include <optional>
 #include <string>
@@ -49,9 +50,11 @@ class Definitions {
     const Value* given;
     std::optional<expression::Amount> value{};
     std::string place{};  // of a body or marker: "at", "from", "to"
+    std::exception_ptr refusal{};  // why it has no value
   };
   void take(const Value& root, const char* key, bool points);
   const expression::Amount& value(Entry&);
+  expression::Amount computed(Entry&, const std::string& context);
   expression::Amount given(const Value&, const std::string& context, bool point);
   void take_things(const Value& root, const char* list);
   Entry* place(const std::string& name);

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <map>
 #include <set>
+#include <sstream>
 #include <string>
 #include <utility>
 
@@ -16,6 +17,7 @@
 #include "framework/description/scene/place.h"
 #include "framework/description/scene/repeat.h"
 #include "framework/mechanism/params/read.h"
+#include "framework/mechanism/params/refusals.h"
 
 namespace lockstep {
 namespace {
@@ -67,7 +69,7 @@ class Resolver {
 
   void resolve() {
     Value::Object& root = *scene_.root.object();
-    scene_.parameters = definitions_.all();
+    wrong_.attempt([&] { scene_.parameters = definitions_.all(); });
     for (Value::Member& m : root) {
       static const std::vector<std::string> kTexts = {"$schema", "title", "description", "requires"};
       if (std::find(kTexts.begin(), kTexts.end(), m.key) != kTexts.end()) continue;
@@ -76,14 +78,17 @@ class Resolver {
       else
         list(m);
     }
+    wrong_.raise();
   }
 
  private:
   // "parameters" and "points" as they are computed.
   void settle(Value::Member& m) {
     for (Value::Member& each : *m.value.object())
-      if (const expression::Amount* amount = definitions_.find(each.key))
-        note(each.value), each.value = Definitions::placed_value(*amount, each.value.where);
+      wrong_.attempt([&] {
+        if (const expression::Amount* amount = definitions_.find(each.key))
+          note(each.value), each.value = Definitions::placed_value(*amount, each.value.where);
+      });
   }
 
   void list(Value::Member& m) {
@@ -130,12 +135,13 @@ class Resolver {
   bool point(Value& v, const std::string& context) {
     if (v.text() == nullptr || is_formula(v)) return false;
     const std::string name = *v.text();
-    if (!definitions_.is_point(name)) {
-      const std::vector<std::string> points = definitions_.names(true);
-      if (points.empty()) return false;  // the reader of the key says what it expects
-      refuse(v.where, context, "unknown point \"" + name + "\"" + text::suggestion(name, points));
-    }
-    v = Definitions::placed_value(*definitions_.find(name), v.where);
+    const std::vector<std::string> points = definitions_.names(true);
+    if (points.empty()) return false;  // the reader of the key says what it expects
+    wrong_.attempt([&] {
+      if (!definitions_.is_point(name))
+        refuse(v.where, context, "unknown point \"" + name + "\"" + text::suggestion(name, points));
+      v = Definitions::placed_value(*definitions_.find(name), v.where);
+    });
     return true;
   }
 
@@ -147,7 +153,7 @@ class Resolver {
   void walk(Value& v, const std::string& context) {
     if (is_formula(v)) {
       note(v);
-      v = Definitions::placed_value(definitions_.evaluate(v, context), v.where);
+      wrong_.attempt([&] { v = Definitions::placed_value(definitions_.evaluate(v, context), v.where); });
     } else if (Value::List* items = v.list()) {
       for (std::size_t i = 0; i < items->size(); ++i)
         if (needs_walk((*items)[i])) walk((*items)[i], item(context, i));
@@ -177,7 +183,8 @@ class Resolver {
     auto own =
         std::find_if(v.object()->begin(), v.object()->end(), [](const auto& m) { return m.key == "parameters"; });
     for (const std::string& name : read) {
-      const expression::Amount* amount = definitions_.find(name);
+      const expression::Amount* amount = nullptr;
+      wrong_.attempt([&] { amount = definitions_.find(name); });
       if (amount == nullptr || (own != v.object()->end() && own->value.find(name) != nullptr)) continue;
       if (own == v.object()->end()) {
         v.object()->push_back({"parameters", Value(Value::Object{}), v.where});
@@ -204,6 +211,7 @@ class Resolver {
 
   Scene& scene_;
   Definitions definitions_;
+  Refusals wrong_;
 };
 
 // Takes "set" out of the scene.
@@ -241,6 +249,20 @@ void set_by_path(Value& root, const Value::Object& given) {
 }
 
 }  // namespace
+
+SceneError told_with_formulas(const Scene& scene, const SceneError& error) {
+  std::string words;
+  std::istringstream lines(error.what());
+  for (std::string line; std::getline(lines, line);) {
+    words += (words.empty() ? "" : "\n") + line;
+    const auto is_there = [&](const auto& formula) {
+      return formula.first.line != 0 && line.starts_with(formula.first.text() + ": ");
+    };
+    const auto found = std::find_if(scene.formulas.begin(), scene.formulas.end(), is_there);
+    if (found != scene.formulas.end()) words += "; it is the value of the formula \"" + found->second + "\"";
+  }
+  return SceneError(words, static_cast<const ErrorData&>(error));
+}
 
 void resolve_formulas(Scene& scene, const std::vector<std::string>& files) {
   Value& root = scene.root;

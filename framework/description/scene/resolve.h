@@ -15,6 +15,9 @@ namespace lockstep {
 /// `files`: those that include this one, itself last; "repeat" and "include" are expanded.
 void resolve_formulas(Scene&, const std::vector<std::string>& files);
 
+/// The error with the formula behind each of its lines that is at the place of one.
+SceneError told_with_formulas(const Scene&, const SceneError&);
+
 /// Calls f(); a SceneError at the place of a formula gets the formula behind its sentence.
 template <class F>
 decltype(auto) with_formulas(const Scene& scene, F&& f) {
@@ -22,12 +25,7 @@ decltype(auto) with_formulas(const Scene& scene, F&& f) {
   try {
     return std::forward<F>(f)();
   } catch (const SceneError& error) {
-    for (const auto& [where, text] : scene.formulas)
-      if (where.line != 0 && where.line == error.line && where.column == error.column &&
-          (where.file ? *where.file : std::string()) == error.file)
-        throw SceneError(std::string(error.what()) + "; it is the value of the formula \"" + text + "\"",
-                         static_cast<const ErrorData&>(error));
-    throw;
+    throw told_with_formulas(scene, error);
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <lockstep/text.h>
 #include "framework/description/scene/builder.h"
+#include "framework/mechanism/params/refusals.h"
 
 namespace lockstep {
 namespace {
@@ -26,10 +27,17 @@ RunOutputs read_outputs(const Value& run, const std::vector<ChannelRequest>& rec
   out.units = p.text("headers") == "units";
   out.at_jumps = p.boolean("at_jumps");
   const Value::List& pictures = objects_of(p, "pictures");
-  for (std::size_t i = 0; i < pictures.size(); ++i) {
-    const Params picture = params_of(pictures[i], "picture", item("run.pictures", i), nullptr);
-    out.pictures.push_back({recorded_name(picture, "x", record), recorded_name(picture, "y", record)});
-  }
+  Refusals wrong;
+  for (std::size_t i = 0; i < pictures.size(); ++i)
+    wrong.attempt([&] {
+      const Params picture = params_of(pictures[i], "picture", item("run.pictures", i), nullptr);
+      Refusals here;
+      out.pictures.emplace_back();
+      here.attempt([&] { out.pictures.back().x = recorded_name(picture, "x", record); });
+      here.attempt([&] { out.pictures.back().y = recorded_name(picture, "y", record); });
+      here.raise();
+    });
+  wrong.raise();
   return out;
 }
 

@@ -1,11 +1,13 @@
 #include "framework/description/scene/run_settings.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/run_outputs.h"
+#include "framework/mechanism/params/refusals.h"
 
 namespace lockstep {
 namespace {
@@ -41,9 +43,14 @@ Stabilization read_stabilization(const Params& run) {
   }
   const Params p = params_of(v, "stabilization", "run.stabilization", nullptr);
   s.kind = kind_from(p.text("kind"));
-  s.alpha = p.number("alpha"), s.beta = p.number("beta"), s.tolerance = positive(p, "tolerance", "tolerance");
+  s.alpha = p.number("alpha"), s.beta = p.number("beta");
+  Refusals wrong;
   for (const char* rate : {"alpha", "beta"})
-    if (p.number(rate) < 0) p.refuse(rate, "the rate is " + text::brief(p.number(rate)) + " 1/s; it must be >= 0");
+    wrong.attempt([&] {
+      if (p.number(rate) < 0) p.refuse(rate, "the rate is " + text::brief(p.number(rate)) + " 1/s; it must be >= 0");
+    });
+  wrong.attempt([&] { s.tolerance = positive(p, "tolerance", "tolerance"); });
+  wrong.raise();
   return s;
 }
 
@@ -82,20 +89,42 @@ std::vector<ChannelRequest> read_record(const Params& run) {
   if (!run.has("record")) return all;
   const Value::List* items = run.value("record").list();
   if (items == nullptr) run.refuse("record", "expected a list of channels, got " + shown(run.value("record")));
+  Refusals wrong;
   for (const Value& item : *items) {
-    if (item.text() != nullptr) {
-      add_request(all, {*item.text(), "", item.where});
-    } else if (item.object() != nullptr) {
+    if (item.text() != nullptr)
+      wrong.attempt([&] { add_request(all, {*item.text(), "", item.where}); });
+    else if (item.object() != nullptr)
       for (const Value::Member& m : *item.object())
-        add_request(all, {read_text(m.value, "run.record." + m.key), m.key, m.value.where});
-    } else {
-      refuse(item.where, "run.record", "expected a channel's name or {\"own name\": \"channel\"}, got " + shown(item));
-    }
+        wrong.attempt([&] { add_request(all, {read_text(m.value, "run.record." + m.key), m.key, m.value.where}); });
+    else
+      wrong.attempt([&] {
+        refuse(item.where, "run.record",
+               "expected a channel's name or {\"own name\": \"channel\"}, got " + shown(item));
+      });
   }
+  wrong.raise();
   return all;
 }
 
-// Panels: lists of names that are recorded.
+// A panel: names that are recorded.
+std::vector<std::string> read_panel(const Value& panel, const std::vector<std::string>& known) {
+  if (panel.list() == nullptr)
+    refuse(panel.where, "run.draw", "expected a panel as a list of recorded names, got " + shown(panel));
+  if (panel.list()->empty())
+    refuse(panel.where, "run.draw", "this panel names nothing; name a recorded channel, or remove it");
+  std::vector<std::string> names;
+  Refusals wrong;
+  for (const Value& item : *panel.list())
+    wrong.attempt([&] {
+      names.push_back(read_text(item, "run.draw"));
+      if (std::find(known.begin(), known.end(), names.back()) == known.end())
+        refuse(item.where, "run.draw",
+               "\"" + names.back() + "\" is not recorded" + text::suggestion(names.back(), known));
+    });
+  wrong.raise();
+  return names;
+}
+
 std::vector<std::vector<std::string>> read_draw(const Params& run, const std::vector<ChannelRequest>& record) {
   std::vector<std::vector<std::string>> panels;
   if (!run.has("draw")) return panels;
@@ -104,20 +133,66 @@ std::vector<std::vector<std::string>> read_draw(const Params& run, const std::ve
   const Value::List* lists = run.value("draw").list();
   if (lists == nullptr)
     run.refuse("draw", "expected a list of panels, each a list of recorded names, got " + shown(run.value("draw")));
-  for (const Value& panel : *lists) {
-    if (panel.list() == nullptr)
-      refuse(panel.where, "run.draw", "expected a panel as a list of recorded names, got " + shown(panel));
-    if (panel.list()->empty())
-      refuse(panel.where, "run.draw", "this panel names nothing; name a recorded channel, or remove it");
-    panels.emplace_back();
-    for (const Value& item : *panel.list()) {
-      const std::string name = read_text(item, "run.draw");
-      if (std::find(known.begin(), known.end(), name) == known.end())
-        refuse(item.where, "run.draw", "\"" + name + "\" is not recorded" + text::suggestion(name, known));
-      panels.back().push_back(name);
-    }
-  }
+  Refusals wrong;
+  for (const Value& panel : *lists) wrong.attempt([&] { panels.push_back(read_panel(panel, known)); });
+  wrong.raise();
   return panels;
+}
+
+// The settings that are known by name and of their form; what is wrong with the others is kept.
+Value sound_settings(const Value& v, Refusals& wrong) {
+  Refusals here;
+  here.attempt([&] { params_of(v, "run", "run", nullptr); });
+  if (here.empty()) return v;
+  wrong.attempt([&] { here.raise(); });
+  Value::Object sound;
+  for (const Value::Member& m : v.object() != nullptr ? *v.object() : Value::Object{}) {
+    Refusals alone;
+    alone.attempt([&] { params_of(Value(Value::Object{m}), "run", "run", nullptr); });
+    if (alone.empty()) sound.push_back(m);
+  }
+  Value rest(std::move(sound));
+  rest.where = v.where;
+  return rest;
+}
+
+void read_methods(const Params& p, RunSettings& run, Refusals& wrong) {
+  wrong.attempt([&] { run.integrator = read_typed(p, "integrator", run.integrator); });
+  wrong.attempt([&] { run.solver = read_typed(p, "solver", run.solver); });
+  wrong.attempt([&] { run.stabilization = read_stabilization(p); });
+  run.formulation = formulation_from(p.text("formulation"));
+  if (p.has("solver") && !p.has("formulation")) run.formulation = Formulation::omega;  // joint coordinates need none
+  if (run.formulation == Formulation::quaternion && !p.has("solver")) run.solver.type = "sparse";
+  run.assemble = p.boolean("assemble");
+  run.nearly_redundant = nearly_redundant_from(p.text("nearly_redundant"));
+}
+
+void read_clock(const Params& p, RunSettings& run, Refusals& wrong) {
+  const auto take = [&](const char* key, const char* what, double& to) {
+    if (p.has(key)) wrong.attempt([&] { to = positive(p, key, what); });
+  };
+  take("step", "step", run.step);
+  take("until", "end of the run", run.until);
+  take("output", "interval", run.output);
+  wrong.attempt([&] { run.times = read_times(p); });
+  if (p.has("max_steps")) run.max_steps = p.integer("max_steps");
+  wrong.attempt([&] {
+    if (p.has("max_steps") && run.max_steps < 1) p.refuse("max_steps", "a number of steps is at least 1");
+  });
+}
+
+void read_limits(const Params& p, RunSettings& run, Refusals& wrong) {
+  wrong.attempt([&] {
+    run.tolerance.relative = positive(p, "tolerance", "tolerance");
+    if (run.tolerance.relative > 100)
+      p.refuse("tolerance", text::brief(run.tolerance.relative) +
+                                " allows errors many times larger than the motion; take 1 or less, as 1e-6");
+  });
+  run.tolerance.atol_x = 1e-2 * run.tolerance.relative;
+  wrong.attempt([&] { run.limits.energy = positive(p, "energy_limit", "limit"); });
+  wrong.attempt([&] {
+    if (p.has("violation_limit")) run.limits.violation = positive(p, "violation_limit", "limit");
+  });
 }
 
 }  // namespace
@@ -125,31 +200,23 @@ std::vector<std::vector<std::string>> read_draw(const Params& run, const std::ve
 RunSettings read_run(const Value& v) {
   RunSettings run;
   run.where = v.where;
-  const Params p = params_of(v, "run", "run", nullptr);
-  run.integrator = read_typed(p, "integrator", run.integrator);
-  run.solver = read_typed(p, "solver", run.solver);
-  if (p.has("step")) run.step = positive(p, "step", "step");
-  if (p.has("until")) run.until = positive(p, "until", "end of the run");
-  if (p.has("output")) run.output = positive(p, "output", "interval");
-  run.tolerance.relative = positive(p, "tolerance", "tolerance");
-  if (run.tolerance.relative > 100)
-    p.refuse("tolerance", text::brief(run.tolerance.relative) +
-                              " allows errors many times larger than the motion; take 1 or less, as 1e-6");
-  run.tolerance.atol_x = 1e-2 * run.tolerance.relative;
-  run.times = read_times(p);
-  if (p.has("max_steps")) run.max_steps = p.integer("max_steps");
-  if (p.has("max_steps") && run.max_steps < 1) p.refuse("max_steps", "a number of steps is at least 1");
-  run.limits.energy = positive(p, "energy_limit", "limit");
-  if (p.has("violation_limit")) run.limits.violation = positive(p, "violation_limit", "limit");
-  run.formulation = formulation_from(p.text("formulation"));
-  if (p.has("solver") && !p.has("formulation")) run.formulation = Formulation::omega;  // joint coordinates need none
-  if (run.formulation == Formulation::quaternion && !p.has("solver")) run.solver.type = "sparse";
-  run.stabilization = read_stabilization(p);
-  run.assemble = p.boolean("assemble");
-  run.nearly_redundant = nearly_redundant_from(p.text("nearly_redundant"));
-  run.record = read_record(p);
-  run.draw = read_draw(p, run.record);
-  read_outputs(v, run.record);  // refuses what is wrong in it
+  Refusals wrong;
+  const Value sound = sound_settings(v, wrong);
+  const Params p = params_of(sound, "run", "run", nullptr);
+  read_methods(p, run, wrong);
+  read_clock(p, run, wrong);
+  read_limits(p, run, wrong);
+  bool recorded = (v.find("record") == nullptr) == (sound.find("record") == nullptr);
+  wrong.attempt([&] {
+    const bool whole = std::exchange(recorded, false);
+    run.record = read_record(p);
+    recorded = whole;
+  });
+  if (recorded) {  // else what these name may be all that is wrong with them
+    wrong.attempt([&] { run.draw = read_draw(p, run.record); });
+    wrong.attempt([&] { read_outputs(sound, run.record); });
+  }
+  wrong.raise();
   return run;
 }
 

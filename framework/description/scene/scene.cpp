@@ -3,17 +3,53 @@
 #include <algorithm>
 
 #include <lockstep/loader.h>
+#include <lockstep/text.h>
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/json.h"
 #include "framework/description/scene/old_names.h"
 #include "framework/description/scene/read.h"
 #include "framework/description/scene/resolve.h"
 #include "framework/description/scene/run_settings.h"
+#include "framework/mechanism/params/refusals.h"
 
 namespace lockstep {
 namespace {
 
 constexpr int kFormat = 1;
+
+// What a newer format has besides is no matter then.
+void check_format(const Value& root) {
+  const Value* format = root.find("lockstep");
+  const double* version = format != nullptr ? format->number() : nullptr;
+  if (version != nullptr && *version != kFormat)
+    refuse(format->where, "scene, lockstep",
+           "version " + text::number(*version) + " of the format is unknown here; this program reads version " +
+               std::to_string(kFormat));
+}
+
+// A plugin is named; where it may come from is given outside of the scene.
+void check_plugin(std::string name, const Where& where) {
+  if (is_bare_name(name)) return;
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return c >= 0 && c < ' '; }, '?');
+  refuse(where, "scene, requires",
+         "\"" + name +
+             "\" is not a bare name; a scene names plugins, as in \"cam_follower\", and where they may come from is "
+             "given outside of it: by --plugin PATH or LOCKSTEP_PLUGIN_PATH");
+}
+
+// All but its lists and "run".
+void read_root(Scene& scene) {
+  const Params p = params_of(scene.root, "scene", "scene", nullptr);
+  if (p.has("title")) scene.title = p.text("title");
+  if (p.has("description")) scene.description = p.text("description");
+  Refusals wrong;
+  for (const std::pair<std::string, Where>& plugin : texts_of(p, "requires")) {
+    wrong.attempt([&] { check_plugin(plugin.first, plugin.second); });
+    scene.plugins.push_back(plugin.first);
+  }
+  wrong.raise();
+}
 
 }  // namespace
 
@@ -23,26 +59,14 @@ Scene scene_from(Value root, std::string file) {
   scene.file = std::move(file);
   if (scene.root.object() == nullptr)
     refuse(scene.root.where, "scene", "expected an object ({\"lockstep\": 1, ...}), got " + shown(scene.root));
+  check_format(scene.root);
   rename_old_keys(scene.root);
   resolve_formulas(scene, {scene.file});
-  const Params p = params_of(scene.root, "scene", "scene", nullptr);
-  if (p.integer("lockstep") != kFormat)
-    p.refuse("lockstep", "version " + std::to_string(p.integer("lockstep")) +
-                             " of the format is unknown here; this program reads version " + std::to_string(kFormat));
-  if (p.has("title")) scene.title = p.text("title");
-  if (p.has("description")) scene.description = p.text("description");
-  for (auto [name, where] : texts_of(p, "requires")) {
-    if (!is_bare_name(name)) {
-      std::replace_if(
-          name.begin(), name.end(), [](char c) { return c >= 0 && c < ' '; }, '?');
-      refuse(where, "scene, requires",
-             "\"" + name +
-                 "\" is not a bare name; a scene names plugins, as in \"cam_follower\", and where they may come "
-                 "from is given outside of it: by --plugin PATH or LOCKSTEP_PLUGIN_PATH");
-    }
-    scene.plugins.push_back(name);
-  }
-  scene.run = with_formulas(scene, [&] { return read_run(p.value("run")); });
+  Refusals wrong;
+  wrong.attempt([&] { read_root(scene); });
+  const Value* run = scene.root.find("run");
+  wrong.attempt([&] { scene.run = with_formulas(scene, [&] { return read_run(run != nullptr ? *run : Value()); }); });
+  wrong.raise();
   return scene;
 }
 

@@ -1,6 +1,9 @@
 // What changes the state between two steps: events, and the links that come into force by them or by contact.
 #include <spdlog/fmt/fmt.h>
 
+#include <map>
+#include <string>
+
 #include <lockstep/error.h>
 #include "framework/dynamics/simulate/consistency.h"
 #include "framework/dynamics/simulate/decided_rows.h"
@@ -8,6 +11,27 @@
 #include "framework/dynamics/simulate/step_loop_parts.h"
 
 namespace lockstep {
+
+namespace {
+
+// Of the events that are due at t none may undo what another does: their order would decide.
+void refuse_contradictions(const EventLocator& events, std::size_t first, double t) {
+  std::map<std::string, std::string> on, off;  // name -> event
+  for (std::size_t i = first; i < events.size(); ++i) {
+    if (events.due(i, t) == EventLocator::Due::no) continue;
+    for (const std::string& name : events[i].activate) on.emplace(name, events[i].name);
+    for (const std::string& name : events[i].deactivate) off.emplace(name, events[i].name);
+  }
+  for (const auto& [name, event] : on)
+    if (const auto other = off.find(name); other != off.end())
+      throw ModelError(
+          {.thing = {.kind = "event", .name = event},
+           .problem = fmt::format("it activates '{}' at t = {:.9g} s, and event '{}' deactivates it at the "
+                                  "same instant; remove '{}' from one of them, or let one come later",
+                                  name, t, other->second, name)});
+}
+
+}  // namespace
 
 // Fires the events that are due at the present state; returns whether any changed it. All of an instant or none.
 bool StepLoop::fire_events() {
@@ -41,6 +65,7 @@ bool StepLoop::fire_events() {
 
 bool StepLoop::apply_events(std::size_t first) {
   const EventLocator& events = parts_->events;
+  refuse_contradictions(events, first, state_.t);
   std::string names;
   for (std::size_t i = first; i < events.size(); ++i) {
     const Event& e = events[i];

@@ -9,7 +9,9 @@
 namespace lockstep {
 
 bool may_have_laws(const Lock& link) {
-  if (link.jointed() == nullptr || link.jointed()->has_laws()) return true;
+  const Jointed* joint = link.jointed();
+  if (joint == nullptr || joint->has_laws()) return true;
+  if (link.row_count() != count_rows(joint->rows())) return true;  // functions may read the time
   return std::ranges::any_of(link.pairs(), [](const auto& pair) {
     return pair.first->translation_law || pair.first->rotation_law || pair.second->translation_law ||
            pair.second->rotation_law;

@@ -41,6 +41,8 @@ std::string closest_name(std::string_view word, std::span<const std::string> can
   std::string best;
   std::size_t least = std::max<std::size_t>(1, word.size() / 3) + 1;
   for (const std::string& name : candidates) {
+    const std::size_t longer = std::max(name.size(), word.size()), shorter = std::min(name.size(), word.size());
+    if (longer - shorter >= least) continue;  // as many letters are inserted at least
     const std::size_t d = edit_distance(word, name);
     if (d < least) {
       least = d;

@@ -1,29 +1,34 @@
 #include "framework/mechanism/params/refusals.h"
 
+#include <algorithm>
 #include <string_view>
 
 namespace lockstep {
 namespace {
 
-constexpr int kMost = 20;  // lines
+constexpr std::size_t kMost = 20;  // lines
 
 }  // namespace
 
-bool Refusals::full() const { return n_ >= kMost; }
+bool Refusals::full() const { return lines_.size() >= kMost; }
 
 void Refusals::add(const SceneError& error) {
-  if (n_ == 0) first_ = error;
+  if (empty()) first_ = error;
   std::string_view rest = error.what();
   for (bool more = true; more && !full();) {
     const std::size_t end = rest.find('\n');
-    lines_.append(n_++ == 0 ? "" : "\n").append(rest.substr(0, end));
+    const std::string_view line = rest.substr(0, end);
+    if (std::ranges::find(lines_, line) == lines_.end()) lines_.emplace_back(line);
     more = end != std::string_view::npos;
     if (more) rest.remove_prefix(end + 1);
   }
 }
 
 void Refusals::raise() const {
-  if (n_ > 0) throw SceneError(lines_ + (full() ? "\nand perhaps more; these were the first" : ""), first_);
+  if (empty()) return;
+  std::string all;
+  for (const std::string& line : lines_) all += (all.empty() ? "" : "\n") + line;
+  throw SceneError(all + (full() ? "\nand perhaps more; these were the first" : ""), first_);
 }
 
 }  // namespace lockstep

@@ -3,13 +3,14 @@
 
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <lockstep/error.h>
 #include <lockstep/export.h>
 
 namespace lockstep {
 
-/// What is wrong with an input, a line each; of more than twenty lines the first.
+/// What is wrong with an input, a line each; of more than twenty lines the first. What is said again is said once.
 class LOCKSTEP_API Refusals {
  public:
   /// Runs `act`, and keeps what it refuses.
@@ -22,14 +23,13 @@ class LOCKSTEP_API Refusals {
     }
   }
   void add(const SceneError&);
-  bool empty() const { return n_ == 0; }
+  bool empty() const { return lines_.empty(); }
   bool full() const;
   /// Throws one SceneError of all, with the data of the first; does nothing where there is none.
   void raise() const;
 
  private:
-  int n_ = 0;  // lines
-  std::string lines_;
+  std::vector<std::string> lines_;
   ErrorData first_;
 };
 

@@ -166,7 +166,7 @@ void check_finite(const System& system, const Inputs& in, const RowTable& table,
   for (const auto& force : system.forces()) {
     if (!force->acts(in)) continue;
     WrenchSum sum(in.motions, one);
-    force->apply(in, sum);
+    named(*force, in.t, [&] { force->apply(in, sum); });
     if (!one.allFinite())
       refuse_number(*force, in.t,
                     " is not finite" + (force->slots().empty() ? "" : " with " + place_of(system, in, force->slots())),

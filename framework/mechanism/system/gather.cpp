@@ -26,7 +26,7 @@ void check_particles(const System& system, const Inputs& in, const VecX& f) {
     if (!force->acts(in)) continue;
     one.setZero();
     WrenchSum sum(in.motions, one);
-    force->apply(in, sum);
+    named(*force, in.t, [&] { force->apply(in, sum); });
     const int k = turned(one);
     if (k < 0) continue;
     throw ModelError(at_time(in.t) + "force '" + force->name() + "' exerts a moment of " +
@@ -212,7 +212,7 @@ void System::check_plane(const Inputs& in, const VecX& f) const {
     if (!force->acts(in)) continue;
     one.setZero();
     WrenchSum sum(in.motions, one);
-    force->apply(in, sum);
+    named(*force, in.t, [&] { force->apply(in, sum); });
     for (int k = 0; k < n_slots(); ++k)
       if (const double out = std::abs(one[6 * k + plane_.n]); out > 0.5e-9 * inside)
         throw ModelError("force '" + force->name() + "' pushes out of the plane with " + text::brief(out) +

@@ -12,7 +12,23 @@ namespace {
 
 constexpr double kStill = 1e-9;  // of the system's length, and rad: less is rounding
 
-double rate_of(const Body& body, const Sample& s) { return s.inputs().slot(body.slot).w.norm(); }
+// Angular velocity, world, rad/s.
+Vec3 turning_of(const Body& body, const Sample& s) {
+  const Motion& O = s.inputs().slot(body.slot);
+  return O.A * O.w;
+}
+
+// Velocity of the mass centre, m/s.
+Vec3 speed_of(const Body& body, const Vec3& center, const Sample& s) {
+  const Motion& O = s.inputs().slot(body.slot);
+  return O.v + cross(turning_of(body, s), Vec3(center - O.x));
+}
+
+// The integral of |v| over a step, by Simpson's rule with v of the cubic in the middle: 3/2 way / h - (v0 + v1) / 4.
+double length_of_step(const Vec3& way, const Vec3& v0, const Vec3& v1, double h) {
+  if (!(h > 0)) return way.norm();
+  return h / 6 * (v0.norm() + (6 * way / h - v0 - v1).norm() + v1.norm());
+}
 
 // A turn is known up to full ones, and to its sense: the one nearest to what the rate says, rad.
 double turn_of_step(double shortest, double h, double rate) {
@@ -34,7 +50,7 @@ void Summary::start(const Sample& s) {
   for (const Body& body : s.system().bodies())
     if (!body.fixed) {
       const Pose at = center_pose(body, s.state);
-      movers_.push_back({&body, at.x, at.x, at.q});
+      movers_.push_back({&body, at.x, at.x, speed_of(body, at.x, s), turning_of(body, s), at.q});
     }
 }
 
@@ -42,16 +58,23 @@ void Summary::start(const Sample& s) {
 void Summary::step(const Sample& s) {
   for (Mover& m : movers_) {
     const Pose at = center_pose(*m.body, s.state);
+    const Vec3 v = speed_of(*m.body, at.x, s), w = turning_of(*m.body, s);
+    const Vec3 turn = rotation_vector(at.q * conjugate(m.last_q));  // world axes
+    const double h = s.report.h, shortest = turn.norm(), whole = turn_of_step(shortest, h, w.norm());
     m.away = std::max(m.away, (at.x - m.x0).norm());
-    m.path += (at.x - m.last_x).norm();
-    m.turned += turn_of_step(rotation_vector(conjugate(m.last_q) * at.q).norm(), s.report.h, rate_of(*m.body, s));
-    m.last_x = at.x, m.last_q = at.q;
+    m.path += length_of_step(at.x - m.last_x, m.last_v, v, h);
+    m.turned += whole == shortest ? length_of_step(turn, m.last_w, w, h) : whole;
+    m.last_x = at.x, m.last_v = v, m.last_w = w, m.last_q = at.q;
   }
+}
+
+void Summary::jumped(const Sample& s) {
+  for (Mover& m : movers_) m.last_v = speed_of(*m.body, m.last_x, s), m.last_w = turning_of(*m.body, s);
 }
 
 void Summary::save(Snapshot& out) const {
   for (const Mover& m : movers_) {
-    for (const Vec3* x : {&m.x0, &m.last_x}) out.put((*x)[0]), out.put((*x)[1]), out.put((*x)[2]);
+    for (const Vec3* x : {&m.x0, &m.last_x, &m.last_v, &m.last_w}) out.put((*x)[0]), out.put((*x)[1]), out.put((*x)[2]);
     for (const double x : {m.last_q.w, m.last_q.x, m.last_q.y, m.last_q.z, m.away, m.path, m.turned}) out.put(x);
   }
 }
@@ -59,7 +82,7 @@ void Summary::save(Snapshot& out) const {
 // start() has found the bodies.
 void Summary::load(const Snapshot& in) {
   for (Mover& m : movers_) {
-    for (Vec3* x : {&m.x0, &m.last_x})
+    for (Vec3* x : {&m.x0, &m.last_x, &m.last_v, &m.last_w})
       for (int k = 0; k < 3; ++k) (*x)[k] = in.get();
     for (double* x : {&m.last_q.w, &m.last_q.x, &m.last_q.y, &m.last_q.z, &m.away, &m.path, &m.turned}) *x = in.get();
   }

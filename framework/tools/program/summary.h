@@ -13,6 +13,7 @@ class Summary final : public Observer {
  public:
   void start(const Sample&) override;
   void step(const Sample&) override;
+  void jumped(const Sample&) override;
   void save(Snapshot&) const override;
   void load(const Snapshot&) override;
 
@@ -23,7 +24,7 @@ class Summary final : public Observer {
  private:
   struct Mover {
     const Body* body;
-    Vec3 x0, last_x;
+    Vec3 x0, last_x, last_v, last_w;  // m, m/s, rad/s, world
     Quat last_q;
     double away = 0, path = 0, turned = 0;  // m, m, rad
   };

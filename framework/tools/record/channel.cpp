@@ -5,11 +5,12 @@
 #include <memory>
 #include <optional>
 
+#include <lockstep/error.h>
+#include <lockstep/log.h>
+#include <lockstep/text.h>
 #include "framework/tools/record/channel_entry.h"
 #include "framework/tools/record/quadrature.h"
 #include "framework/tools/record/turn_counter.h"
-#include <lockstep/error.h>
-#include <lockstep/text.h>
 
 namespace lockstep {
 namespace channels {
@@ -26,21 +27,54 @@ void add_vector(Entries& out, const std::string& name, const std::string& unit, 
         [value, k](const Sample& s) { return value(s)[k]; });
 }
 
+namespace {
+
+constexpr double kUndefined = 1e-6, kUnclear = 1e-2;  // of RawAngle::clear
+constexpr double kWide = 0.25 * kPi;                  // rad in a step
+
+// Near the axis the rate grows beyond all bounds, and leads nowhere: the nearest branch is taken then.
+bool leads(const RawAngle& a, double h) {
+  return a.clear > kUnclear || (a.clear > kUndefined && std::abs(a.rate * h) < kWide);
+}
+
+// Follows the turns of an angle, and says where their count is in doubt.
+class Turns {
+ public:
+  double at(RawAngle a, double t) const { return counter.at(a.angle, t, rate_of(a, t)); }
+  void accept(const RawAngle& a, double t, const std::string& channel) {
+    const double rate = rate_of(a, t);
+    if (!is_told_ && !(leads(a, t - counter.last_time()) && counter.is_sure(a.angle, t, rate))) tell(a, t, channel);
+    counter.accept(a.angle, t, rate);
+  }
+  void restart() { counter.restart(), is_told_ = false; }
+
+  TurnCounter counter;
+
+ private:
+  double rate_of(const RawAngle& a, double t) const { return leads(a, t - counter.last_time()) ? a.rate : 0; }
+  void tell(const RawAngle& a, double t, const std::string& channel) {
+    is_told_ = true;
+    log_warning(fmt::format(
+        "channel \"{}\": at t = {} s {}; its full turns may be miscounted from here on, and its "
+        "values are in doubt nearby: record an angle about another axis, or a quaternion",
+        channel, text::brief(t),
+        leads(a, t - counter.last_time()) ? "the angle is more than a quarter turn from where its rates led"
+                                          : "the angle is undefined, or nearly so: what turns lies along the axis"));
+  }
+  bool is_told_ = false;
+};
+
+}  // namespace
+
 void add_angle(Entries& out, std::string name, std::string help, std::function<RawAngle(const Sample&)> raw) {
   const auto make = [raw = std::move(raw)](System&, Channel& c) {
-    const auto turns = std::make_shared<TurnCounter>();
-    c.value = [raw, turns](const Sample& s) {
-      const RawAngle a = raw(s);
-      return turns->at(a.angle, s.state.t, a.rate);
-    };
-    c.track = [raw, turns](const Sample& s) {
-      const RawAngle a = raw(s);
-      turns->accept(a.angle, s.state.t, a.rate);
-    };
+    const auto turns = std::make_shared<Turns>();
+    c.value = [raw, turns](const Sample& s) { return turns->at(raw(s), s.state.t); };
+    c.track = [raw, turns, channel = c.name](const Sample& s) { turns->accept(raw(s), s.state.t, channel); };
     c.jumped = c.track;
     c.restart = [turns] { turns->restart(); };
-    c.save = [turns](Snapshot& to) { turns->save(to); };
-    c.load = [turns](const Snapshot& in) { turns->load(in); };
+    c.save = [turns](Snapshot& to) { turns->counter.save(to); };
+    c.load = [turns](const Snapshot& in) { turns->counter.load(in); };
   };
   out.push_back({std::move(name), "rad", std::move(help), make});
 }

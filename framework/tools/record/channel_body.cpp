@@ -11,7 +11,8 @@ namespace {
 RawAngle turn_about(int k, const FrameMotion& m) {
   const int i = (k + 1) % 3, j = (k + 2) % 3;
   const Vec3 n = m.A.col(i), nd = cross(m.w, n);  // (1.10)
-  return {std::atan2(n[j], n[i]), (n[i] * nd[j] - n[j] * nd[i]) / (n[i] * n[i] + n[j] * n[j])};
+  const double clear = n[i] * n[i] + n[j] * n[j];
+  return {std::atan2(n[j], n[i]), (n[i] * nd[j] - n[j] * nd[i]) / clear, clear};
 }
 
 void add_quaternion(Entries& out, const std::string& help, const std::function<Quat(const Sample&)>& q) {

@@ -43,8 +43,10 @@ void of_force(const Force& force, Entries& out) {
       scratch->setZero(6 * s.system().n_slots());
       WrenchSum sum(in.motions, *scratch);
       if (!f->acts(in)) return 0.0;
-      f->apply(in, sum);
-      if (reacting) reacting->react(in, Reactions(s.values()), sum);
+      named(*f, s.state.t, [&] {
+        f->apply(in, sum);
+        if (reacting) reacting->react(in, Reactions(s.values()), sum);
+      });
       double power = 0;
       for (int k = 0; k < s.system().n_slots(); ++k)
         power += scratch->segment<3>(6 * k).dot(in.slot(k).v) + scratch->segment<3>(6 * k + 3).dot(in.slot(k).w);

@@ -11,12 +11,12 @@ namespace {
 
 // theta = 2 atan2(e_k, e0) with its rates; not finite where both are 0, where the angle is undefined.
 struct Turn {
-  double angle, d, dd;
+  double angle, d, dd, clear;
 };
 Turn turn(int k, const Relative& r) {
   const double c = r.y[3], s = r.y[4 + k], cd = r.yd[3], sd = r.yd[4 + k], cdd = r.ydd[3], sdd = r.ydd[4 + k];
   const double n = c * c + s * s, d = 2.0 * (c * sd - s * cd) / n;
-  return {2.0 * std::atan2(s, c), d, (2.0 * (c * sdd - s * cdd) - 2.0 * d * (c * cd + s * sd)) / n};
+  return {2.0 * std::atan2(s, c), d, (2.0 * (c * sdd - s * cdd) - 2.0 * d * (c * cd + s * sd)) / n, n};
 }
 
 void add_coordinates(const Frame& p, const Frame& s, Entries& out) {
@@ -34,7 +34,7 @@ void add_coordinates(const Frame& p, const Frame& s, Entries& out) {
     add_angle(out, "angle_" + axis, "turn of P about S's " + axis + ", counted past full turns",
               [y, k](const Sample& x) {
                 const Turn t = turn(k, y(x));
-                return RawAngle{t.angle, t.d};
+                return RawAngle{t.angle, t.d, t.clear};
               });
     add(out, "angle_" + axis + "_d", "rad/s", "rate of angle_" + axis,
         [y, k](const Sample& x) { return turn(k, y(x)).d; });

@@ -14,15 +14,17 @@ class TurnCounter {
  public:
   /// The angle at time t, from any branch `raw` (rad) and its rate (rad/s). Before the first accept: in (-pi, pi].
   double at(double raw, double t, double rate) const {
-    if (!begun_) return principal(raw);
-    const double way = 0.5 * (t - t_) * (rate_ + rate);
-    const double expected = std::isfinite(way) ? angle_ + way : angle_;
-    return raw + kTwoPi * std::round((expected - raw) / kTwoPi);
+    return begun_ ? raw + kTwoPi * std::round((expected(t, rate) - raw) / kTwoPi) : principal(raw);
+  }
+  /// Whether the angle is within a quarter turn of its extrapolation, or the first.
+  bool is_sure(double raw, double t, double rate) const {
+    return !begun_ || std::abs(at(raw, t, rate) - expected(t, rate)) < 0.5 * kPi;
   }
   void accept(double raw, double t, double rate) {
     angle_ = at(raw, t, rate);
     t_ = t, rate_ = rate, begun_ = true;
   }
+  double last_time() const { return t_; }  ///< of the last accepted angle
   void restart() { begun_ = false; }
   void save(Snapshot& out) const { out.put(begun_ ? 1 : 0), out.put(angle_), out.put(t_), out.put(rate_); }
   void load(const Snapshot& in) { begun_ = in.get_flag(), angle_ = in.get(), t_ = in.get(), rate_ = in.get(); }
@@ -33,6 +35,11 @@ class TurnCounter {
   }
 
  private:
+  double expected(double t, double rate) const {
+    const double way = 0.5 * (t - t_) * (rate_ + rate);
+    return std::isfinite(way) ? angle_ + way : angle_;
+  }
+
   bool begun_ = false;
   double angle_ = 0, t_ = 0, rate_ = 0;
 };

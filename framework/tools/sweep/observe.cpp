@@ -2,6 +2,7 @@
 
 #include "framework/description/scene/builder.h"
 #include "framework/mechanism/params/read.h"
+#include "framework/mechanism/params/refusals.h"
 #include "framework/mechanism/params/units.h"
 
 namespace lockstep {
@@ -15,31 +16,41 @@ void record_places(Mechanism& m) {
 
 std::unique_ptr<Recorder> make_recorder(Mechanism& m) {
   auto recorder = std::make_unique<Recorder>(m.system);
-  for (const ChannelRequest& request : m.run.record) {
-    placed(request.where, "run.record", [&] {
-      Channel channel = make_channel(m.system, request.channel);
-      if (!request.name.empty()) channel.name = request.name;
-      recorder->add(std::move(channel));
+  Refusals wrong;
+  for (const ChannelRequest& request : m.run.record)
+    wrong.attempt([&] {
+      placed(request.where, "run.record", [&] {
+        Channel channel = make_channel(m.system, request.channel);
+        if (!request.name.empty()) channel.name = request.name;
+        recorder->add(std::move(channel));
+      });
     });
-  }
+  wrong.raise();
   return recorder;
 }
 
+namespace {
+
+Event make_event(Mechanism& m, const EventRequest& request, Recorder& recorder) {
+  Event event = request.event;
+  if (request.channel.empty()) return event;
+  const Channel channel = placed(request.where, owner_of("event", event.name) + ", when.channel",
+                                 [&] { return make_channel(m.system, request.channel); });
+  if (const std::string problem = request.given.empty() ? "" : misfit(request.given, channel.unit); !problem.empty())
+    refuse(request.given_where, owner_of("event", event.name) + ", when.crosses", problem);
+  recorder.follow(channel);
+  event.value = [value = channel.value, crosses = request.crosses](const Sample& s) { return value(s) - crosses; };
+  return event;
+}
+
+}  // namespace
+
 std::vector<Event> make_events(Mechanism& m, Recorder& recorder) {
   std::vector<Event> events;
-  for (const EventRequest& request : m.events) {
-    Event event = request.event;
-    if (!request.channel.empty()) {
-      const Channel channel = placed(request.where, owner_of("event", event.name) + ", when.channel",
-                                     [&] { return make_channel(m.system, request.channel); });
-      if (const std::string problem = request.given.empty() ? "" : misfit(request.given, channel.unit);
-          !problem.empty())
-        refuse(request.given_where, owner_of("event", event.name) + ", when.crosses", problem);
-      recorder.follow(channel);
-      event.value = [value = channel.value, crosses = request.crosses](const Sample& s) { return value(s) - crosses; };
-    }
-    events.push_back(std::move(event));
-  }
+  Refusals wrong;
+  for (const EventRequest& request : m.events)
+    wrong.attempt([&] { events.push_back(make_event(m, request, recorder)); });
+  wrong.raise();
   return events;
 }
 

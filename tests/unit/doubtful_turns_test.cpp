@@ -1,0 +1,83 @@
+// Angles whose axis is met by what turns: the count of turns is in doubt, and a warning says so.
+#include <cmath>
+#include <sstream>
+#include <string>
+
+#include <lockstep/integrators.h>
+#include <lockstep/joints.h>
+#include <lockstep/log.h>
+#include <lockstep/recorder.h>
+#include <lockstep/solvers.h>
+#include <lockstep/step_loop.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
+#include "tests/support/catch.h"
+
+namespace doubtful_turns_test {
+
+using namespace lockstep;
+
+namespace {
+
+struct Told {
+  std::string warnings;
+  double last = 0;
+};
+
+// What the library warns of while this lives.
+struct Heard {
+  std::ostringstream words;
+  Heard() {
+    set_logger(std::make_shared<spdlog::logger>("host", std::make_shared<spdlog::sinks::ostream_sink_mt>(words)));
+  }
+  ~Heard() { spdlog::drop("lockstep"); }  // the next call makes the library's own again
+};
+
+// A body turns by 4 rad about an axis that is `tilt` from x, in 100 steps; one channel is recorded.
+Told turn(double tilt, const std::string& channel) {
+  System s;
+  Body& b = s.add_body("b", MassProperties{1, Vec3::Zero(), Mat3::Identity()});
+  s.add<Revolute>("A", b, s.ground(), pose_at(Vec3::Zero(), Vec3(std::cos(tilt), std::sin(tilt), 0)));
+  Recorder recorder(s);
+  recorder.add(make_channel(s, channel));
+  Dynamics dynamics(s, std::make_unique<SchurSolver>());
+  StepLoop loop(dynamics, std::make_unique<Rk4>(), {.step = 0.01});
+  State start = s.start();
+  start.set_slot_twist(0, {Vec3::Zero(), 4 * Vec3(std::cos(tilt), std::sin(tilt), 0)});
+  loop.set_state(start);
+  loop.add_observer(recorder);
+  const Heard heard;
+  loop.run_until(1);
+  return {heard.words.str(), recorder.table().last(channel)};
+}
+
+}  // namespace
+
+TEST_CASE("turns of an angle whose axis is met are in doubt, which is said once and by name", "[unit][record]") {
+  const Told met = turn(0, "b.angle_y");  // z of the body passes y of the world
+  CHECK(met.warnings.find("channel \"b.angle_y\": at t = 0.4 s") != std::string::npos);
+  CHECK(met.warnings.find("full turns may be miscounted") != std::string::npos);
+  CHECK(met.warnings.find("channel", met.warnings.find("channel") + 1) == std::string::npos);
+  CHECK(std::abs(met.last) < kTwoPi);
+  const Told about = turn(0, "b.angle_x");
+  CHECK(about.warnings.empty());
+  CHECK(std::abs(about.last - 4) < 1e-9);
+}
+
+TEST_CASE("an angle whose axis is passed at a distance is counted without a word", "[unit][record]") {
+  for (const double tilt : {0.3, 0.1}) {
+    const Told passed = turn(tilt, "b.angle_y");
+    CAPTURE(tilt, passed.warnings);
+    CHECK(passed.warnings.empty());
+    // The z axis of the body after a turn by a: (sin(tilt) sin(a), -cos(tilt) sin(a), cos(a)), by Rodrigues' formula.
+    CHECK(passed.last == Approx(kPi + std::atan2(-std::sin(tilt) * std::sin(4.0), -std::cos(4.0))).margin(1e-6));
+  }
+}
+
+TEST_CASE("a link's turn about an axis across its own is zero on both sides of half a turn", "[unit][record]") {
+  const Told across = turn(0, "A.angle_y");  // 2 atan2(e2, e0), which is 0/0 at half a turn about z
+  CHECK(across.warnings.empty());
+  CHECK(across.last == Approx(0).margin(1e-9));
+}
+
+}  // namespace doubtful_turns_test
