@@ -257,7 +257,7 @@ void JointTree::add_node(const System& system, int slot, int parent, int link) {
   nodes_.push_back(node);
 }
 
-// Long steps outrun what closures remember from step to step, but for turns whose ways are known (outrun): of hinges in
+// Long steps outrun what closures remember from step to step, but for turns whose ways are known (miscounts): of hinges in
 // the tree, and in a plane of any two bodies. Returns what is remembered besides, by name; "" for nothing.
 std::string JointTree::follow_turns(const System& system) {
   const auto node_of_pair = [&](const auto& pair) {
