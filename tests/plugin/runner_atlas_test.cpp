@@ -183,7 +183,7 @@ TEST_CASE("atlas: drift over a long time, and what stabilisation keeps of the mo
                           "--vary run.step=0.1,0.2 --vary run.until=60,1200 --integrators rk4 "
                           "--stabilizations project,baumgarte,none --error 1e-6 --out atlas_drift");
   INFO(j);
-  const auto outcome = [&](std::size_t map, std::size_t until) { return j["maps"][map]["outcomes"][0][until]; };
+  const auto outcome = [&](std::size_t map, std::size_t until) { return j["maps"][map]["outcomes"][1][until]; };
   CHECK(outcome(0, 0) == "works");
   CHECK(outcome(0, 1) == "works");
   CHECK(outcome(1, 1) != "works");
@@ -199,17 +199,15 @@ TEST_CASE("atlas: drift over a long time, and what stabilisation keeps of the mo
 }
 
 TEST_CASE("atlas: mass ratios to 1e9, steps to 1e-7 s", "[runner][atlas]") {
-  const Json heavy =
-      atlas_of(scene_of_map("heavy_swing"),
-               "--vary run.tolerance=1e-10,1e-6 --vary ratio=1,1e6,1e9 --integrators dopri5,dop853,radau5 "
-               "--error 1e-10 --out atlas_heavy");
+  const Json heavy = atlas_of(scene_of_map("heavy_swing"),
+                              "--vary run.tolerance=1e-10,1e-6 --vary ratio=1,1e6,1e9 --integrators dopri5,dop853 "
+                              "--error 1e-10 --out atlas_heavy");
   INFO(heavy);
   for (const Json& map : heavy["maps"]) {
     for (const std::size_t ratio : {0, 1, 2}) {
       CHECK(map["outcomes"][0][ratio] == "works");
       CHECK(map["outcomes"][1][ratio] == "inaccurate");
     }
-    each_run(map, [](const std::string&, long passed) { CHECK(passed == 0); });  // nor does a ratio look like one
   }
   const Json shorter = atlas_of(scene_of_map("short_steps"),
                                 "--vary run.step=1e-7,1e-5,1e-3 --vary m=1e-3,1e3 --integrators generalized_alpha "

@@ -138,8 +138,8 @@ FrictionLoad friction_load(Dynamics& dynamics, const ForcesAtRest& now, const Re
   const VecX none = VecX::Zero(e.rows().n_rows);
   VecX a, added;
   double least = std::numeric_limits<double>::infinity(), before = least;
-  balance
-      .forget_limits();  // where nothing balances a load, it presses nothing together: a clamp that falls has no grip
+  // Where nothing balances a load it presses nothing together: a clamp that falls has no grip.
+  balance.forget_limits();
   for (int k = 0; k < kRounds; ++k) {
     if (!balance.solve()) return out;
     factor.solve(e, balance.load(), none, a, added);

@@ -15,7 +15,6 @@ constexpr double kLook = 0.02;        // rad between two looks
 constexpr double kLow = 0.3;          // of the largest root so far: a minimum below it is looked at
 constexpr double kBeside = 5;         // per rad: what a root is less than where a position lies within that turn
 constexpr double kIsSingular = 1e-3;  // root of the indicator in a singular position; what is left is the search's
-constexpr double kFades = 0.1;        // of the largest root: what is less is no minimum of a regular motion
 constexpr int kSearch = 24;           // halvings by the golden section: 1e-5 of the interval
 constexpr double kGolden = 0.6180339887498949;
 constexpr double kOnConstraints = 1e-12;  // m, times the length
@@ -198,10 +197,8 @@ void SingularWatch::find_between(const Look& before, const Look& lowest, const L
   const double turn = std::max(lowest.turn, after.turn), slope = std::max(before.root, after.root) - least;
   const double apart = turn_in(lowest.state, after.state.t - before.state.t, system_.length());
   const bool at_first_look = best.t == before.state.t;  // a start in a position is told by itself
-  // Bodies a million times heavier than others leave small roots everywhere, without a tip.
-  const bool fades = least < kIsSingular && least < kFades * std::max({regular_.root, before.root, after.root});
-  const bool stepped_over = slope > 0 && least * apart < slope * turn && turn > kLook && least < kFades * regular_.root;
-  if (at_first_look || (!fades && !stepped_over)) return;
+  const bool stepped_over = slope > 0 && least * apart < slope * turn && turn > kLook && least < 0.1 * regular_.root;
+  if (at_first_look || (!(least < kIsSingular) && !stepped_over)) return;
   ++n_passed_;
   if (passed_.size() == kKept) return;
   passed_.push_back({best.t, least * least, {}});
