@@ -30,6 +30,24 @@ Json json_of(const std::string& words) {
 
 }  // namespace
 
+TEST_CASE("runner: mobility tells freedoms, dependent rows and what is not unique, as check does", "[plugin][runner]") {
+  const Json alone = json_of("mobility " + sample("four_bar") + " --full --json"),
+             check = json_of("check " + sample("four_bar") + " --full --json");
+  for (const auto& [key, value] : alone.items()) {
+    CAPTURE(key);
+    CHECK(check[key] == value);
+  }
+  CHECK(alone["rank"] == 18);
+  CHECK(alone["redundant"] == 3);
+  CHECK(alone["dependencies"].size() == 1);
+  CHECK(alone["rows_not_unique"].size() == 12);
+  const Called text = call("mobility " + sample("pendulum"));
+  CHECK(text.exit == 0);
+  CHECK(says(text.text, {"degrees of freedom  1", "rank", "none: all reactions are unique"}));
+  const Called flat = call("mobility " + sample("slider_crank"));
+  CHECK(says(flat.text, {"plane", "normal z", "--full"}));
+}
+
 TEST_CASE("runner: statics prints poses, reactions and stability", "[plugin][runner]") {
   const Json j = json_of("statics " + sample("rod_pendulum") + " --json");
   CHECK(j["stability"] == "stable");

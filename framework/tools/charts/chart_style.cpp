@@ -106,6 +106,7 @@ void axis(Script& out, char a, const std::string& label, bool log, double low, d
   out.line(fmt::format("set logscale {}", a));
   const bool plain = low >= 1e-4 && high <= 1e5;  // easier to read than powers of ten
   out.line(fmt::format("set format {} '{}'", a, plain ? "%g" : "10^{%T}"));
+  if (a == 'x' && high / low > 1e8) out.line("set xtics 100");  // in a narrow map every decade is too close
   if (high / low >= 30) return;
   std::string ticks;  // a decade or less: 1, 2 and 5 of each
   for (int d = static_cast<int>(std::floor(std::log10(low))); d <= std::ceil(std::log10(high)); ++d)

@@ -41,13 +41,14 @@ struct Decades {
                       static_cast<double>(kinds.size()) - 2);
   }
 };
-Decades decades_of(const std::string& what) {
+Decades decades_of(const std::string& what, const std::string& unit) {
   constexpr const char* kColors[] = {"#1b4f8f", "#2f7fb8", "#58b1a8", "#a8d8a0", "#f2e08a", "#f2a65a", "#8e2a5b"};
   Decades d;
   for (int k = 0; k < 7; ++k)
-    d.kinds.push_back({k == 0   ? fmt::format("{} below 1e-10", what)
-                       : k == 6 ? "above 1"
-                                : fmt::format("to 1e{}", -10 + 2 * k),
+    d.kinds.push_back({k == 0   ? fmt::format("{} below 1e-10{}", what, unit)
+                       : k == 6 ? fmt::format("{} above 1{}", what, unit)
+                       : k == 5 ? fmt::format("{} to 1{}", what, unit)
+                                : fmt::format("{} to 1e{}{}", what, -10 + 2 * k, unit),
                        kColors[k]});
   d.kinds.push_back({"did not reach its end", "#b5b5b5"});
   return d;
@@ -60,7 +61,7 @@ MapGridSpec atlas_picture(const AtlasPlan& plan, const std::string& reference, c
   grid.title = plan.loaded.title();
   const std::vector<double> x = axis_numbers(plan.variables[0]), y = axis_numbers(plan.variables[1]);
   const auto label = [](const Variable& v) { return v.unit.empty() ? v.path : v.path + " [" + v.unit + "]"; };
-  const Decades decades = decades_of(of == "energy" ? "energy imbalance, relative," : "error, m,");
+  const Decades decades = of == "energy" ? decades_of("relative imbalance", "") : decades_of("error", " m");
   bool curves = false, marked = false;
   for (const AtlasPanel& panel : plan.panels) {
     if (!panel.unsuited.empty()) continue;

@@ -10,19 +10,16 @@
 #include <vector>
 
 #include <lockstep/analysis.h>
-#include <lockstep/assembly.h>
 #include <lockstep/error.h>
-#include <lockstep/kinematics.h>
 #include <lockstep/lock.h>
 #include <lockstep/text.h>
 #include <lockstep/uniqueness.h>
-#include "framework/tools/analysis/branch_point.h"
-#include "framework/tools/analysis/motion_words.h"
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/check_tree.h"
 #include "framework/tools/program/commands.h"
 #include "framework/tools/program/document.h"
 #include "framework/tools/program/frames_taken.h"
+#include "framework/tools/program/mobility_findings.h"
 #include "framework/tools/program/terminal.h"
 #include "framework/tools/sweep/scene_run.h"
 
@@ -30,8 +27,6 @@ namespace lockstep {
 namespace {
 
 constexpr std::size_t kMostProposed = 20000;  // bodies
-constexpr int kMostMotions = 12;              // told in words
-constexpr double kNearPosition = 1e-2;        // singular value of rows of length 1
 
 using Names = std::vector<std::string>;
 
@@ -275,40 +270,9 @@ void list_parameters(const Scene& scene) {
   }
 }
 
-// Counted where a run begins: a start typed with eight digits leaves none of a loop's freedoms. One that cannot be
-// assembled is taken as it was typed; a run then says why.
-State counted_start(Dynamics& dynamics, Mechanism& m, const State& typed, NearRows& near) {
-  State start = decided_start(dynamics, m, &near);
-  try {
-    if (m.run.assemble) assemble(dynamics, start, m.start_speeds, m.assembly);
-  } catch (const Error&) {
-    start = typed;
-  }
-  if (!near.looked) near = {true, nearly_redundant_at(dynamics, m, start)};
-  return start;
-}
-
-nlohmann::ordered_json position_json(Dynamics& dynamics, const State& state, const BranchPoint& position) {
-  if (!position.known) return nullptr;
-  nlohmann::ordered_json branches = nlohmann::ordered_json::array();
-  State at = state;
-  dynamics.to_slots(at);
-  const Inputs& in = dynamics.inputs(at);
-  for (const VecX& tangent : position.tangents) branches.push_back(motion_words(dynamics.system(), in, tangent));
-  return {{"in", position.singular},       {"near", position.singular || position.nearness < kNearPosition},
-          {"smallest", position.nearness}, {"motions", position.motions},
-          {"branches", branches},          {"all_branches", position.all}};
-}
-
 /// What is counted and found of a scene.
 struct Findings {
-  MobilityReport mobility;
-  NearRows near;
-  UniquenessReport reactions;
-  BranchPoint position;
-  nlohmann::ordered_json position_json;
-  std::string position_words;  // "" in a regular one
-  DriveReport moves;
+  MobilityFindings moves;
   double violation = 0, violation_v = 0;  // of the start as it was typed
   std::vector<LeftOut> left_out;
   std::vector<std::string> proposals;
@@ -355,13 +319,8 @@ Findings found_in(const Arguments& args, const Loaded& loaded, Mechanism& m) {
   Dynamics dynamics = make_dynamics(m, loaded.registry);
   const State start = m.system.start();
   found.violation = dynamics.violation(start), found.violation_v = dynamics.violation_v(start);
-  const State counted = counted_start(dynamics, m, start, found.near);
-  const MobilityReport& r = found.mobility = mobility(dynamics, counted);
-  found.reactions = uniqueness(dynamics, counted);
-  found.position = branch_point(dynamics, counted);
-  found.position_json = position_json(dynamics, counted, found.position);
-  found.position_words = found.position.text(dynamics, counted);
-  if (r.freedoms > 0 && r.freedoms <= kMostMotions) found.moves = driven_by(dynamics, counted);
+  found.moves = mobility_of(dynamics, m, start);
+  const MobilityReport& r = found.moves.mobility;
   found.left_out = left_out(m);
   const std::string not_joint = why_not_joint(m, dynamics, start, loaded.registry);
   TreeReport tree;
@@ -375,29 +334,13 @@ Findings found_in(const Arguments& args, const Loaded& loaded, Mechanism& m) {
 }
 
 nlohmann::ordered_json findings_json(const Loaded& loaded, const Mechanism& m, const Findings& found) {
-  const MobilityReport& r = found.mobility;
-  nlohmann::ordered_json j = {{"scene", loaded.scene.file},
-                              {"title", loaded.scene.title},
-                              {"bodies", r.bodies},
-                              {"unknowns", r.unknowns},
-                              {"rows", r.rows},
-                              {"rank", r.rank},
-                              {"freedoms", r.freedoms},
-                              {"redundant", r.redundant},
-                              {"redundant_links", r.redundant_links},
-                              {"dependencies", dependencies_json(r)},
-                              {"nearly_redundant", near_json(found.near.all, m.run.nearly_redundant)},
-                              {"rows_not_unique", found.reactions.rows},
-                              {"columns_not_unique", columns_not_unique(m.run, found.reactions)},
-                              {"free_motions", found.moves.free},
-                              {"singular_position", found.position_json},
-                              {"formulation", found.formulation},
-                              {"tree", tree_json(found.tree.branches)},
-                              {"closures", found.tree.closures},
-                              {"violation", found.violation},
-                              {"violation_v", found.violation_v},
-                              {"columns", found.columns},
-                              {"left_out", nlohmann::ordered_json::array()}};
+  nlohmann::ordered_json j = {{"scene", loaded.scene.file}, {"title", loaded.scene.title}};
+  put_mobility(j, found.moves, m.run);
+  j["formulation"] = found.formulation;
+  j["tree"] = tree_json(found.tree.branches), j["closures"] = found.tree.closures;
+  j["violation"] = found.violation, j["violation_v"] = found.violation_v;
+  j["columns"] = found.columns;
+  j["left_out"] = nlohmann::ordered_json::array();
   for (const LeftOut& l : found.left_out) j["left_out"].push_back({{"what", l.what}, {"names", l.names}});
   j["proposals"] = found.proposals;
   j["parameters"] = parameters_json(loaded.scene);
@@ -405,26 +348,11 @@ nlohmann::ordered_json findings_json(const Loaded& loaded, const Mechanism& m, c
   return j;
 }
 
-void print_position(const Findings& found) {
-  if (found.position.singular)
-    fmt::print("  singular position   the start lies in one: {}\n", found.position_words);
-  else if (found.position.known && found.position.nearness < kNearPosition)
-    fmt::print("  singular position   near: a combination of rows is down to {:.2g} of their size\n",
-               found.position.nearness);
-}
-
 void print_findings(const Loaded& loaded, const Mechanism& m, const Findings& found) {
-  const MobilityReport& r = found.mobility;
   fmt::print("{}\n", loaded.title());
-  fmt::print("  bodies that move    {}\n  unknown velocities  {}\n  rows                {}\n  degrees of freedom  {}\n",
-             r.bodies, r.unknowns, r.rows, r.freedoms);
-  for (const std::string& words : found.moves.free) fmt::print("    {}\n", words);
-  print_position(found);
+  print_freedoms(found.moves);
   fmt::print("  formulation         {}\n", found.formulation);
-  if (r.redundant > 0) fmt::print("  redundant rows      {} (in {})\n", r.redundant, first_of(r.redundant_links));
-  for (const Dependency& d : r.dependencies) fmt::print("{}", words_of(d));
-  for (const NearDependency& d : found.near.all) fmt::print("{}", words_of(d, m.run.nearly_redundant));
-  fmt::print("{}", words_of(found.reactions, m.run));
+  print_dependencies(found.moves, m.run);
   fmt::print("  start violates      {:.2g} m, {:.2g} m/s{}\n", found.violation, found.violation_v,
              found.violation > 1e-6 || found.violation_v > 1e-6 ? "; a run assembles it first" : "");
   if (!found.taken.empty()) fmt::print("places that are taken, as none is given:\n");

@@ -110,6 +110,7 @@ int report_command(const Arguments&);
 int demo_command(const Arguments&);
 int import_command(const Arguments&);
 int check_command(const Arguments&);
+int mobility_command(const Arguments&);
 int chart_command(const Arguments&);
 int advise_command(const Arguments&);
 int sweep_command(const Arguments&);

@@ -15,6 +15,11 @@ void add_check(CLI::App& verb, Arguments& a) {
   verb.add_option("more", a.more_scenes, "further scenes")->type_name("SCENE");
 }
 
+void add_mobility(CLI::App& verb, Arguments& a) {
+  add_scene(verb, a);
+  add_json(verb, a);
+}
+
 void add_assemble(CLI::App& verb, Arguments& a) {
   add_scene(verb, a);
   add_json(verb, a);
@@ -120,6 +125,10 @@ void add_matrices(CLI::App& verb, Arguments& a) {
 constexpr Verb kAnalysisVerbs[] = {
     {"check", "Read and build a scene; report its bodies, unknowns, rows and degrees of freedom", add_check,
      check_command, "Example:\n  lockstep check samples/scenes/four_bar.json --json"},
+    {"mobility", "Tell how a scene can move, which of its rows are too many, and which reactions are not unique",
+     add_mobility, mobility_command,
+     "Counted at the assembled start. `lockstep check` says the same, and what a run makes of the scene.\n\n"
+     "Example:\n  lockstep mobility samples/scenes/four_bar.json --full"},
     {"assemble", "Bring the start of a scene onto its constraints; report what moved how far", add_assemble,
      assemble_command, "Example:\n  lockstep assemble samples/scenes/four_bar.json"},
     {"statics", "Find where a scene rests under its loads; report poses, reactions and whether it stays there",

@@ -1,0 +1,87 @@
+#include "framework/tools/program/mobility_findings.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <vector>
+
+#include <lockstep/assembly.h>
+#include <lockstep/error.h>
+#include "framework/tools/analysis/motion_words.h"
+#include "framework/tools/program/check_dependencies.h"
+
+namespace lockstep {
+namespace {
+
+constexpr int kMostMotions = 12;        // told in words
+constexpr double kNearPosition = 1e-2;  // singular value of rows of length 1
+
+State counted_start(Dynamics& dynamics, Mechanism& m, const State& typed, NearRows& near) {
+  State start = decided_start(dynamics, m, &near);
+  try {
+    if (m.run.assemble) assemble(dynamics, start, m.start_speeds, m.assembly);
+  } catch (const Error&) {
+    start = typed;
+  }
+  if (!near.looked) near = {true, nearly_redundant_at(dynamics, m, start)};
+  return start;
+}
+
+nlohmann::ordered_json position_json(Dynamics& dynamics, const State& state, const BranchPoint& position) {
+  if (!position.known) return nullptr;
+  nlohmann::ordered_json branches = nlohmann::ordered_json::array();
+  State at = state;
+  dynamics.to_slots(at);
+  const Inputs& in = dynamics.inputs(at);
+  for (const VecX& tangent : position.tangents) branches.push_back(motion_words(dynamics.system(), in, tangent));
+  return {{"in", position.singular},       {"near", position.singular || position.nearness < kNearPosition},
+          {"smallest", position.nearness}, {"motions", position.motions},
+          {"branches", branches},          {"all_branches", position.all}};
+}
+
+}  // namespace
+
+MobilityFindings mobility_of(Dynamics& dynamics, Mechanism& m, const State& typed) {
+  MobilityFindings found;
+  const State counted = counted_start(dynamics, m, typed, found.near);
+  found.mobility = mobility(dynamics, counted);
+  found.reactions = uniqueness(dynamics, counted);
+  found.position = branch_point(dynamics, counted);
+  found.position_json = position_json(dynamics, counted, found.position);
+  found.position_words = found.position.text(dynamics, counted);
+  if (const int n = found.mobility.freedoms; n > 0 && n <= kMostMotions) found.moves = driven_by(dynamics, counted);
+  return found;
+}
+
+void print_freedoms(const MobilityFindings& found) {
+  const MobilityReport& r = found.mobility;
+  fmt::print("  bodies that move    {}\n  unknown velocities  {}\n  rows                {}\n  degrees of freedom  {}\n",
+             r.bodies, r.unknowns, r.rows, r.freedoms);
+  for (const std::string& words : found.moves.free) fmt::print("    {}\n", words);
+  if (found.position.singular)
+    fmt::print("  singular position   the start lies in one: {}\n", found.position_words);
+  else if (found.position.known && found.position.nearness < kNearPosition)
+    fmt::print("  singular position   near: a combination of rows is down to {:.2g} of their size\n",
+               found.position.nearness);
+}
+
+void print_dependencies(const MobilityFindings& found, const RunSettings& run) {
+  const MobilityReport& r = found.mobility;
+  if (r.redundant > 0) fmt::print("  redundant rows      {} (in {})\n", r.redundant, first_of(r.redundant_links));
+  for (const Dependency& d : r.dependencies) fmt::print("{}", words_of(d));
+  for (const NearDependency& d : found.near.all) fmt::print("{}", words_of(d, run.nearly_redundant));
+  fmt::print("{}", words_of(found.reactions, run));
+}
+
+void put_mobility(nlohmann::ordered_json& j, const MobilityFindings& found, const RunSettings& run) {
+  const MobilityReport& r = found.mobility;
+  j["bodies"] = r.bodies, j["unknowns"] = r.unknowns, j["rows"] = r.rows, j["rank"] = r.rank;
+  j["freedoms"] = r.freedoms, j["redundant"] = r.redundant, j["redundant_links"] = r.redundant_links;
+  j["dependencies"] = dependencies_json(r);
+  j["nearly_redundant"] = near_json(found.near.all, run.nearly_redundant);
+  j["rows_not_unique"] = found.reactions.rows;
+  j["columns_not_unique"] = columns_not_unique(run, found.reactions);
+  j["free_motions"] = found.moves.free;
+  j["singular_position"] = found.position_json;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,37 @@
+// What is counted and found of the mobility of a scene, for the verbs `mobility` and `check`.
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include <lockstep/analysis.h>
+#include <lockstep/kinematics.h>
+#include <lockstep/uniqueness.h>
+#include "framework/tools/analysis/branch_point.h"
+#include "framework/tools/sweep/scene_run.h"
+
+namespace lockstep {
+
+/// Of a start that is assembled, as a run begins.
+struct MobilityFindings {
+  MobilityReport mobility;
+  NearRows near;
+  UniquenessReport reactions;
+  BranchPoint position;
+  nlohmann::ordered_json position_json;
+  std::string position_words;  ///< "" in a regular one
+  DriveReport moves;
+};
+/// Counted where a run begins: a start typed with eight digits leaves none of a loop's freedoms. One that cannot be
+/// assembled is taken as it is typed; a run then says why.
+MobilityFindings mobility_of(Dynamics&, Mechanism&, const State& typed);
+
+/// Lines: bodies, unknowns, rows, freedoms; free motions in words; whether a singular position is near.
+void print_freedoms(const MobilityFindings&);
+/// Lines: which rows depend on which, exactly or nearly, and which reactions are not unique; nothing where none.
+void print_dependencies(const MobilityFindings&, const RunSettings&);
+/// The same as data, added to an object.
+void put_mobility(nlohmann::ordered_json&, const MobilityFindings&, const RunSettings&);
+
+}  // namespace lockstep
