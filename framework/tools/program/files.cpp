@@ -81,27 +81,32 @@ void check_writable(const std::string& file) {
 
 namespace {
 
-// Calls visit(value, key, its folder) for every value, whose folder is that of the file in which it stands.
+// Calls visit(value, key, its folder) for every value, whose folder is that of the file in which it stands. `file`: that of
+// the folder; null: not known.
 template <class Visit>
-void for_each_value(const Value& value, const std::string& key, const fs::path& folder, Visit&& visit) {
-  const fs::path own = value.where.file ? fs::path(*value.where.file).parent_path() : folder;
-  visit(value, key, own);
+void for_each_value(const Value& value, const std::string& key, const std::string* file, const fs::path& folder,
+                    Visit&& visit) {
+  if (value.where.file && value.where.file.get() != file) {
+    const std::string& other = *value.where.file;
+    return for_each_value(value, key, &other, fs::path(other).parent_path(), visit);
+  }
+  visit(value, key, folder);
   if (const Value::List* list = value.list())
-    for (const Value& item : *list) for_each_value(item, key, own, visit);
+    for (const Value& item : *list) for_each_value(item, key, file, folder, visit);
   if (const Value::Object* object = value.object())
-    for (const auto& member : *object) for_each_value(member.value, member.key, own, visit);
+    for (const auto& member : *object) for_each_value(member.value, member.key, file, folder, visit);
 }
 
 // Calls visit(value, file, its name as written) for every file that a scene is read from: the scenes that it includes,
 // and what keys "file" and "mesh" name.
 template <class Visit>
 void for_each_file(const Scene& scene, Visit&& visit) {
-  std::string last;
-  for_each_value(scene.root, "", fs::path(scene.file).parent_path(),
+  const std::string* last = nullptr;
+  for_each_value(scene.root, "", nullptr, fs::path(scene.file).parent_path(),
                  [&](const Value& value, const std::string& key, const fs::path& folder) {
-                   if (value.where.file && *value.where.file != last && *value.where.file != scene.file)
-                     visit(value, fs::path(*value.where.file), *value.where.file);
-                   if (value.where.file) last = *value.where.file;
+                   const std::string* file = value.where.file.get();
+                   if (file != nullptr && file != last && *file != scene.file) visit(value, fs::path(*file), *file);
+                   if (file != nullptr) last = file;
                    if (const std::string* name = value.text(); name != nullptr && (key == "file" || key == "mesh"))
                      visit(value, folder / *name, *name);
                  });
@@ -121,7 +126,7 @@ void refuse_inputs(const std::vector<fs::path>& results, const Scene& scene) {
   refuse_if_result(scene.file);
   for_each_file(scene, [&](const Value&, const fs::path& file, const std::string&) { refuse_if_result(file); });
   for (const Value* root : {&scene.root, &scene.written})
-    for_each_value(*root, "", fs::path(scene.file).parent_path(),
+    for_each_value(*root, "", nullptr, fs::path(scene.file).parent_path(),
                    [&](const Value& value, const std::string&, const fs::path& folder) {
                      const std::string* text = value.text();
                      if (text == nullptr || text->empty() || text->size() > 4096) return;
