@@ -220,7 +220,7 @@ TEST_CASE("a run does not depend on whether a picture is drawn of it", "[runner]
     std::string file, reaction;
   };
   const std::string folder = std::string(paths::kSource) + "/tests/verification/scenes/";
-  const Case cases[] = {{folder + "overconstrained/three_balls.json", "b1.force_on_p_world_z"},
+  const Case cases[] = {{scene_path("overconstrained/three_balls"), "b1.force_on_p_world_z"},
                         {folder + "parallelogram.json", "B.force_on_p_world_x"},
                         {scene_path("four_bar"), "B.force_on_p_world_x"},
                         {scene_path("bouncing_pendulum"), ""}};

@@ -28,7 +28,7 @@ using Names = std::vector<std::string>;
 namespace {
 
 Json read_json(const std::string& path) {
-  std::ifstream file(std::string(paths::kSource) + "/tests/verification/" + path);
+  std::ifstream file(std::string(paths::kSource) + "/" + path);
   REQUIRE(file);
   return Json::parse(file);
 }
@@ -58,9 +58,9 @@ struct Case {
 
 std::vector<Case> cases() {
   std::vector<Case> all;
-  for (const Json& j : read_json("data/overconstrained.json"))
+  for (const Json& j : read_json("tests/verification/data/overconstrained.json"))
     all.push_back({j["scene"], j["freedoms"], j["redundant"], j["unique"], j["reduced"],
-                   read_json("scenes/overconstrained/" + j["scene"].get<std::string>() + ".json")});
+                   read_json("samples/scenes/overconstrained/" + j["scene"].get<std::string>() + ".json")});
   return all;
 }
 

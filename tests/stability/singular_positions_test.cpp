@@ -162,9 +162,9 @@ TEST_CASE("a folded kite has two branches", "[stability][analysis]") {
 TEST_CASE("regular positions of overconstrained mechanisms are no singular ones", "[stability][analysis]") {
   const std::string name = GENERATE("four_bar", "kite", "antiparallelogram", "slider_crank", "bennett", "bricard",
                                     "spherical_four_bar", "sarrus", "parallel_cranks_5", "peaucellier", "delta");
-  Mechanism m = build_mechanism(
-      read_scene(std::string(paths::kSource) + "/tests/verification/scenes/overconstrained/" + name + ".json"),
-      builtin_registry());
+  Mechanism m =
+      build_mechanism(read_scene(std::string(paths::kSource) + "/samples/scenes/overconstrained/" + name + ".json"),
+                      builtin_registry());
   Dynamics dynamics(m.system, std::make_unique<SchurSolver>(), {Formulation::omega, {}});
   dynamics.set_up();
   State state = m.system.start();

@@ -242,7 +242,7 @@ TEST_CASE("a run that goes on across events and impacts equals the one that was 
 
 // Rows of four hinges on parallel axes are redundant in space, and all that the watch knows of them is its solver's.
 TEST_CASE("a watch for singular positions goes on with what its solver has learned") {
-  Scene scene = read_scene(std::string(paths::kSource) + "/tests/verification/scenes/overconstrained/four_bar.json");
+  Scene scene = read_scene(std::string(paths::kSource) + "/samples/scenes/overconstrained/four_bar.json");
   scene.run.integrator = {"rk4"}, scene.run.until = 1, scene.run.step = 0.005, scene.run.output = 0.1;
   const auto learned = [](const SingularWatch& watch) {
     Snapshot all;

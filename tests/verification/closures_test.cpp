@@ -98,7 +98,7 @@ int most_open(System& system) {
 
 TEST_CASE("scenes with loops accelerate in joint coordinates as in omega", "[verification][joint]") {
   int checked = 0, checked_flat = 0;
-  for (const char* folder : {"samples/scenes", "tests/verification/scenes/overconstrained"})
+  for (const char* folder : {"samples/scenes", "samples/scenes/overconstrained"})
     for (const auto& [path, flat] : scenes_in_space_and_plane(folder)) {
       CAPTURE(path, flat);
       Scene scene = read_scene(path);
@@ -220,8 +220,7 @@ TEST_CASE("projections in joint coordinates are those of omega", "[verification]
 TEST_CASE("redundant rows that differ off the constraints are left so, contradictions are named",
           "[verification][joint]") {
   // Sarrus' linkage: three of ten rows are redundant where hinges are parallel, which a step along the rates is off by 1e-7.
-  Scene scene =
-      read_scene(std::string(paths::kSource) + "/tests/verification/scenes/overconstrained/sarrus_three.json");
+  Scene scene = read_scene(std::string(paths::kSource) + "/samples/scenes/overconstrained/sarrus_three.json");
   scene.run.formulation = Formulation::joint;
   Mechanism m = build_mechanism(scene, builtin_registry());
   Dynamics dynamics = joint_dynamics(m.system);
@@ -268,7 +267,7 @@ TEST_CASE("auto takes loops along joints where counts say that it costs less", "
     Dynamics automatic(m.system, std::make_unique<SchurSolver>(), {});
     return automatic.why_not_joint(m.system.start().modes);
   };
-  const std::string delta = std::string(paths::kSource) + "/tests/verification/scenes/overconstrained/delta.json";
+  const std::string delta = std::string(paths::kSource) + "/samples/scenes/overconstrained/delta.json";
   CHECK(why(scene_path("four_bar"), false).empty());
   CHECK(why(scene_path("nfourbar_40"), false).empty());
   testing::check_words(why(scene_path("stewart"), false), {"6 of 6", "cost more along joints"});
