@@ -15,8 +15,10 @@ PlanarBodies::PlanarBodies(const JointTree& tree, const System& system, bool) {
   nodes_.assign(n + 1, Node());
   slides_.resize(static_cast<std::size_t>(tree.n_v()));
   for (std::vector<double>* x : {&half_, &cosine_, &sine_}) x->assign((n + 7) / 8 * 8, 0.0);  // packs of up to 8
-  std::vector<int> waits(n, -1);  // where what children of a node have passed on waits
-  int n_waiting = 0;
+  std::vector<int> parents;
+  for (const PlanarNode& t : nodes) parents.push_back(t.parent);
+  std::size_t n_waiting = 0;
+  const std::vector<InwardPlace> places = inward_places(parents, n_waiting);
   for (std::size_t k = 0; k < n; ++k) {
     const PlanarNode& t = nodes[k];
     const Slot& slot = system.slot(t.slot);
@@ -24,16 +26,9 @@ PlanarBodies::PlanarBodies(const JointTree& tree, const System& system, bool) {
     Node& b = nodes_[k + 1];
     b.normal = posture != nullptr ? posture->normal : Vec3(Vec3::Unit(tree.planar()->plane().n));
     b.m = slot.mass, b.J = b.normal.dot(slot.J * b.normal);
-    if (t.parent < 0) continue;
-    const auto parent = static_cast<std::size_t>(t.parent);
-    if (parent + 1 == k) {
-      b.to = kNext, nodes_[k].from_next = true;
-    } else {
-      if (waits[parent] < 0) waits[parent] = n_waiting++;
-      b.to = nodes_[parent + 1].own = waits[parent];
-    }
+    static_cast<InwardPlace&>(b) = places[k];
   }
-  waiting_.assign(static_cast<std::size_t>(n_waiting), Inertia());
+  waiting_.assign(n_waiting, Inertia());
 }
 
 LOCKSTEP_FLAT_CLONES void PlanarBodies::outward(const JointTree& tree, const State& y, std::vector<Motion>& motions) {

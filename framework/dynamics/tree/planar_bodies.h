@@ -5,6 +5,7 @@
 
 #include <lockstep/state.h>
 #include <lockstep/system.h>
+#include "framework/dynamics/tree/inward_places.h"
 #include "framework/dynamics/tree/joint_tree.h"
 #include "framework/dynamics/tree/largest.h"
 #include "framework/dynamics/tree/loop_closures.h"
@@ -44,8 +45,7 @@ class LOCKSTEP_API PlanarBodies {
     void add(const Inertia&);
     void add_row(const FlatWrench& K, double l, double d_1);
   };
-  static constexpr int kNext = -2;
-  struct Node {
+  struct Node : InwardPlace {
     PlanarFrame frame;
     Flat d,          // from the joint's point to the mass centre
         r,           // from the point of the parent's joint
@@ -56,11 +56,6 @@ class LOCKSTEP_API PlanarBodies {
     FlatTwist found;             // of the joint's point
     double m = 0, J = 0;         // mass of the slot alone, inertia about its mass centre
     Vec3 normal = Vec3::Zero();  // in slot axes
-    // Inward, a node takes over from the one that comes after it if that is its child; what other children pass on
-    // waits.
-    bool from_next = false;
-    int own = -1,  // where that waits, -1: nowhere
-        to = -1;   // where what it passes on waits; kNext: nowhere, the next takes it
   };
   // A translation: direction l, U = IA l.
   struct Slide {

@@ -107,7 +107,7 @@ class LaneRun {
   bool jumped_ = false;                 // a copy was moved otherwise than by a step
   State state_, state_end_;  // scratch of one lane
   StateRate rate_, rate_error_;
-  std::vector<Motion> motions_;
+  StateInputs inputs_;
   std::vector<State> starts_;  // in the coordinates of the batch
 };
 
@@ -404,12 +404,7 @@ void LaneRun::update_memory(int lane) {
   const System& system = batch_.system(lane);
   if (system.n_memory() == 0) return;
   read(lane, y_.data(), t_[static_cast<std::size_t>(lane)], state_);
-  system.motions(state_, motions_);
-  Inputs in;
-  in.t = state_.t, in.motions = motions_;
-  in.s = {state_.s.data(), static_cast<std::size_t>(state_.s.size())};
-  in.z = {state_.z.data(), static_cast<std::size_t>(state_.z.size())};
-  system.accept(in, state_);
+  system.accept(inputs_.at(system, state_), state_);
   batch_.remember(lane, state_.z);
 }
 

@@ -15,20 +15,10 @@ TreePlan make_plan(const JointTree& tree) {
     if (n.has_law) n.law = plan.size_law, plan.size_law += imposed::size;
     plan.nodes.push_back(n);
   }
-  const auto n = static_cast<int>(plan.nodes.size());
-  const auto node = [&](int k) -> LaneNode& { return plan.nodes[static_cast<std::size_t>(k)]; };
-  for (int k = n; k-- > 0;) {
-    LaneNode& b = node(k);
-    if (b.parent < 0) continue;
-    LaneNode& p = node(b.parent);
-    if (b.parent + 1 == k) {
-      b.to = LaneNode::kNext, p.from_next = true;
-      continue;
-    }
-    b.first = p.own < 0;
-    if (b.first) p.own = static_cast<int>(plan.n_waiting++);
-    b.to = p.own;
-  }
+  std::vector<int> parents;
+  for (const LaneNode& n : plan.nodes) parents.push_back(n.parent);
+  const std::vector<InwardPlace> places = inward_places(parents, plan.n_waiting);
+  for (std::size_t k = 0; k < places.size(); ++k) static_cast<InwardPlace&>(plan.nodes[k]) = places[k];
   return plan;
 }
 

@@ -3,13 +3,14 @@
 
 #include <vector>
 
+#include "framework/dynamics/tree/inward_places.h"
 #include "framework/dynamics/tree/joint_tree.h"
 #include "framework/tools/batch/lane_plan.h"
 
 namespace lockstep::lanes {
 
 /// A node of the tree: what is equal in all copies.
-struct LaneNode {
+struct LaneNode : InwardPlace {
   int parent = -1, slot = 0;  ///< as those of the TreeNode
   std::size_t q = 0, v = 0;   ///< where its coordinates and velocities begin, among those of a state
   int n_slides = 0;           ///< as those of the TreeNode
@@ -17,12 +18,6 @@ struct LaneNode {
   bool reversed = false;
   std::size_t joint = 0, more = 0, law = 0;  ///< packs of its joint; of what only some joints have; of its laws
   bool has_law = false;
-  /// Inward, a node takes over from the one that comes after it if that is its child; what other children pass on waits.
-  bool from_next = false;
-  int own = -1,        ///< where that waits, -1: nowhere
-      to = -1;         ///< where what it passes on waits, -1: nowhere; kNext: nowhere, the next takes it
-  bool first = false;  ///< it is the first that waits there
-  static constexpr int kNext = -2;
 
   int n_v() const { return n_slides + (turn == TreeTurn::none ? 0 : turn == TreeTurn::hinge ? 1 : 3); }
 };
