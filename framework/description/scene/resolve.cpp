@@ -135,11 +135,11 @@ class Resolver {
   bool point(Value& v, const std::string& context) {
     if (v.text() == nullptr || is_formula(v)) return false;
     const std::string name = *v.text();
-    const std::vector<std::string> points = definitions_.names(true);
-    if (points.empty()) return false;  // the reader of the key says what it expects
+    const bool known = definitions_.is_point(name);
+    const std::vector<std::string> points = known ? std::vector<std::string>() : definitions_.names(true);
+    if (!known && points.empty()) return false;  // the reader of the key says what it expects
     wrong_.attempt([&] {
-      if (!definitions_.is_point(name))
-        refuse(v.where, context, "unknown point \"" + name + "\"" + text::suggestion(name, points));
+      if (!known) refuse(v.where, context, "unknown point \"" + name + "\"" + text::suggestion(name, points));
       v = Definitions::placed_value(*definitions_.find(name), v.where);
     });
     return true;

@@ -40,10 +40,11 @@ bool leads(const RawAngle& a, double h) {
 // Follows the turns of an angle, and says where their count is in doubt.
 class Turns {
  public:
-  double at(RawAngle a, double t) const { return counter.at(a.angle, t, rate_of(a, t)); }
+  double at(const RawAngle& a, double t) const { return counter.at(a.angle, t, is_led(a, t) ? a.rate : 0); }
   void accept(const RawAngle& a, double t, const std::string& channel) {
-    const double rate = rate_of(a, t);
-    if (!is_told_ && !(leads(a, t - counter.last_time()) && counter.is_sure(a.angle, t, rate))) tell(a, t, channel);
+    const bool led = is_led(a, t);
+    const double rate = led ? a.rate : 0;
+    if (!is_told_ && !(led && counter.is_sure(a.angle, t, rate))) tell(led, t, channel);
     counter.accept(a.angle, t, rate);
   }
   void restart() { counter.restart(), is_told_ = false; }
@@ -51,15 +52,16 @@ class Turns {
   TurnCounter counter;
 
  private:
-  double rate_of(const RawAngle& a, double t) const { return leads(a, t - counter.last_time()) ? a.rate : 0; }
-  void tell(const RawAngle& a, double t, const std::string& channel) {
+  bool is_led(const RawAngle& a, double t) const { return leads(a, counter.since(t)); }
+  void tell(bool led, double t, const std::string& channel) {
     is_told_ = true;
-    log_warning(fmt::format(
-        "channel \"{}\": at t = {} s {}; its full turns may be miscounted from here on, and its "
-        "values are in doubt nearby: record an angle about another axis, or a quaternion",
-        channel, text::brief(t),
-        leads(a, t - counter.last_time()) ? "the angle is more than a quarter turn from where its rates led"
-                                          : "the angle is undefined, or nearly so: what turns lies along the axis"));
+    log_warning(
+        fmt::format("channel \"{}\": at t = {} s {}; its full turns may be miscounted from here on, and its "
+                    "values are in doubt nearby: {}",
+                    channel, text::brief(t),
+                    led ? "the angle is more than a quarter turn from where its rates led"
+                        : "the angle is undefined, or nearly so: what turns lies along the axis",
+                    led ? "take a smaller step (--step)" : "record an angle about another axis, or a quaternion"));
   }
   bool is_told_ = false;
 };

@@ -5,6 +5,7 @@
 
 #include <lockstep/math.h>
 #include <lockstep/memory.h>
+#include "framework/mechanism/forces/counted_angle.h"
 
 namespace lockstep {
 
@@ -24,7 +25,8 @@ class TurnCounter {
     angle_ = at(raw, t, rate);
     t_ = t, rate_ = rate, begun_ = true;
   }
-  double last_time() const { return t_; }  ///< of the last accepted angle
+  /// From the last accepted angle to t, s; before the first 0.
+  double since(double t) const { return begun_ ? t - t_ : 0.0; }
   void restart() { begun_ = false; }
   void save(Snapshot& out) const { out.put(begun_ ? 1 : 0), out.put(angle_), out.put(t_), out.put(rate_); }
   void load(const Snapshot& in) { begun_ = in.get_flag(), angle_ = in.get(), t_ = in.get(), rate_ = in.get(); }
@@ -36,8 +38,8 @@ class TurnCounter {
 
  private:
   double expected(double t, double rate) const {
-    const double way = 0.5 * (t - t_) * (rate_ + rate);
-    return std::isfinite(way) ? angle_ + way : angle_;
+    const double z[CountedAngle::kMemory] = {angle_, rate_, t_, 1.0};
+    return CountedAngle::expected(z, t, rate);
   }
 
   bool begun_ = false;
