@@ -44,6 +44,9 @@ TEST_CASE("runner: mobility tells freedoms, dependent rows and what is not uniqu
   const Called text = call("mobility " + sample("pendulum"));
   CHECK(text.exit == 0);
   CHECK(says(text.text, {"degrees of freedom  1", "rank", "none: all reactions are unique"}));
+  const Called door = call("mobility '" + std::string(paths::kSource) + "/tests/stability/scenes/door.json'");
+  CHECK(says(door.text, {"nearly redundant", "reactions not unique"}));
+  CHECK_FALSE(says(door.text, {"all reactions are unique"}));
   const Called flat = call("mobility " + sample("slider_crank"));
   CHECK(says(flat.text, {"plane", "normal z", "--full"}));
 }

@@ -30,11 +30,19 @@ bool EquilibriumSearch::rests_by_friction() {
   if (!load.holds) return false;
   now_.lambda = load.lambda;
   for (std::size_t i = 0; i < contacts_.size(); ++i)
-    if (contacts_.in_force(i, state_) && contacts_.watched(i, state_) && push(i) < -kPulls * now_.force) return false;
+    if (contacts_.in_force(i, state_) && contacts_.watched(i, state_) && push(i) < -kPulls * now_.force) {
+      report_.notes.push_back("friction could hold the start, but the one-sided link '" + contacts_[i].link->name() +
+                              "' would have to pull there");
+      return false;
+    }
   RestMatrices held(*now_.e, load.lambda);
   held.N = load.ungripped;
   Stability found = judge_motions(*now_.e, held);
-  if (found.kind == Stability::Kind::unstable) return false;
+  if (found.kind == Stability::Kind::unstable) {
+    report_.notes.push_back("friction could hold the start, but what it does not grip is unstable: " +
+                            found.unstable.front().words);
+    return false;
+  }
   if (found.kind == Stability::Kind::stable) found.kind = Stability::Kind::gripped;
   found.freedoms = static_cast<int>(A.N.cols());
   report_.stability = std::move(found);

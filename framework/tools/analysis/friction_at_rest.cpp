@@ -27,10 +27,8 @@ std::vector<GripOf> grips_at(const Evaluation& e, const VecX& lambda) {
   std::vector<GripOf> all;
   for (const Force* force : e.reacting()) {
     if (!force->acts(e.inputs())) continue;
-    std::vector<Grip> grips;
-    in_context([&] { return context_of(*force, e.inputs().t); },
-               [&] { grips = force->reacting()->grips(e.inputs(), at); });
-    for (Grip& grip : grips) all.push_back({force, std::move(grip)});
+    for (Grip& grip : named(*force, e.inputs().t, [&] { return force->reacting()->grips(e.inputs(), at); }))
+      all.push_back({force, std::move(grip)});
   }
   return all;
 }

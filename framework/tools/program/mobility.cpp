@@ -25,7 +25,8 @@ int mobility_command(const Arguments& args) {
   print_freedoms(found);
   fmt::print("  rank                {}\n", found.mobility.rank);
   print_dependencies(found, m.run);
-  if (found.mobility.redundant == 0) fmt::print("  redundant rows      none: all reactions are unique\n");
+  if (found.mobility.redundant == 0 && found.reactions.all_unique())
+    fmt::print("  redundant rows      none: all reactions are unique\n");
   return kExitOk;
 }
 

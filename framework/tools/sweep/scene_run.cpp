@@ -55,7 +55,7 @@ void refuse_switched(const Mechanism& m, const NearDependency& decided) {
                            std::string(m.run.nearly_redundant == NearlyRedundant::held ? "held" : "free") +
                            "\", and event '" + request.event.name + "' switches link '" + link +
                            "', on whose loop rows nearly depend on others: what is decided at the start is wrong then; "
-                           "leave it \"told\"");
+                           "leave it \"auto\", or \"told\"");
 }
 
 // The first event that switches a link of such a loop, whichever links other events have put into force before; "" if none
