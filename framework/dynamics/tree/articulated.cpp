@@ -293,8 +293,10 @@ LOCKSTEP_INLINE void ArticulatedBodies::accelerate_with(const JointTree& tree, s
       for_size<1, 6>(n.n_v(), [&](auto count) __attribute__((always_inline)) {
         eliminate<count>(n, b, I);
         if (b.to >= 0) reduce<count>(n, b, I);
+        rows.pass_on(k, count, Joint{b, dofs_.data() + n.first_v, inverse_.data() + b.D_1, count});
       });
-    rows.pass_on(k, n.n_v(), joint(tree, k));
+    else
+      rows.pass_on(k, 0, joint(tree, k));
     if (b.to < 0) continue;
     shift(b, I);
     Inertia& there = waiting_[static_cast<std::size_t>(b.to)];

@@ -1,6 +1,7 @@
 #include "framework/dynamics/tree/closure_fronts.h"
 
 #include <algorithm>
+#include <functional>
 #include <span>
 
 #include "framework/dynamics/solvers/graph.h"
@@ -72,6 +73,7 @@ ClosureFronts::ClosureFronts(const JointTree& tree, const System& system, const 
     if (parents[k] < n_nodes) together[k].clear();  // at the roots they all meet
   add_at_ground(grounded, together);
   sources.resize(static_cast<std::size_t>(table.n_rows));
+  sort_open();
   link();
   add_sides(table, node_of);
 }
@@ -124,17 +126,33 @@ void ClosureFronts::add_at_ground(const std::vector<Rows>& entries, const std::v
   }
 }
 
-// The places of open rows at the parents.
+// Fronts of nodes are eliminated from the last one on, then those of the ground from the first one; of a front its rows
+// from the last one on.
+void ClosureFronts::sort_open() {
+  std::vector<int> order(sources.size(), 0);  // by row: when it is eliminated
+  int n = 0;
+  const auto eliminate = [&](const ClosureFront& front) {
+    for (int i = front.n; i-- > front.n_open;) order[static_cast<std::size_t>(row_of(front, i))] = n++;
+  };
+  for (std::size_t k = n_nodes; k-- > 0;) eliminate(all[k]);
+  for (std::size_t k = n_nodes; k < all.size(); ++k) eliminate(all[k]);
+  for (const ClosureFront& front : all)
+    std::ranges::sort(
+        std::span(rows).subspan(static_cast<std::size_t>(front.first), static_cast<std::size_t>(front.n_open)),
+        std::ranges::greater(), [&](int row) { return order[static_cast<std::size_t>(row)]; });
+}
+
+// The numbers of open rows at the parents.
 void ClosureFronts::link() {
   above.assign(rows.size(), -1);
-  std::vector<int> place(sources.size(), -1);  // of each row at the parent
+  std::vector<int> number(sources.size(), -1);  // of each row at the parent
   for (std::size_t k = 0; k < all.size(); ++k) {
     const ClosureFront& front = all[k];
     if (front.n_open == 0) continue;
     const ClosureFront& up = all[parents[k]];
-    for (int i = 0; i < up.n; ++i) place[static_cast<std::size_t>(row_of(up, i))] = up.first + i;
+    for (int i = 0; i < up.n; ++i) number[static_cast<std::size_t>(row_of(up, i))] = i;
     for (int i = 0; i < front.n_open; ++i)
-      above[static_cast<std::size_t>(front.first + i)] = place[static_cast<std::size_t>(row_of(front, i))];
+      above[static_cast<std::size_t>(front.first + i)] = number[static_cast<std::size_t>(row_of(front, i))];
   }
 }
 

@@ -9,7 +9,8 @@
 
 namespace lockstep {
 
-/// The rows at a node: first those that go on to its parent, then those that end here.
+/// The rows at a node: first those that go on to its parent, then those that end here. Rows stand in the order in which
+/// they are eliminated, the last one first: those of a node follow each other at its parent in the same order.
 struct ClosureFront {
   int first = 0, n_open = 0, n = 0;  ///< places
   int Lambda = 0;                    ///< where its n x n numbers begin
@@ -34,14 +35,13 @@ struct ClosureFronts {
   ClosureFronts(const JointTree&, const System&, const RowTable&);
 
   int row_of(const ClosureFront& f, int i) const { return rows[static_cast<std::size_t>(f.first + i)]; }
-  int place_above(const ClosureFront& f, int i) const { return above[static_cast<std::size_t>(f.first + i)]; }
 
   /// By node, then those of the ground: one for each link that ends there, in the order of their elimination.
   std::vector<ClosureFront> all;
   std::vector<std::size_t> parents;  ///< of each front the one that its open rows go to
   std::size_t n_nodes = 0;
   std::vector<int> rows,  ///< of each place: the row of the table,
-      above;              ///< and the place at the parent, of open rows
+      above;              ///< and of open rows the number at the parent
   int n_Lambda = 0, n_V = 0;
   std::vector<ClosureSource> sources;  ///< by row of the table
   std::vector<ClosureSide> sides;      ///< of all rows
@@ -51,6 +51,7 @@ struct ClosureFronts {
   using Rows = std::vector<int>;
   void add(const Rows& open, const Rows& closing, int n_v);
   void add_at_ground(const std::vector<Rows>& entries, const std::vector<std::vector<int>>& together);
+  void sort_open();
   void link();
   void add_sides(const RowTable&, const std::vector<std::size_t>& node_of);
 };

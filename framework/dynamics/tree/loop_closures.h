@@ -59,7 +59,7 @@ class LoopClosures final : public ClosureRows {
   template <class Inertia>
   void close(std::size_t k, Inertia&);
   template <class Joint>
-  void pass_on(std::size_t k, int n_v, Joint&& joint);
+  void pass_on(std::size_t k, int n_v, const Joint& joint);
   void close_at_ground();
   const double* less(std::size_t k, int n_v) { return less(k, n_v, lambda_); }  // V' lambda; null: nothing
   void find(std::size_t k, const Twist& a) { find(k, a, lambda_); }
@@ -199,20 +199,16 @@ LOCKSTEP_INLINE void LoopClosures<Wrench, Twist>::close(std::size_t k, Inertia& 
   }
 }
 
-// Adds the open rows of a front to those of its parent.
+// Adds the open rows of a front of the ground to those of its parent.
 template <class Wrench, class Twist>
 LOCKSTEP_INLINE void LoopClosures<Wrench, Twist>::add_to_parent(std::size_t k) {
   const ClosureFront &front = fronts_.all[k], &up = fronts_.all[fronts_.parents[k]];
   const int* above = fronts_.above.data() + front.first;
   for (int i = 0; i < front.n_open; ++i) {
-    const auto place = static_cast<std::size_t>(front.first + i), there = static_cast<std::size_t>(above[i]);
-    K_[there] += K_[place], l_[there] += l_[place];
+    l_[static_cast<std::size_t>(up.first + above[i])] += l_[static_cast<std::size_t>(front.first + i)];
     const double* from = Lambda(front, i);
-    const int at = above[i] - up.first;
-    for (int j = 0; j <= i; ++j) {
-      const int to = above[j] - up.first;
-      (to <= at ? Lambda(up, at)[to] : Lambda(up, to)[at]) += from[j];
-    }
+    double* to = Lambda(up, above[i]);
+    for (int j = 0; j <= i; ++j) to[above[j]] += from[j];
   }
 }
 
@@ -231,23 +227,31 @@ LOCKSTEP_INLINE void LoopClosures<Wrench, Twist>::find_at_ground(VecX& lambda) {
   for (std::size_t k = fronts_.all.size(); k-- > fronts_.n_nodes;) find(k, {}, lambda);
 }
 
+// What is open goes to the parent at once: here it is not read again.
 template <class Wrench, class Twist>
 template <class Joint>
-LOCKSTEP_INLINE void LoopClosures<Wrench, Twist>::pass_on(std::size_t k, int n_v, Joint&& joint) {
+LOCKSTEP_INLINE void LoopClosures<Wrench, Twist>::pass_on(std::size_t k, int n_v, const Joint& joint) {
   const ClosureFront& front = fronts_.all[k];
   if (front.n_open == 0) return;
-  double kappa[6];
-  for (int i = 0; i < front.n_open; ++i) {
-    const auto place = static_cast<std::size_t>(front.first + i);
-    joint.pass(K_[place], l_[place], kappa, V_.data() + front.V + i * n_v);
-    for (int j = 0; j <= i; ++j) {
-      const double* Vj = V_.data() + front.V + j * n_v;
-      double sum = 0;
+  const ClosureFront& up = fronts_.all[fronts_.parents[k]];
+  const int* above = fronts_.above.data() + front.first;
+  const Wrench* K = K_.data() + front.first;
+  const double *l = l_.data() + front.first, *row = Lambda(front, 0);
+  Wrench* K_up = K_.data() + up.first;
+  double *l_up = l_.data() + up.first, *V = V_.data() + front.V, *Vi = V;
+  for (int i = 0; i < front.n_open; ++i, row += front.n, Vi += n_v) {
+    Wrench through = K[i];
+    double with = l[i], kappa[6];
+    joint.pass(through, with, kappa, Vi);
+    K_up[above[i]] += through, l_up[above[i]] += with;
+    double* to = Lambda(up, above[i]);
+    const double* Vj = V;
+    for (int j = 0; j <= i; ++j, Vj += n_v) {
+      double sum = row[j];
       for (int x = 0; x < n_v; ++x) sum += kappa[x] * Vj[x];
-      Lambda(front, i)[j] += sum;
+      to[above[j]] += sum;
     }
   }
-  add_to_parent(k);
 }
 
 template <class Wrench, class Twist>
@@ -308,15 +312,14 @@ LOCKSTEP_INLINE void LoopClosures<Wrench, Twist>::inward_again(const Bodies& bod
     for (int i = 0; i < front.n_open; ++i) {
       double l = l_[static_cast<std::size_t>(front.first + i)];
       for (int x = 0; x < n_v; ++x) l += V_[static_cast<std::size_t>(front.V + i * n_v + x)] * u[x];
-      l_[static_cast<std::size_t>(fronts_.place_above(front, i))] += l;
+      l_above(k, i) += l;
     }
     if (has_parent(k)) wrenches_[fronts_.parents[k]] += p;
   }
   for (std::size_t k = fronts_.n_nodes; k < fronts_.all.size(); ++k) {
     const ClosureFront& front = fronts_.all[k];
     close_again(front, nullptr);
-    for (int i = 0; i < front.n_open; ++i)
-      l_[static_cast<std::size_t>(fronts_.place_above(front, i))] += l_[static_cast<std::size_t>(front.first + i)];
+    for (int i = 0; i < front.n_open; ++i) l_above(k, i) += l_[static_cast<std::size_t>(front.first + i)];
   }
   find_at_ground(dlambda_);
 }

@@ -148,8 +148,8 @@ LOCKSTEP_INLINE double angular2(const FlatTwist& a) { return a.al * a.al; }
 // u, g and gs are about the parent's point already.
 LOCKSTEP_INLINE void PlanarBodies::Joint::pass(FlatWrench& K, double& l, double* kappa, double* V) const {
   const Flat s = across(b.r);
-  const int turn = n.n_slides;
-  if (n.turns) {
+  const int turn = n_slides;
+  if (turns) {
     const double t = kappa[turn] = K.t;
     V[turn] = t * b.D_1;
     l += t * b.u;
@@ -161,7 +161,7 @@ LOCKSTEP_INLINE void PlanarBodies::Joint::pass(FlatWrench& K, double& l, double*
     }
     K.f -= t * b.g, K.t = 0;
   }
-  for (int i = 0; i < n.n_slides; ++i) {
+  for (int i = 0; i < n_slides; ++i) {
     const Slide& slide = slides[i];
     kappa[i] = dot(K.f, slide.l), V[i] = kappa[i] * slide.D_1;
     l += V[i] * slide.u;
@@ -174,15 +174,15 @@ LOCKSTEP_INLINE void PlanarBodies::Joint::pass(FlatWrench& K, double& l, double*
 // u = -S' p, p <- p + U D^-1 u, one coordinate after another, then about the parent's point
 LOCKSTEP_INLINE void PlanarBodies::Joint::pass_again(FlatWrench& p, double* u) const {
   const Flat s = across(b.r);
-  if (n.turns) {
-    const double x = u[n.n_slides] = -p.t;
-    if (n.n_slides == 0) {
+  if (turns) {
+    const double x = u[n_slides] = -p.t;
+    if (n_slides == 0) {
       p.t = dot(s, p.f) + x * b.gs, p.f += x * b.g;
       return;
     }
     p.f += x * b.g, p.t = 0;
   }
-  for (int i = 0; i < n.n_slides; ++i) {
+  for (int i = 0; i < n_slides; ++i) {
     u[i] = -dot(slides[i].l, p.f);
     const double x = slides[i].D_1 * u[i];
     p.f += x * slides[i].U, p.t += x * slides[i].U_turn;
@@ -193,17 +193,17 @@ LOCKSTEP_INLINE void PlanarBodies::Joint::pass_again(FlatWrench& p, double* u) c
 // As solve(), without accelerations that the velocities and laws make.
 LOCKSTEP_INLINE FlatTwist PlanarBodies::Joint::solve_again(const FlatTwist& p, const double* u, const double* less,
                                                            double* dv) const {
-  const int turn = n.n_slides;
+  const int turn = n_slides;
   FlatTwist own{p.a + p.al * across(b.r), p.al};
-  for (int i = n.n_slides; i-- > 0;) {
+  for (int i = n_slides; i-- > 0;) {
     const Slide& slide = slides[i];
     dv[i] = slide.D_1 * (u[i] - dot(slide.U, own.a) - slide.U_turn * own.al) - (less ? less[i] : 0.0);
     own.a += dv[i] * slide.l;
   }
-  if (!n.turns) return own;
+  if (!turns) return own;
   const double by_parent = turn == 0 ? dot(b.g, p.a) + b.gs * p.al : dot(b.g, own.a);
   own.al = b.D_1 * u[turn] - by_parent - (less ? less[turn] : 0.0);
-  dv[turn] = n.sign * (own.al - p.al);
+  dv[turn] = sign * (own.al - p.al);
   return own;
 }
 
@@ -249,7 +249,7 @@ LOCKSTEP_INLINE void PlanarBodies::inward_along(const PlanarJoints& joints, cons
     rows.close(l, IA);
     if (is_hinge(n)) {
       pass_hinge(b, IA);
-      rows.pass_on(l, 1, joint(n, b));
+      rows.pass_on(l, 1, Joint{b, nullptr, 0, true, n.sign});
     } else {
       eliminate(n, b, IA);
       rows.pass_on(l, n.n_slides + (n.turns ? 1 : 0), joint(n, b));
@@ -309,8 +309,8 @@ LOCKSTEP_INLINE void PlanarBodies::accelerate_with(const JointTree& tree, const 
     if (parent != l) last = nodes_[parent].found;
     b.found = last = solve(n, b, last, rows.less(l, n.n_slides + (n.turns ? 1 : 0)), vd);
     rows.find(l, last);
-    const Flat a = at_centre(b);
-    most.add(dot(a, a), last.al * last.al);
+    b.centre = at_centre(b);
+    most.add(dot(b.centre, b.centre), last.al * last.al);
   }
   largest_ = most;
 }
@@ -337,8 +337,9 @@ void PlanarBodies::add(const Closures& closures) {
 void PlanarBodies::find_largest() {
   largest_ = {};
   for (std::size_t k = 1; k < nodes_.size(); ++k) {
-    const Flat a = at_centre(nodes_[k]);
-    largest_.add(dot(a, a), nodes_[k].found.al * nodes_[k].found.al);
+    Node& b = nodes_[k];
+    b.centre = at_centre(b);
+    largest_.add(dot(b.centre, b.centre), b.found.al * b.found.al);
   }
 }
 
@@ -367,8 +368,7 @@ void PlanarBodies::accelerations(const JointTree& tree, std::span<const Motion>,
   const Plane plane = tree.planar()->plane();
   for (const PlanarNode& n : tree.planar()->nodes()) {
     const Node& b = nodes_[static_cast<std::size_t>(&n - tree.planar()->nodes().data()) + 1];
-    const Flat centre = at_centre(b);
-    a[6 * n.slot + plane.i()] = centre.i, a[6 * n.slot + plane.j()] = centre.j;
+    a[6 * n.slot + plane.i()] = b.centre.i, a[6 * n.slot + plane.j()] = b.centre.j;
     a.segment<3>(6 * n.slot + 3) = b.found.al * b.normal;
   }
 }

@@ -54,6 +54,7 @@ class LOCKSTEP_API PlanarBodies {
     double cal = 0,  // angular acceleration by laws
         u = 0, gs = 0, D_1 = 0;
     FlatTwist found;             // of the joint's point
+    Flat centre;                 // acceleration of the mass centre
     double m = 0, J = 0;         // mass of the slot alone, inertia about its mass centre
     Vec3 normal = Vec3::Zero();  // in slot axes
   };
@@ -64,20 +65,24 @@ class LOCKSTEP_API PlanarBodies {
   };
   // The passes of closures through a node's joint: LoopClosures.
   struct Joint {
-    const PlanarNode& n;
     const Node& b;
     const Slide* slides;
+    int n_slides;
+    bool turns;
+    double sign;  // of the turn
     void pass(FlatWrench& K, double& l, double* kappa, double* V) const;
     void pass_again(FlatWrench& p, double* u) const;
     FlatTwist solve_again(const FlatTwist& parent, const double* u, const double* less, double* dv) const;
   };
-  Joint joint(const PlanarNode& n, const Node& b) const { return {n, b, slides_.data() + n.first_v}; }
+  Joint joint(const PlanarNode& n, const Node& b) const {
+    return {b, slides_.data() + n.first_v, n.n_slides, n.turns, n.sign};
+  }
   Joint joint(const JointTree& tree, std::size_t node) const {
     return joint(tree.planar()->nodes()[node], nodes_[node + 1]);
   }
   FlatWrench read_side(const RowView&, int i, int k, std::size_t node, const Motion&, double& diagonal) const;
   double move_to_joint(std::size_t node, FlatWrench&) const;
-  FlatTwist acceleration(std::size_t node) const { return {at_centre(nodes_[node + 1]), nodes_[node + 1].found.al}; }
+  FlatTwist acceleration(std::size_t node) const { return {nodes_[node + 1].centre, nodes_[node + 1].found.al}; }
   friend Closures;
   template <int k>
   void outward_along(const JointTree&, const PlanarJoints&, const State&, std::vector<Motion>&);
