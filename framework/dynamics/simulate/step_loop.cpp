@@ -230,6 +230,7 @@ void StepLoop::advance(double limit, double largest) {
   const std::string slow = with_culprit([&] { return parts_->clock.watch_pace(state_.t, report_.steps); });
   if (!slow.empty()) warn(slow + who());
   if (!dynamics_.has_current_coordinates(state_)) begin_method();  // the system was changed
+  if (state_.coordinates && state_.coordinates->take_off_turns(state_)) interval.begin(state_);
   const double t0 = state_.t;
   const Clock::Target target = clock.next_target(t0, limit, events.next_instant(t0), largest, interval.has_dense());
   const double wanted = with_culprit([&] { return parts_->clock.step_towards(t0, target, largest); });

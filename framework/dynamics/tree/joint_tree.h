@@ -85,6 +85,7 @@ class LOCKSTEP_API JointTree final : public Coordinates {
   void kinematic_rate(const State&, VecX& qd) const override;
   void advance(State&, double h, const VecX& v) const override;
   void normalize(State&) const override;
+  bool take_off_turns(State&) const override;
   void variations(const State&, std::span<const Motion> at, const StateRate& d, VecX& dx, VecX& dv) const override;
 
   /// Reads off the coordinates of a state in the slots' own; what violates the joints is lost. Angles lie within half

@@ -67,6 +67,9 @@ class LOCKSTEP_API Coordinates {
   virtual void advance(State&, double h, const VecX& v) const = 0;
   /// Scales the quaternions among q to length one.
   virtual void normalize(State&) const = 0;
+  /// Takes whole turns off angles that have made many of them, which would cost digits; the motions stay. Returns whether
+  /// there was one. Default: there are no angles.
+  virtual bool take_off_turns(State&) const { return false; }
   /// How the slots' motions change under a small change `d` of q and v: 6 per slot, world axes. dx: of the mass centre,
   /// m, and the rotation vector; dv: of its velocity, m/s, and of the angular velocity. `at`: what motions() writes.
   virtual void variations(const State&, std::span<const Motion> at, const StateRate& d, VecX& dx, VecX& dv) const = 0;
