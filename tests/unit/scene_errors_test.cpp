@@ -75,6 +75,14 @@ const std::vector<Bad> kBodies = {
      {"\"sequence\" needs \"angles\""}},
     {R"("bodies": [{"name": "a", "compound": [{"box": {"mass": 1, "size": [1,1,1]}, ~"place": [0,0,0]}]}])",
      {"compound[0]", "unknown key"}},
+    {R"("bodies": [{"name": "a", "compound": ~[]}])", {"body 'a', compound", "the list is empty", "at least one part"}},
+    {R"("bodies": [{"name": "a", "compound": [{"rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}, "position": ~[0,0,0]}]}])",
+     {"\"rod\" itself places the part", "remove \"position\""}},
+    {R"("bodies": [{"name": "a", "fixed": true, "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}, "position": ~[0,0,0]}])",
+     {"\"rod\" itself places the body", "remove \"position\""}},
+    {R"("bodies": [{"name": ~"", "particle": 1}])", {"body", "the name is empty", "give it one"}},
+    {R"("bodies": [{"name": "a", "sphere": {"mass": 1, "radius": 1}, "visual": {"color": ~"red"}}])",
+     {"body 'a', visual.color", "\"red\" is no color", "#0072b2"}},
 };
 
 const std::vector<Bad> kLinks = {
