@@ -7,6 +7,7 @@
 
 #include <lockstep/recorder.h>
 #include "tests/support/catch.h"
+#include "tests/support/messages.h"
 #include "tests/support/paths.h"
 #include "tests/support/program.h"
 #include "tests/support/worst.h"
@@ -348,6 +349,19 @@ TEST_CASE("runner: rows hold by themselves beside other events, and are told bes
   stop["links"].push_back(Json::parse(
       R"({"name": "stop", "type": "stop", "p": "door", "s": "ground", "at": [0, 0, 0.2], "coordinate": "rz", "high": 1})"));
   CHECK(check("door_stop", stop) == "told");
+  // With 60 rods on it 310 rows in space, 124 in its plane.
+  Json rods = door;
+  for (int k = 0; k < 60; ++k) {
+    const std::string name = "rod_" + std::to_string(k), before = k == 0 ? "door" : "rod_" + std::to_string(k - 1);
+    const Json from = {0.9 + k, 0, 1}, to = {1.9 + k, 0, 1};
+    rods["bodies"].push_back({{"name", name}, {"rod", {{"mass", 0.1}, {"from", from}, {"to", to}}}});
+    rods["links"].push_back(
+        {{"name", name + "_hinge"}, {"type", "revolute"}, {"p", name}, {"s", before}, {"at", from}});
+  }
+  rods["planar"] = "off", rods["gravity"] = {0, 2, 0};
+  CHECK(check("door_rods", rods) == "told");
+  rods["planar"] = "z";
+  CHECK(check("door_rods_flat", rods) == "held");
 }
 
 TEST_CASE("runner: statics says what friction holds, and where it does not", "[plugin][runner]") {
@@ -366,6 +380,7 @@ TEST_CASE("runner: statics says what friction holds, and where it does not", "[p
   CHECK(contains(held.text, "friction     'rub' (sliding) carries 17.658 of 18.8352 N"));
   const Json j = json_of("statics '" + block(0.8) + "' --json");
   CHECK(j["stability"] == "gripped");
+  CHECK(j["by_friction"] == true);
   CHECK(j["friction"][0]["force"] == "rub");
   CHECK(j["friction"][0]["carries"].get<double>() == Approx(3 * 9.81 * 0.6).epsilon(1e-12));
   CHECK(j["friction"][0]["most"].get<double>() == Approx(0.8 * 3 * 9.81 * 0.8).epsilon(1e-6));

@@ -4,6 +4,7 @@
 #include <initializer_list>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "tests/support/catch.h"
 
@@ -28,7 +29,7 @@ inline bool says(const std::string& text, std::initializer_list<const char*> par
 }
 
 /// Every part stands in the message.
-inline void check_words(const std::string& message, std::initializer_list<std::string> parts) {
+inline void check_words(const std::string& message, const std::vector<std::string>& parts) {
   for (const std::string& part : parts) {
     INFO("message: " << message);
     INFO("missing: " << part);

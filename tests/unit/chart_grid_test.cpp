@@ -15,6 +15,7 @@
 #include "framework/tools/charts/chart_path.h"
 #include "framework/tools/charts/gnuplot.h"
 #include "tests/support/catch.h"
+#include "tests/support/messages.h"
 
 namespace chart_grid_test {
 
@@ -74,7 +75,8 @@ TEST_CASE("curves that would go on end in rings, which the legend names", "[unit
   grid.panels[0].open_ends.x = {1e-1}, grid.panels[0].open_ends.y = {1e-3};
   CHECK(drawn(grid).find("finer was not tried") != std::string::npos);
   grid.panels[0].open_ends.y.clear();
-  CHECK_THROWS_AS(write_grid((folder / "grid").string(), grid), ModelError);
+  testing::check_words(testing::message_of<ModelError>([&] { write_grid((folder / "grid").string(), grid); }),
+                       {"has 1 x and 0 y"});
   fs::remove_all(folder);
 }
 
@@ -105,18 +107,26 @@ TEST_CASE("a path is drawn with equal scales where that is asked for", "[unit][c
     CHECK(high - low > 100);
     CHECK((std::abs((right - left) - (high - low)) < 1.5) == equal);
   }
-  CHECK_THROWS_AS(write_path("nothing", PathSpec{"empty", "x", "y"}), ModelError);
-  CHECK_THROWS_AS(write_path("nothing", PathSpec{"uneven", "x", "y", {1, 2}, {1}}), ModelError);
+  testing::check_words(testing::message_of<ModelError>([&] {
+                         write_path("nothing", PathSpec{"empty", "x", "y"});
+                       }),
+                       {"\"empty\"", "nothing to draw"});
+  testing::check_words(testing::message_of<ModelError>([&] {
+                         write_path("nothing", PathSpec{"uneven", "x", "y", {1, 2}, {1}});
+                       }),
+                       {"has 2 x and 1 y"});
   fs::remove_all(folder);
 }
 
 TEST_CASE("a grid without numbers is refused", "[unit][chart]") {
-  CHECK_THROWS_AS(write_grid("nothing", GridSpec{"empty"}), ModelError);
+  testing::check_words(testing::message_of<ModelError>([&] { write_grid("nothing", GridSpec{"empty"}); }),
+                       {"\"empty\" has no panels"});
   GridSpec grid = two_panels();
   grid.panels[1].series = {{"zero", {1, 2}, {0, 0}}};
-  CHECK_THROWS_AS(write_grid("nothing", grid), ModelError);
+  const auto refusal = [&] { return testing::message_of<ModelError>([&] { write_grid("nothing", grid); }); };
+  testing::check_words(refusal(), {"has nothing to draw", "numbers above zero"});
   grid.panels[1].series = {{"uneven", {1, 2}, {1}}};
-  CHECK_THROWS_AS(write_grid("nothing", grid), ModelError);
+  testing::check_words(refusal(), {"series \"uneven\" has 2 x and 1 y", "the same number"});
 }
 
 }  // namespace chart_grid_test

@@ -7,6 +7,7 @@
 #include <lockstep/registry.h>
 #include "tests/support/catch.h"
 #include "tests/support/check_words.h"
+#include "tests/support/messages.h"
 #include "tests/support/samples_of_types.h"
 
 namespace check_lock_test {
@@ -301,7 +302,8 @@ TEST_CASE("drives by angle and by speed pass the check of links", "[unit][check]
 TEST_CASE("check_lock asks for a link of the system", "[unit][check]") {
   Bench here, there;
   Lock& link = there.system.add(std::make_unique<Rod>("rod", there.p, there.s, Fault::none));
-  CHECK_THROWS_AS(check_lock(here.system, link), ModelError);
+  testing::check_words(testing::message_of<ModelError>([&] { check_lock(here.system, link); }),
+                       {"link 'rod' is not in the system", "System::add"});
 }
 
 namespace {

@@ -239,6 +239,25 @@ TEST_CASE("a refusal says the column, what is wrong and what was expected", "[un
   }
 }
 
+TEST_CASE("a function of variables refuses what is no number by its cause", "[unit][expression]") {
+  struct Bad {
+    const char* text;
+    std::vector<std::string> words;
+  };
+  for (const Bad& bad : {Bad{"=2*t.x", {"only a point has components", "leave the component out"}},
+                         {"=pi.y", {"only a point has components"}},
+                         {"=(1 + t).z", {"only a point has components"}},
+                         {"=u.x", {"column 2", "unknown name \"u\""}},
+                         {"=norm(t)", {"column 2", "norm is of vectors", "numbers are expected"}},
+                         {"=[t, 1, 2]", {"numbers are expected", "a vector stands in geometry only"}}}) {
+    const std::string message = message_of<ModelError>([&] { FormulaFunction(bad.text, {"t"}); });
+    for (const std::string& word : bad.words) {
+      CAPTURE(bad.text, message, word);
+      CHECK(message.find(word) != std::string::npos);
+    }
+  }
+}
+
 TEST_CASE("formulas that are too deep or too long are refused", "[unit][expression]") {
   const auto repeated = [](const std::string& what, int n) {
     std::string text;

@@ -3,6 +3,7 @@
 #include <lockstep/forces.h>
 #include "tests/support/catch.h"
 #include "tests/support/force_bench.h"
+#include "tests/support/messages.h"
 
 namespace force_bushing_test {
 
@@ -73,9 +74,11 @@ TEST_CASE("bushing: wrong input is refused by name", "[unit][force]") {
   bench.a.freedoms = Freedoms::particle;
   Bushing turning("rubber", bench.p, bench.s, numbers()),
       moving("rubber", bench.p, bench.s, {.stiffness = Vec3(1, 1, 1)});
-  CHECK_THROWS_AS(turning.setup(), ModelError);
+  testing::check_words(testing::message_of<ModelError>([&] { turning.setup(); }),
+                       {"force 'rubber'", "body 'a'", "is a particle"});
   bench.b.freedoms = Freedoms::particle;
-  CHECK_THROWS_AS(moving.setup(), ModelError);
+  testing::check_words(testing::message_of<ModelError>([&] { moving.setup(); }),
+                       {"force 'rubber'", "body 'b'", "is a particle"});
 }
 
 }  // namespace force_bushing_test

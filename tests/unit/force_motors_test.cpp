@@ -1,6 +1,7 @@
 #include <lockstep/forces.h>
 #include "tests/support/catch.h"
 #include "tests/support/force_bench.h"
+#include "tests/support/messages.h"
 
 namespace force_motors_test {
 
@@ -53,12 +54,14 @@ TEST_CASE("motors: no law and particles are refused by name", "[unit][force]") {
   CHECK_THROWS_WITH(ForceMotor("M", bench.p, bench.s, {}), "force 'M': force is missing; give a law");
   TorqueMotor torque("M", bench.p, bench.s, {value_law([](double) { return 1.0; })});
   ForceMotor force("M", bench.p, bench.s, {value_law([](double) { return 1.0; })});
+  const auto refusal = [](Force& motor) { return testing::message_of<ModelError>([&] { motor.setup(); }); };
   bench.a.freedoms = Freedoms::particle;
-  CHECK_THROWS_AS(torque.setup(), ModelError);
-  CHECK_NOTHROW(force.setup());
+  testing::check_words(refusal(torque), {"force 'M' (torque_motor) turns body 'a'", "is a particle and cannot turn"});
+  CHECK(refusal(force) == "no error");
   bench.a.freedoms = Freedoms::spatial, bench.b.freedoms = Freedoms::particle;
-  CHECK_THROWS_AS(torque.setup(), ModelError);
-  CHECK_THROWS_AS(force.setup(), ModelError);
+  testing::check_words(refusal(torque), {"force 'M' (torque_motor) turns body 'b'", "is a particle and cannot turn"});
+  testing::check_words(refusal(force),
+                       {"force 'M' (force_motor) puts a force with a lever arm on body 'b'", "is a particle"});
 }
 
 }  // namespace force_motors_test

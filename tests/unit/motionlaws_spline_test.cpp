@@ -2,10 +2,11 @@
 #include <cstdio>
 #include <fstream>
 
-#include <lockstep/math.h>
 #include <lockstep/error.h>
+#include <lockstep/math.h>
 #include <lockstep/splines.h>
 #include "tests/support/law_checks.h"
+#include "tests/support/messages.h"
 
 namespace motionlaws_spline_test {
 
@@ -147,7 +148,8 @@ TEST_CASE("periodic spline meets itself and repeats", "[unit][motionlaws]") {
 }
 
 TEST_CASE("spline outside of its points: refused, or held with its jumps", "[unit][motionlaws]") {
-  CHECK_THROWS_AS(laws::spline(kRough)->at(2.1), ModelError);
+  testing::check_words(testing::message_of<ModelError>([&] { laws::spline(kRough)->at(2.1); }),
+                       {"spline", "t = 2.1 s", "[0, 2] s"});
   CHECK_THROWS_WITH(laws::spline(kRough)->at(-0.5), says("spline") && says("t = -0.5 s") && says("[0, 2] s") && says("hold"));
   CHECK(laws::spline(kRough)->at(2.0 + 1e-12).y == Approx(0.3));
   const auto held = laws::spline(kRough, {.outside = SplineOutside::hold});
@@ -202,7 +204,7 @@ TEST_CASE("columns of a CSV file, and errors with file and line", "[unit][motion
   write("t,y\n0,1\n2,1\n1,5\n");
   CHECK_THROWS_WITH(read_columns(path, "t", {"y"}), says(path + ":4") && says("time 1 does not come after 2"));
   write("t,y\n");
-  CHECK_THROWS_AS(read_columns(path, "t", {"y"}), FileError);
+  testing::check_words(testing::message_of<FileError>([&] { read_columns(path, "t", {"y"}); }), {"no rows of numbers"});
 
   // Decimal commas: numbers where something else separates cells, refused where they separate.
   write("t;y\n0;1,94\n0,5;-2,5e-1\n1;3.5\n");

@@ -10,6 +10,7 @@
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
 #include "tests/support/catch.h"
+#include "tests/support/messages.h"
 #include "tests/support/paths.h"
 
 namespace nearest_start_test {
@@ -114,8 +115,11 @@ TEST_CASE("what cannot hold together is refused by name", "[unit][assembly]") {
 }
 
 TEST_CASE("a weight without a meaning is refused", "[unit][assembly]") {
-  CHECK_THROWS_AS(Assembled(two_points(R"(, "start_weight": -1)", "")), SceneError);
-  CHECK_THROWS_AS(Assembled(two_points(R"(, "start_weight": 2, "assembled": "free")", "")), SceneError);
+  testing::check_words(testing::message_of<SceneError>([&] { Assembled(two_points(R"(, "start_weight": -1)", "")); }),
+                       {"start_weight", "must not be below zero"});
+  testing::check_words(testing::message_of<SceneError>(
+                           [&] { Assembled(two_points(R"(, "start_weight": 2, "assembled": "free")", "")); }),
+                       {"start_weight", "\"assembled\" is \"free\"", "remove one of the two"});
 }
 
 namespace {

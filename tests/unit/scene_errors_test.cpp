@@ -75,6 +75,14 @@ const std::vector<Bad> kBodies = {
      {"\"sequence\" needs \"angles\""}},
     {R"("bodies": [{"name": "a", "compound": [{"box": {"mass": 1, "size": [1,1,1]}, ~"place": [0,0,0]}]}])",
      {"compound[0]", "unknown key"}},
+    {R"("bodies": [{"name": "a", "compound": ~[]}])", {"body 'a', compound", "the list is empty", "at least one part"}},
+    {R"("bodies": [{"name": "a", "compound": [{"rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}, "position": ~[0,0,0]}]}])",
+     {"\"rod\" itself places the part", "remove \"position\""}},
+    {R"("bodies": [{"name": "a", "fixed": true, "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}, "position": ~[0,0,0]}])",
+     {"\"rod\" itself places the body", "remove \"position\""}},
+    {R"("bodies": [{"name": ~"", "particle": 1}])", {"body", "the name is empty", "give it one"}},
+    {R"("bodies": [{"name": "a", "sphere": {"mass": 1, "radius": 1}, "visual": {"color": ~"red"}}])",
+     {"body 'a', visual.color", "\"red\" is no color", "#0072b2"}},
 };
 
 const std::vector<Bad> kLinks = {
@@ -330,7 +338,8 @@ TEST_CASE("a scene that is none says so", "[unit][scene]") {
   CHECK(refusal_of("{\"lockstep\": 1, \"bodies\": [").find("closing ] is missing") != std::string::npos);
   CHECK(refusal_of("{\"lockstep\": 1, \"run\": " + std::string(70, '[') + std::string(70, ']') + "}").find("64") !=
         std::string::npos);
-  CHECK_THROWS_AS(read_scene("no_such_scene.json"), FileError);
+  testing::check_words(testing::message_of<FileError>([] { read_scene("no_such_scene.json"); }),
+                       {"cannot read 'no_such_scene.json'", "check the path"});
 }
 
 TEST_CASE("a link between bodies that stand still has nothing to hold", "[unit][scene]") {

@@ -58,7 +58,7 @@ TEST_CASE("a table refuses what would make it ambiguous", "[unit][record]") {
   Table fresh;
   fresh.add_column("a");
   check_words(message_of<ModelError>([&] { fresh.add_column("a"); }), {"two columns named \"a\""});
-  CHECK_THROWS_AS(fresh.add_column(""), ModelError);
+  check_words(message_of<ModelError>([&] { fresh.add_column(""); }), {"column 2 of the table has no name"});
   check_words(message_of<ModelError>([&] { fresh.change("a"); }), {"no rows"});
 }
 
@@ -148,7 +148,6 @@ TEST_CASE("CSV files that cannot be opened are named", "[unit][record]") {
   const std::string missing = "no/such/folder/out.csv";
   check_words(message_of<FileError>([&] { write_csv(missing, three_rows()); }), {missing});
   check_words(message_of<FileError>([&] { read_csv(missing); }), {missing});
-  CHECK_THROWS_AS(read_csv(missing), FileError);
 }
 
 TEST_CASE("CSV files are written whole", "[unit][record]") {

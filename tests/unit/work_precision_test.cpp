@@ -5,11 +5,12 @@
 #include <fstream>
 #include <iterator>
 
-#include <lockstep/solvers.h>
-#include <lockstep/joints.h>
 #include <lockstep/error.h>
 #include <lockstep/integrators.h>
+#include <lockstep/joints.h>
+#include <lockstep/solvers.h>
 #include "tests/support/catch.h"
+#include "tests/support/messages.h"
 #include "tests/support/paths.h"
 
 namespace lockstep {
@@ -306,8 +307,12 @@ TEST_CASE("a reference that cannot be made is an error", "[unit][work_precision]
   WorkPrecisionOptions options = quick_options();
   options.integrators = {choice<Rk4>("rk4")};
   options.references = {{"frozen", [] { return std::make_unique<Frozen>(1e9, true); }}};
-  CHECK_THROWS_AS(work_precision({.make = falling, .length = 1.0}, options), StepError);
-  CHECK_THROWS_AS(work_precision({.make = falling, .length = 0.0}, options), ModelError);
+  testing::check_words(
+      testing::message_of<StepError>([&] { work_precision({.make = falling, .length = 1.0}, options); }),
+      {"no reference can be made", "--budget"});
+  testing::check_words(
+      testing::message_of<ModelError>([&] { work_precision({.make = falling, .length = 0.0}, options); }),
+      {"a chart of 0 s", "a length > 0"});
 }
 
 TEST_CASE("where one reference fails the next is taken", "[unit][work_precision]") {

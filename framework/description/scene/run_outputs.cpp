@@ -12,7 +12,7 @@ namespace {
 // The name of a column that is recorded, under this key.
 std::string recorded_name(const Params& picture, const char* key, const std::vector<ChannelRequest>& record) {
   std::vector<std::string> known{"t"};
-  for (const ChannelRequest& r : record) known.push_back(r.name.empty() ? r.channel : r.name);
+  for (const ChannelRequest& r : record) known.push_back(r.column());
   const std::string name = picture.text(key);
   if (std::find(known.begin(), known.end(), name) == known.end())
     picture.refuse(key, "\"" + name + "\" is not recorded" + text::suggestion(name, known));

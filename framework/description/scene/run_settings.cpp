@@ -70,17 +70,16 @@ std::vector<double> read_times(const Params& run) {
 }
 
 void add_request(std::vector<ChannelRequest>& all, ChannelRequest request) {
-  const auto name = [](const ChannelRequest& r) { return r.name.empty() ? r.channel : r.name; };
-  if (name(request).empty() || request.channel.empty())
+  const std::string& column = request.column();
+  if (column.empty() || request.channel.empty())
     refuse(request.where, "run.record", "a channel needs a name, and \"\" is not one");
-  const std::string column = name(request);
   if (std::any_of(column.begin(), column.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }))
     refuse(request.where, "run.record",
            "a column's name holds a line end or another control character; a CSV header "
            "is one line: leave it out");
-  const auto same = [&](const ChannelRequest& other) { return name(other) == name(request); };
+  const auto same = [&](const ChannelRequest& other) { return other.column() == column; };
   if (std::any_of(all.begin(), all.end(), same))
-    refuse(request.where, "run.record", "column \"" + name(request) + "\" is requested twice; rename one of them");
+    refuse(request.where, "run.record", "column \"" + column + "\" is requested twice; rename one of them");
   all.push_back(std::move(request));
 }
 
@@ -129,7 +128,7 @@ std::vector<std::vector<std::string>> read_draw(const Params& run, const std::ve
   std::vector<std::vector<std::string>> panels;
   if (!run.has("draw")) return panels;
   std::vector<std::string> known;
-  for (const ChannelRequest& r : record) known.push_back(r.name.empty() ? r.channel : r.name);
+  for (const ChannelRequest& r : record) known.push_back(r.column());
   const Value::List* lists = run.value("draw").list();
   if (lists == nullptr)
     run.refuse("draw", "expected a list of panels, each a list of recorded names, got " + shown(run.value("draw")));
@@ -149,7 +148,8 @@ Value sound_settings(const Value& v, Refusals& wrong) {
   for (const Value::Member& m : v.object() != nullptr ? *v.object() : Value::Object{}) {
     Refusals alone;
     alone.attempt([&] { params_of(Value(Value::Object{m}), "run", "run", nullptr); });
-    if (alone.empty()) sound.push_back(m);
+    const bool again = std::ranges::any_of(sound, [&](const Value::Member& other) { return other.key == m.key; });
+    if (alone.empty() && !again) sound.push_back(m);
   }
   Value rest(std::move(sound));
   rest.where = v.where;

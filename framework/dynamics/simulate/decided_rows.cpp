@@ -44,19 +44,27 @@ class LoopsAt {
 
 }  // namespace
 
-void refuse_switch_of_decided(const System& system, const std::vector<bool>& modes, const Event& event) {
+const Lock* switched_of_decided(const System& system, const std::vector<bool>& modes, const Event& event) {
   const bool held = system.held_down_to() > 0;
   const auto is_left_out = [&](const Lock& link) { return system.left_out(link) != 0; };
-  if (!held && std::ranges::none_of(system.links(), [&](const auto& link) { return is_left_out(*link); })) return;
+  if (!held && std::ranges::none_of(system.links(), [&](const auto& link) { return is_left_out(*link); }))
+    return nullptr;
   const LoopsAt loops(system, modes, event);
   for (const auto& link : system.links())
     if (switches(event, link->name()) &&
         loops.share(*link, [&](const Lock& other) { return is_left_out(other) || (held && &other != link.get()); }))
-      throw ModelError("event '" + event.name + "' switches link '" + link->name() + "', on whose loop " +
-                           (held ? "rows hold that nearly depend on others" : "rows were left out") +
-                           ": what was decided at the start is wrong then; leave it told "
-                           "(\"nearly_redundant\", decide_nearly_redundant())",
-                       {.thing = {.kind = "event", .name = event.name}});
+      return link.get();
+  return nullptr;
+}
+
+void refuse_switch_of_decided(const System& system, const std::vector<bool>& modes, const Event& event) {
+  const Lock* const link = switched_of_decided(system, modes, event);
+  if (link == nullptr) return;
+  throw ModelError("event '" + event.name + "' switches link '" + link->name() + "', on whose loop " +
+                       (system.held_down_to() > 0 ? "rows hold that nearly depend on others" : "rows were left out") +
+                       ": what was decided at the start is wrong then; leave it told "
+                       "(\"nearly_redundant\", decide_nearly_redundant())",
+                   {.thing = {.kind = "event", .name = event.name}});
 }
 
 }  // namespace lockstep

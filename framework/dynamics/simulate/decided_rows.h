@@ -5,8 +5,11 @@
 
 namespace lockstep {
 
-/// Throws ModelError for an event that switches a link on a loop with rows that were left out (System::leave_out), or on
-/// any loop where nearly dependent rows hold (System::hold_down_to). `modes`: links in force before it.
+/// The link that an event switches on a loop with rows that were left out (System::leave_out), or on any loop where
+/// nearly dependent rows hold (System::hold_down_to); null where it switches none. `modes`: links in force before it.
+LOCKSTEP_API const Lock* switched_of_decided(const System&, const std::vector<bool>& modes, const Event&);
+
+/// Throws ModelError for an event that switches such a link.
 LOCKSTEP_API void refuse_switch_of_decided(const System&, const std::vector<bool>& modes, const Event&);
 
 }  // namespace lockstep

@@ -8,6 +8,7 @@
 #include <lockstep/log.h>
 #include "framework/dynamics/simulate/detail_observer.h"
 #include "framework/dynamics/simulate/step_loop_parts.h"
+#include "framework/dynamics/simulate/step_rules.h"
 
 namespace lockstep {
 
@@ -103,8 +104,7 @@ void StepLoop::measure_turns(double h) {
 }
 
 void StepLoop::warn_of_turns() {
-  constexpr double kMost = 1;  // rad
-  if (!(report_.largest_turn > kMost) || warned_of_turns_) return;
+  if (!(report_.largest_turn > kLongTurn) || warned_of_turns_) return;
   warned_of_turns_ = true;
   const char* next = method_->info().adaptive ? "bound them (--step)"
                                               : "take a smaller step (--step), or a method that chooses its own "
@@ -112,7 +112,7 @@ void StepLoop::warn_of_turns() {
   warn(
       fmt::format("body '{}' turned by up to {:.3g} rad within a step of {}; beyond {:g} rad steps of this kind are "
                   "seldom accurate: {}",
-                  report_.turned_most, report_.largest_turn, method_->info().name, kMost, next));
+                  report_.turned_most, report_.largest_turn, method_->info().name, kLongTurn, next));
 }
 
 void StepLoop::warn(const std::string& text) {

@@ -69,6 +69,7 @@ struct GripReport {
 
 /// What was found, and how.
 struct EquilibriumReport {
+  bool by_friction = false;          ///< whether friction holds the state given, so that nothing moved
   bool relaxed = false;              ///< whether dynamic relaxation was needed
   int iterations = 0;                ///< of Newton's method
   int relaxation_steps = 0;          ///< of dynamic relaxation
@@ -81,8 +82,8 @@ struct EquilibriumReport {
   std::vector<std::string> left;     ///< unstable positions of rest that were met and left, by the motion that grew
   std::vector<std::string> pressed;  ///< one-sided links that carry load
   std::vector<std::string> free;     ///< one-sided links that are free
-  /// What friction carries in the state given, where it holds that state (Stability::Kind::gripped), or would have to
-  /// carry there, where it does not; empty where none has a part in it.
+  /// What friction carries in the state given, where it holds that state (`by_friction`), or would have to carry there,
+  /// where it does not; empty where none has a part in it.
   std::vector<GripReport> grips;
   std::vector<std::string> notes;    ///< what of the scene does not act as in a run
   /// How it was found, in words: "Newton's method, 7 iterations".

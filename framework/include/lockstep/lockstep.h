@@ -36,6 +36,7 @@
 #include <lockstep/linearization.h>
 #include <lockstep/loader.h>
 #include <lockstep/lock.h>
+#include <lockstep/lock_facets.h>
 #include <lockstep/log.h>
 #include <lockstep/mask.h>
 #include <lockstep/math.h>

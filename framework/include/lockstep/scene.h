@@ -23,6 +23,8 @@ struct ChannelRequest {
   std::string channel,  ///< name of the channel
       name;             ///< name of its column; "": the channel's
   Where where{};        ///< its place in the file
+
+  const std::string& column() const { return name.empty() ? channel : name; }  ///< the name that its column has
 };
 
 /// The object "run" of a scene. In step, until and output 0 means that none is given.

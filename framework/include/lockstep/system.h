@@ -230,6 +230,9 @@ class LOCKSTEP_API System {
   /// axes, N m). f has its size already. Throws what forces and laws throw, named by rethrow_in(); ModelError for a
   /// force that leaves the plane.
   void gather_forces(const Inputs&, VecX& f) const;
+  /// Throws ModelError for a force that exerts a moment on a particle or leaves the plane, by its name. `f`: the sums of
+  /// the forces, with or without weights, as gather_forces() writes them.
+  void check_forces(const Inputs&, const VecX& f) const;
   /// Writes the rates of State::s to sd, which has its size already; zero for links that are not in force. `values` as
   /// solved.
   void state_rates(const Evaluated& values, VecX& sd) const;

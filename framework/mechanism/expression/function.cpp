@@ -130,6 +130,10 @@ class FormulaCompiler {
     return nullptr;
   }
 
+  bool is_known(const std::string& name) const {
+    return name == "pi" || find(name) != nullptr || std::ranges::find(variables_, name) != variables_.end();
+  }
+
   int named(const Node& n) {
     for (std::size_t k = 0; k < variables_.size(); ++k)
       if (variables_[k] == n.name) {
@@ -152,8 +156,9 @@ class FormulaCompiler {
   int component(const Node& n) {
     const Node& of = e_.node(n.children[0]);
     const Constant* c = of.operation == Operation::name ? find(of.name) : nullptr;
-    if (c == nullptr && of.operation == Operation::name) refuse_unknown(of);
-    if (c == nullptr || !c->is_vector) e_.refuse(n, "only a point has components");
+    if (of.operation == Operation::name && !is_known(of.name)) refuse_unknown(of);
+    if (c == nullptr || !c->is_vector)
+      e_.refuse(n, "only a point has components, as in A.x; this is a number: leave the component out");
     return constant(c->value[n.index]);
   }
 

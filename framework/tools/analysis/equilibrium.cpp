@@ -91,9 +91,7 @@ bool EquilibriumSearch::find_dense_step(bool either_way) {
   constexpr double kNone = 1e-11, kNearlyZero = 10;
   const RestMatrices A(*now_.e, now_.lambda);
   if (A.N.cols() == 0) return false;
-  VecX g(static_cast<Eigen::Index>(A.at.size()));
-  for (std::size_t i = 0; i < A.at.size(); ++i)
-    g[static_cast<Eigen::Index>(i)] = now_.r[A.at[i]] / (A.at[i] % 6 < 3 ? 1.0 : length_);
+  const VecX g = forces_in(system_, A.at, now_.r);
   const RestMotions motions = rest_motions(A);
   const bool potential = has_potential(A, motions);
   VecX share = motions.U.transpose() * g, y;
@@ -238,7 +236,7 @@ void EquilibriumSearch::finish() {
       report_.largest_move = move, report_.moved_most = system_.body_of_slot(k).name;
   if (const std::string words = beyond_friction(); !words.empty()) report_.notes.push_back(words);
   for (const Force* force : now_.e->reacting())
-    if (report_.stability.kind != Stability::Kind::gripped)
+    if (!report_.by_friction)
       report_.notes.push_back(
           fmt::format("{} '{}' is taken as it acts without motion: friction that is smooth at rest "
                       "holds nothing, and with real friction it may rest beside this position too",
@@ -252,7 +250,7 @@ void EquilibriumSearch::finish() {
 }
 
 std::string EquilibriumReport::method() const {
-  if (stability.kind == Stability::Kind::gripped) return "the start, where friction holds it";
+  if (by_friction) return "the start, where friction holds it";
   const std::string newton = fmt::format("Newton's method, {} iteration{}", iterations, iterations == 1 ? "" : "s");
   return relaxed ? fmt::format("dynamic relaxation, {} steps, then {}", relaxation_steps, newton) : newton;
 }

@@ -46,6 +46,7 @@ bool EquilibriumSearch::rests_by_friction() {
   if (found.kind == Stability::Kind::stable) found.kind = Stability::Kind::gripped;
   found.freedoms = static_cast<int>(A.N.cols());
   report_.stability = std::move(found);
+  report_.by_friction = true;
   now_.unbalanced = 0;  // but for the round-off of a balance that was solved for
   return true;
 }

@@ -74,4 +74,12 @@ VecX motion_of(const System& system, const std::vector<int>& unknowns, const Vec
   return out;
 }
 
+//   f . motion_of(u) = forces_in(f) . u
+VecX forces_in(const System& system, const std::vector<int>& unknowns, const VecX& f) {
+  VecX out(static_cast<Eigen::Index>(unknowns.size()));
+  for (std::size_t i = 0; i < unknowns.size(); ++i)
+    out[static_cast<Eigen::Index>(i)] = f[unknowns[i]] / (unknowns[i] % 6 < 3 ? 1.0 : system.length());
+  return out;
+}
+
 }  // namespace lockstep

@@ -28,4 +28,8 @@ MatX free_motions(const Evaluation&, const std::vector<int>& unknowns);
 /// A motion in these unknowns, 6 per slot: m (world) and rad (slot axes).
 VecX motion_of(const System&, const std::vector<int>& unknowns, const VecX& u);
 
+/// Forces in these unknowns, N, so that they have the power of `f` in each motion; f: 6 per slot, N (world) and N m (slot
+/// axes).
+VecX forces_in(const System&, const std::vector<int>& unknowns, const VecX& f);
+
 }  // namespace lockstep

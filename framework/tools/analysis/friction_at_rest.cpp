@@ -8,6 +8,7 @@
 #include <Eigen/QR>
 
 #include "framework/mechanism/system/diagnose.h"
+#include "framework/tools/analysis/free_motions.h"
 
 namespace lockstep {
 namespace {
@@ -40,13 +41,7 @@ class Balance {
  public:
   Balance(const Evaluation& e, const RestMatrices& A, const VecX& r, std::vector<GripOf> grips)
       : grips_(std::move(grips)), parts_(grips_.size(), 1.0) {
-    const double length = e.system().length();
-    const auto in_motions = [&](const VecX& f) {
-      VecX g(static_cast<Eigen::Index>(A.at.size()));
-      for (std::size_t i = 0; i < A.at.size(); ++i)
-        g[static_cast<Eigen::Index>(i)] = f[A.at[i]] / (A.at[i] % 6 < 3 ? 1.0 : length);
-      return VecX(A.N.transpose() * g);
-    };
+    const auto in_motions = [&](const VecX& f) { return VecX(A.N.transpose() * forces_in(e.system(), A.at, f)); };
     for (std::size_t g = 0; g < grips_.size(); ++g)
       for (const VecX& one : grips_[g].grip.along) along_.push_back(&one), of_.push_back(g);
     B_.resize(A.N.cols(), static_cast<Eigen::Index>(along_.size()));

@@ -34,6 +34,13 @@ VecX momentum_of(const System& system, const VecX& v) {
 
 }  // namespace
 
+bool are_few_rows(const System& system, const std::vector<bool>& modes) {
+  constexpr int kFewRows = 300;
+  RowTable table;
+  system.lay_out(modes, table, true);
+  return table.n_rows <= kFewRows;
+}
+
 void leave_out(System& system, const std::vector<OwnRow>& rows) {
   system.setup();
   for (const OwnRow& row : rows) system.leave_out(*row.link, system.left_out(*row.link) | 1U << row.own);

@@ -8,6 +8,10 @@
 
 namespace lockstep {
 
+/// Whether the rows of the links in force are few enough to be held down to the smallest, for which they are factored
+/// densely: 300, in a plane those of the plane, and those that are left out too.
+bool are_few_rows(const System&, const std::vector<bool>& modes);
+
 /// Leaves rows out, in addition to those that are.
 void leave_out(System&, const std::vector<OwnRow>&);
 /// Puts all rows that were left out back, and takes back that rows hold which nearly depend.

@@ -13,8 +13,7 @@
 namespace lockstep {
 namespace {
 
-constexpr int kMostRows =
-    300;  // on common loops, and of a mechanism whose rows hold by themselves: those are factored densely
+constexpr int kMostOnLoops = 300;   // rows on common loops
 constexpr double kPersists = 1e-3;  // of the length: rows that are violated by less nearly depend everywhere
 
 /// Rows on common loops of which some nearly depend on others, and what to do with them. All that depend go, exactly or
@@ -29,7 +28,7 @@ template <class Visit>
 void for_each_loop(const System& system, const RowTable& table, Visit&& visit) {
   for (const std::vector<int>& entries : loops_of(system, table)) {
     const LoopRows rows(system, table, entries);
-    if (rows.n() <= kMostRows) visit(rows);
+    if (rows.n() <= kMostOnLoops) visit(rows);
   }
 }
 
@@ -121,7 +120,7 @@ std::vector<NearDependency> decide_nearly_redundant(System& system, Dynamics& dy
   std::vector<NearSet> all = nearly_dependent(system, table);
   if (all.empty()) return told;
   const NearlyRedundant choice = asked != NearlyRedundant::automatic ? asked
-                                 : table.n_rows <= kMostRows         ? NearlyRedundant::held
+                                 : are_few_rows(system, state.modes) ? NearlyRedundant::held
                                                                      : NearlyRedundant::told;
   try_out(system, dynamics, state, all);
   std::vector<OwnRow> gone;

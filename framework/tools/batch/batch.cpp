@@ -87,6 +87,7 @@ void Batch::fill_wrench(const double* y, const Numbers8& t) {
       WrenchSum sum(in.motions, wrench_of_one_);
       guarded(l, [&] {
         for (const auto& force : system(l).forces()) force->apply(in, sum);
+        system(l).check_forces(in, wrench_of_one_);
       });
     }
     put_numbers(wrench_, 0, l, wrench_of_one_);

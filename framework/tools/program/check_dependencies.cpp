@@ -73,7 +73,7 @@ nlohmann::ordered_json near_json(const std::vector<NearDependency>& near, Nearly
 std::vector<std::string> columns_not_unique(const RunSettings& run, const UniquenessReport& reactions) {
   std::vector<std::string> names;
   for (const ChannelRequest& request : run.record)
-    if (!reactions.unique(request.channel)) names.push_back(request.name.empty() ? request.channel : request.name);
+    if (!reactions.unique(request.channel)) names.push_back(request.column());
   return names;
 }
 

@@ -92,6 +92,7 @@ Json grips_json(const std::vector<GripReport>& grips) {
 Json report_json(Resting& r) {
   const EquilibriumReport& e = r.report;
   return {{"method", e.method()},
+          {"by_friction", e.by_friction},
           {"relaxed", e.relaxed},
           {"iterations", e.iterations},
           {"relaxation_steps", e.relaxation_steps},
@@ -115,12 +116,11 @@ Json report_json(Resting& r) {
 void print(const Loaded& loaded, Resting& r) {
   const EquilibriumReport& e = r.report;
   fmt::print("{}\n  equilibrium  {}", loaded.title(), e.method());
-  if (e.stability.kind != Stability::Kind::gripped)
-    fmt::print("; unbalanced {:.2g} of the largest force, {:.4g} N", e.unbalanced, e.largest_force);
+  if (!e.by_friction) fmt::print("; unbalanced {:.2g} of the largest force, {:.4g} N", e.unbalanced, e.largest_force);
   fmt::print("\n");
   fmt::print("{}", stability_text(e.stability));
   for (const GripReport& g : e.grips)
-    if (e.stability.kind == Stability::Kind::gripped)
+    if (e.by_friction)
       fmt::print("  friction     '{}' ({}) carries {:.6g} of {:.6g} {}\n", g.force, g.what, g.carries, g.most, g.unit);
   if (e.largest_move > 0) fmt::print("  moved        '{}' by {:.6g} m, most of all\n", e.moved_most, e.largest_move);
   for (const std::string& words : e.left) fmt::print("  left         a position that is unstable: {}\n", words);

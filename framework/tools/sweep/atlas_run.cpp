@@ -9,6 +9,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/sweep.h>
+#include "framework/dynamics/simulate/step_rules.h"
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/analysis/singular_watch.h"
 #include "framework/tools/sweep/scene_run.h"
@@ -17,7 +18,6 @@ namespace lockstep {
 namespace {
 
 constexpr int kInstants = 50;  // at most
-constexpr double kLongTurn = 1;  // rad in a step: the run warns of more
 
 /// A run of a scene with its history.
 struct Ran {

@@ -7,6 +7,7 @@
 #include "framework/dynamics/simulate/assembled_positions.h"
 #include "framework/dynamics/simulate/decided_rows.h"
 #include "framework/dynamics/solvers/graph.h"
+#include "framework/tools/analysis/left_out_rows.h"
 
 namespace lockstep {
 namespace {
@@ -28,14 +29,9 @@ bool may_depend(System& system, const State& state) {
 
 // Rows are held by themselves where they are as at the start for good, and few enough for a dense factor.
 bool holds_by_itself(System& system, const State& start) {
-  constexpr int kMostRows = 300;
   system.setup();
-  int rows = 0;
-  for (const auto& link : system.links()) {
-    if (link->unilateral() != nullptr) return false;
-    if (!system.merged(*link) && start.modes[static_cast<std::size_t>(link->number())]) rows += link->row_count();
-  }
-  return rows <= kMostRows;
+  return std::ranges::none_of(system.links(), [](const auto& link) { return link->unilateral() != nullptr; }) &&
+         are_few_rows(system, start.modes);
 }
 
 // Whether anything may be decided, as far as can be told without a look at the rows.
@@ -67,13 +63,8 @@ std::string switching_event(const Mechanism& m, const State& start) {
       for (const auto& link : m.system.links())
         if (std::ranges::find(*names, link->name()) != names->end())
           modes[static_cast<std::size_t>(link->number())] = true;
-  for (const EventRequest& request : m.events) {
-    try {
-      refuse_switch_of_decided(m.system, modes, request.event);
-    } catch (const ModelError&) {
-      return request.event.name;
-    }
-  }
+  for (const EventRequest& request : m.events)
+    if (switched_of_decided(m.system, modes, request.event) != nullptr) return request.event.name;
   return {};
 }
 

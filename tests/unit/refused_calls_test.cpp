@@ -1,0 +1,247 @@
+// Calls in C++ that cannot be meant: each is refused by name, value, limit and next move.
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <lockstep/analysis.h>
+#include <lockstep/batch.h>
+#include <lockstep/charts.h>
+#include <lockstep/integrators.h>
+#include <lockstep/joints.h>
+#include <lockstep/laws.h>
+#include <lockstep/params.h>
+#include <lockstep/registry.h>
+#include <lockstep/simulation.h>
+#include <lockstep/solvers.h>
+#include <lockstep/splines.h>
+#include <lockstep/step_loop.h>
+#include "framework/mechanism/params/read.h"
+#include "framework/tools/precision/work_precision_chart.h"
+#include "tests/support/catch.h"
+#include "tests/support/copies_of.h"
+#include "tests/support/messages.h"
+
+namespace refused_calls_test {
+
+using namespace lockstep;
+using lockstep::testing::check_words, lockstep::testing::message_of;
+
+namespace {
+
+/// A call, and words that its error has.
+struct Refused {
+  const char* what;
+  std::function<void()> call;
+  std::vector<std::string> words;
+};
+
+void check_refusals(const std::vector<Refused>& all) {
+  for (const Refused& one : all) {
+    INFO(one.what);
+    check_words(message_of<Error>(one.call), one.words);
+  }
+}
+
+/// A door that is fixed to a wall, which hangs on a hinge: fixed links are merged.
+void add_door(System& system) {
+  Body& wall = system.add_body("wall", shapes::box(1, {1, 1, 1}));
+  Body& door = system.add_body("door", shapes::box(1, {1, 1, 1}));
+  system.add<Revolute>("hinge", wall, system.ground(), Pose{});
+  system.add<Fixed>("bolt", door, wall, Pose{});
+  system.set_merge(true);
+}
+
+/// Runs until 1 s with an event that has this effect at 0.5 s.
+void run_with(Event event) {
+  System system;
+  add_door(system);
+  Dynamics dynamics(system, std::make_unique<SchurSolver>());
+  StepLoop loop(dynamics, std::make_unique<Dopri5>());
+  event.at = 0.5;
+  loop.add_event(event);
+  loop.run_until(1);
+}
+
+void make_copies(const std::function<void(CopiesOptions&)>& change) {
+  test::Family family(2, [](int k) { return test::chain(1, k); });
+  CopiesOptions options;
+  change(options);
+  const Copies copies(family.pointers(), options);
+}
+
+/// Two columns and two rows.
+MapSpec map_with(const std::function<void(MapSpec&)>& change) {
+  MapSpec map;
+  map.title = "a map", map.x = map.y = {1, 2};
+  map.cells = {1, 2, 3, 4};
+  change(map);
+  return map;
+}
+void draw(const std::function<void(MapSpec&)>& change) { write_map("nothing", map_with(change)); }
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+}  // namespace
+
+TEST_CASE("a mechanism refuses what is not there", "[unit][refusals]") {
+  System system;
+  Body& body = system.add_body("body", shapes::box(1, {1, 1, 1}));
+  Revolute& hinge = system.add<Revolute>("hinge", body, system.ground(), Pose{});
+  check_refusals({
+      {"no link", [&] { system.add(std::unique_ptr<Lock>()); }, {"no link was given", "make one first"}},
+      {"no force", [&] { system.add(std::unique_ptr<Force>()); }, {"no force was given", "make one first"}},
+      {"no state", [&] { system.add(std::unique_ptr<Auxiliary>()); }, {"no auxiliary was given", "make one first"}},
+      {"no solver", [&] { Dynamics(system, nullptr); }, {"dynamics: no solver was given", "SparseSolver"}},
+      {"no law", [&] { hinge.drive(Axis::rz, nullptr); }, {"link 'hinge'", "drive on rz", "has no law", "give it one"}},
+      {"a row twice", [] { mask_from("x y x"); }, {"mask", "names row \"x\" twice", "name each row once"}},
+  });
+}
+
+TEST_CASE("an event refuses links that are merged, and changes that it may not make", "[unit][refusals]") {
+  check_refusals({
+      {"a merged link",
+       [] { run_with({.name = "e", .deactivate = {"bolt"}}); },
+       {"event 'e'", "link 'bolt' is merged into one slot and cannot be switched", "set_merge(true, {&link})"}},
+      {"the time",
+       [] { run_with({.name = "e", .change = [](State& state) { state.t = 0.25; }}); },
+       {"event 'e'", "set the time from 0.5 s to 0.25 s", "it may change coordinates"}},
+  });
+}
+
+TEST_CASE("parameters refuse laws that nobody can make, numbers that are none and empty choices", "[unit][refusals]") {
+  const TypeInfo with_law{"driven", "", {{"law", Form::law, Unit::any, kRequired, ""}}};
+  const TypeInfo no_choice{"chosen", "", {{"how", Form::choice, Unit::none, kRequired, ""}}};
+  check_refusals({
+      {"a law",
+       [&] {
+         Params(Value::object({{"law", 1.0}}), with_law, "link 'A'").law("law");
+       },
+       {"link 'A', law", "nothing here can make laws", "pass a registry"}},
+      {"a choice",
+       [&] { check_type_info(no_choice); },
+       {"type 'chosen', key 'how'", "a choice without choices", "list them"}},
+      {"a number",
+       [] { read_number(Value(kNaN), Unit::none, "stiffness"); },
+       {"stiffness", "the number is nan", "a finite one"}},
+  });
+}
+
+TEST_CASE("laws by points refuse what does not close", "[unit][refusals]") {
+  const SplineSettings closed{.ends = SplineEnds::periodic};
+  check_refusals({
+      {"a curve",
+       [&] {
+         laws::spline({{0, 1}, {1, 2}, {2, 1.5}}, closed);
+       },
+       {"spline", "points end 0.5 away from where they start", "the last must equal the first"}},
+      {"repeat",
+       [] {
+         laws::spline({{0, 1}, {1, 2}}, {.outside = SplineOutside::repeat});
+       },
+       {"outside is \"repeat\"", "needs periodic ends", "\"hold\""}},
+      {"turns",
+       [&] {
+         laws::spline_rotation({{0, {}}, {1, {1, 1, 0, 0}}, {2, {1, 0.1, 0, 0}}}, closed);
+       },
+       {"points end", "rad away from where they start", "the last must equal the first"}},
+  });
+}
+
+TEST_CASE("copies refuse options that cannot be", "[unit][refusals]") {
+  check_refusals({
+      {"a step below zero",
+       [] { make_copies([](CopiesOptions& o) { o.step = -1; }); },
+       {"copies: step -1 s", "none is negative"}},
+      {"no step",
+       [] { make_copies([](CopiesOptions& o) { o.integrator = "rk4"; }); },
+       {"copies: step 0 s", "rk4 needs a step above zero"}},
+      {"tolerances",
+       [] { make_copies([](CopiesOptions& o) {
+              o.tolerance = {0, 0};
+            }); },
+       {"copies: tolerances 0 and 0", "one of them above zero"}},
+      {"Baumgarte",
+       [] { make_copies([](CopiesOptions& o) { o.stabilization.kind = Stabilization::Kind::baumgarte; }); },
+       {"no lanes for Baumgarte's stabilisation", "take project or none"}},
+      {"tolerance of the constraints",
+       [] { make_copies([](CopiesOptions& o) { o.stabilization.tolerance = 0; }); },
+       {"copies: tolerance of the constraints 0 m", "above zero"}},
+      {"no mechanism",
+       [] {
+         const auto one = test::chain(1, 0);
+         const Copies copies({one.get(), nullptr});
+       },
+       {"copy 1 is null", "give a mechanism"}},
+      {"rates",
+       [] {
+         test::Family family(2, [](int k) { return test::chain(1, k); });
+         Copies copies(family.pointers());
+         std::vector<StateRate> rates(1);
+         copies.rate(family.starts(), rates);
+       },
+       {"copies: as many rates as states are wanted"}},
+  });
+}
+
+TEST_CASE("pictures refuse what cannot be drawn", "[unit][refusals]") {
+  check_refusals({
+      {"one column",
+       [] { draw([](MapSpec& m) { m.x = {1}; }); },
+       {"map \"a map\"", "1 columns and 2 rows", "at least two"}},
+      {"cells",
+       [] { draw([](MapSpec& m) {
+              m.cells = {1, 2, 3};
+            }); },
+       {"3 cells for 2 x 2 centres", "give one a centre"}},
+      {"falling", [] { draw([](MapSpec& m) {
+                         m.y = {2, 1};
+                       }); }, {"the centres along y must rise"}},
+      {"a logarithm",
+       [] { draw([](MapSpec& m) {
+              m.x = {0, 1}, m.log_x = true;
+            }); },
+       {"along x must rise from above zero"}},
+      {"nothing",
+       [] { draw([](MapSpec& m) {
+              m.cells = {kNaN, kNaN, kNaN, kNaN};
+            }); },
+       {"has no cell to draw", "give it numbers"}},
+      {"a kind",
+       [] { draw([](MapSpec& m) {
+              m.kinds = {{"good", ""}, {"bad", ""}};
+            }); },
+       {"a cell of kind 4", "the kinds are 0 to 1"}},
+      {"bars",
+       [] {
+         write_bars("nothing", {"bars", "y", {"a", "b"}, {{"one", {1}}}});
+       },
+       {"bars \"bars\"", "group \"one\" has 1 values for 2 categories", "give one each"}},
+      {"no file",
+       [] { write_map("", map_with([](MapSpec&) {})); },
+       {"cannot write a chart to \"\"", "give a file name"}},
+      {"no runs",
+       [] { integrators_chart({}, "costs", {}, CostKind::cpu); },
+       {"chart \"costs\" has no runs", "give it more time (--budget)"}},
+  });
+}
+
+TEST_CASE("a grid and a recorded run refuse what comes too late or is too much", "[unit][refusals]") {
+  System system;
+  add_door(system);
+  Simulation run(system);
+  run.record({"door.x"});
+  run.run_until(0.1);
+  check_refusals({
+      {"columns", [&] { run.record({"door.y"}); }, {"record() after the run began", "before run_until()"}},
+      {"runs",
+       [] {
+         Grid({100'000, 100'000});
+       },
+       {"the grid has more than 1000000000 runs", "take fewer values"}},
+  });
+}
+
+}  // namespace refused_calls_test
