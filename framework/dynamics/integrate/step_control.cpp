@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <utility>
 
 #include "framework/dynamics/integrate/body_error.h"
 
@@ -69,15 +69,20 @@ Change change_of_motions(std::span<const Motion> a, const StateRate& k0, double 
 
 }  // namespace
 
+bool ErrorNorm::Moving::are_of(const State& y) const {
+  return t == y.t && coordinates == y.coordinates && s.size() == y.s.size() && q == y.q && v == y.v && s == y.s;
+}
+
 void ErrorNorm::Moving::at(const State& y) {
-  t = y.t;
+  t = y.t, q = y.q, v = y.v, s = y.s, coordinates = y.coordinates;
   motions.resize(static_cast<std::size_t>(y.coordinates->n_slots() + 1));  // the ground, at rest, is never written
   y.coordinates->motions(y, motions);
 }
 
 void ErrorNorm::scale(const State& y0, const StateRate& k0, double h, const State& y1) {
   if (y0.coordinates) {
-    if (before_.t != y0.t) before_.at(y0);  // else the step is attempted anew
+    if (now_.are_of(y0)) std::swap(before_, now_);  // the end of the step before
+    if (!before_.are_of(y0)) before_.at(y0);        // else the step is attempted anew
     now_.at(y1);
   }
   const Change c =
@@ -93,7 +98,6 @@ void ErrorNorm::scale(const State& y0, const StateRate& k0, double h, const Stat
 void ErrorNorm::scale(const State& y0, double length) {
   double v = 0, w = 0;
   if (y0.coordinates) {
-    before_.t = std::numeric_limits<double>::quiet_NaN();
     now_.at(y0);
     for (const Motion& O : now_.motions) v = std::max(v, O.v.squaredNorm()), w = std::max(w, O.w.squaredNorm());
   } else {

@@ -1,5 +1,6 @@
 #include "framework/dynamics/tree/joint_tree.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -7,6 +8,7 @@
 #include "framework/dynamics/tree/moving_markers.h"
 #include "framework/dynamics/tree/spanning_tree.h"
 #include "framework/dynamics/tree/tree_motion.h"
+#include "framework/foundation/math/sin_cos.h"
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
@@ -258,13 +260,28 @@ void JointTree::add_node(const System& system, int slot, int parent, int link) {
 }
 
 void JointTree::motions(const State& y, std::span<Motion> out) const {
-  if (planar_) return planar_->motions(nodes_, y, out);
-  for (const TreeNode& node : nodes_) {
+  planar_ ? planar_->motions(nodes_, y, out) : carry_all(y, out);
+}
+
+LOCKSTEP_FLAT_CLONES void JointTree::carry_all(const State& y, std::span<Motion> out) const {
+  constexpr std::size_t kAtOnce = 64;
+  double half[kAtOnce] = {}, c[kAtOnce], s[kAtOnce];  // of the angles
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    const std::size_t i = k % kAtOnce;
+    if (i == 0) {
+      const std::size_t last = std::min(nodes_.size(), k + kAtOnce);
+      for (std::size_t x = k; x < last; ++x) half[x - k] = half_angle(nodes_[x], y.q.data() + nodes_[x].first_q);
+      sin_cos(half, (last - k + 7) / 8 * 8, s, c);  // packs of up to 8
+    }
+    const TreeNode& node = nodes_[k];
     const Motion& p = out[motion_of(node.parent)];
-    if (node.moving)
+    if (node.moving) {
       carry_moving(node, y, p, p.A * p.w, out[motion_of(node)]);
-    else
-      carry(node, y, p, p.A * p.w, out[motion_of(node)]);
+      continue;
+    }
+    Imposed now;
+    if (node.imposed) laws_at(node, y.t, y.s, now);
+    carry(node, now, y, {c[i], s[i]}, p, p.A * p.w, out[motion_of(node)]);
   }
 }
 

@@ -102,6 +102,7 @@ class LOCKSTEP_API JointTree final : public Coordinates {
   int miscounts(const State& from, const State& to, double most) const;
 
  private:
+  void carry_all(const State&, std::span<Motion> out) const;
   template <class G>
   void grow(const System&, const G& graph);
   std::string follow_turns(const System&);

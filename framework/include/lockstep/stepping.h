@@ -161,10 +161,13 @@ class LOCKSTEP_API ErrorNorm {
   double of(const StateRate& error, const State& y1);
 
  private:
-  // Motions of the slots at time t, the ground first; of states in other coordinates than the slots' own.
+  // Motions of the slots at a state, the ground first; of states in other coordinates than the slots' own.
   struct Moving {
-    double t = -1;
+    double t = std::numeric_limits<double>::quiet_NaN();
+    VecX q, v, s;
+    std::shared_ptr<const Coordinates> coordinates;
     std::vector<Motion> motions;
+    bool are_of(const State&) const;
     void at(const State&);
   };
 
