@@ -143,6 +143,7 @@ MatX circuits(int n_columns, int n_rows, const Triplets& Jt) {
   int rank = 0;
   while (rank < std::min(n_columns, n_rows) && std::abs(qr.matrixR()(rank, rank)) > kDependent) ++rank;
   const int left = n_rows - rank;
+  if (left == 0) return MatX(n_rows, 0);
   MatX pivoted = MatX::Identity(n_rows, n_rows).rightCols(left);
   pivoted.topRows(rank) = -qr.matrixR().topRightCorner(rank, left);
   const auto R1 = qr.matrixR().topLeftCorner(rank, rank).triangularView<Eigen::Upper>();
