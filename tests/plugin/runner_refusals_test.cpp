@@ -97,6 +97,52 @@ TEST_CASE("options that cannot be meant are refused with the option, the value a
   });
 }
 
+TEST_CASE("what a run, a sweep or a plugin's template cannot go on with is refused by name", "[runner]") {
+  const std::string particle = R"("bodies": [{"name": "a", "particle": 1, "velocity": [1, 0, 0]}], )";
+  write("ends.json",
+        R"({"lockstep": 1, )" + particle +
+            R"("events": [{"name": "end", "at": 0.2, "stop": true}], "run": {"until": 1, "record": ["a.x"]}})");
+  write("damped.json", R"({"lockstep": 1, )" + particle +
+                           R"("run": {"until": 1, "integrator": {"type": "generalized_alpha", "rho_infinity": 2}}})");
+  write("none.csv.sweep", "nonsense");
+  check_refusals({
+      {"modes ends.json --at 0.5", 3, {"the run ended at t = 0.2 s, by 'end'", "give an instant --at before it"}},
+      {"check damped.json", 3, {"run.integrator.rho_infinity: it is 2", "between 0 (all damped) and 1 (nothing)"}},
+      {"linearize @ --json --csv numbers", 2, {"--json and --csv", "give one of the two"}},
+      {"sweep ends.json --vary run.tolerance=1e-6,1e-7 --resume --record absent.csv",
+       8,
+       {"there is no sweep to go on with", "'absent.csv.sweep' is missing", "leave out --resume"}},
+      {"sweep ends.json --vary run.tolerance=1e-6,1e-7 --resume --record none.csv",
+       8,
+       {"checkpoint 'none.csv.sweep' is none", "not written by lockstep"}},
+      {"sweep - --vary run.tolerance=1e-6,1e-7 --resume < ends.json",
+       2,
+       {"--resume: it needs a scene and rows that can be read again", "give files for both"}},
+      {"new-plugin link revolute", 2, {"\"revolute\" is a link of lockstep already", "take another name"}},
+      {"new-plugin law motion", 2, {"the class of \"motion\" would be MotionLaw", "take another name"}},
+      {"new-plugin link mine --into /dev/null/here", 8, {"/dev/null/here/mine: cannot be made", "say --into a folder"}},
+  });
+}
+
+TEST_CASE("plugins refuse numbers that cannot be by key, value and limit", "[runner]") {
+  const auto drive = [](const std::string& law) {
+    return "{\"lockstep\": 1, " + kArm + "\"requires\": [\"bump\"], \"links\": [{" + kHinge +
+           ", \"drive\": {\"axis\": \"rz\", \"law\": " + law + "}}]}";
+  };
+  const auto cam = [](const std::string& keys) {
+    return "{\"lockstep\": 1, " + kArm + "\"requires\": [\"cam_follower\"], \"links\": [{\"name\": \"C\", \"type\": " +
+           "\"cam_follower\", \"p\": \"arm\", \"s\": \"ground\", \"at\": [0, 0, 0], " + keys + "}]}";
+  };
+  write("flat_bump.json", drive(R"({"type": "bump", "height": 1, "at": 1, "width": 0})"));
+  write("no_cam.json", cam(R"("base": 0, "lift": 1)"));
+  write("no_lobe.json", cam(R"("base": 1, "lift": 1, "lobes": 0)"));
+  check_refusals({
+      {"check flat_bump.json", 3, {"drive.law.width: is 0 s", "above zero"}},
+      {"check no_cam.json", 3, {"link 'C', base: is 0 m", "a radius above zero"}},
+      {"check no_lobe.json", 3, {"link 'C', lobes: is 0", "a cam has at least one"}},
+  });
+}
+
 TEST_CASE("files that cannot be written are refused with the file and the next move", "[runner]") {
   write(
       "robot.urdf",
