@@ -105,9 +105,24 @@ TEST_CASE("what a run, a sweep or a plugin's template cannot go on with is refus
   write("damped.json", R"({"lockstep": 1, )" + particle +
                            R"("run": {"until": 1, "integrator": {"type": "generalized_alpha", "rho_infinity": 2}}})");
   write("none.csv.sweep", "nonsense");
+  write("list.json", "[1, 2]");
+  write("includes.json", R"({"lockstep": 1, "include": [{"scene": "list.json"}]})");
+  for (int k = 0; k <= 17; ++k)
+    write("deep_" + std::to_string(k) + ".json",
+          "{\"lockstep\": 1, \"include\": [{\"scene\": \"deep_" + std::to_string(k + 1) + ".json\"}]}");
+  write("below.json", R"({"lockstep": 1, "bodies": [{"name": "a", "particle": 1, "position": [0, 0, -1]}], "links": [
+    {"name": "S", "type": "stop", "p": "a", "s": "ground", "at_s": [0, 0, 0], "coordinate": "z", "low": 0}], "run": {"until": 1}})");
   check_refusals({
       {"modes ends.json --at 0.5", 3, {"the run ended at t = 0.2 s, by 'end'", "give an instant --at before it"}},
       {"check damped.json", 3, {"run.integrator.rho_infinity: it is 2", "between 0 (all damped) and 1 (nothing)"}},
+      {"check includes.json", 3, {"include[0].scene: \"list.json\" holds no object"}},
+      {"check deep_0.json", 3, {"scenes are included deeper than 16 within one another"}},
+      {"run below.json",
+       5,
+       {"the start has the one-sided link 'S' (row phi) on its forbidden side: C = -1", "reverse the side"}},
+      {"atlas @ --vary run.tolerance=1e-6,1e-5 --vary run.until=1,2 --integrators rk4 --budget 2s",
+       2,
+       {"no method can run this scene", "\"rk4\" takes fixed steps and no step is given"}},
       {"linearize @ --json --csv numbers", 2, {"--json and --csv", "give one of the two"}},
       {"sweep ends.json --vary run.tolerance=1e-6,1e-7 --resume --record absent.csv",
        8,

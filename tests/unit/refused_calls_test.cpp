@@ -19,6 +19,7 @@
 #include <lockstep/params.h>
 #include <lockstep/recorder.h>
 #include <lockstep/registry.h>
+#include <lockstep/scene.h>
 #include <lockstep/simulation.h>
 #include <lockstep/solvers.h>
 #include <lockstep/splines.h>
@@ -341,6 +342,52 @@ TEST_CASE("a run refuses settings and states that cannot be", "[unit][refusals]"
   });
 }
 
+namespace {
+
+/// A link of the user's own with a state: of which it forgets the start, or that touches no body.
+class Careless final : public Lock, public Stateful {
+ public:
+  Careless(std::string name, Marker& p, Marker& s, bool touches)
+      : Lock(std::move(name)), p_(&p), s_(&s), touches_(touches) {}
+  std::string_view type() const override { return "careless"; }
+  std::vector<std::pair<const Marker*, const Marker*>> pairs() const override { return {{p_, s_}}; }
+  RowPlan plan_rows() override {
+    RowPlan plan;
+    plan.add({RowKind::function, "row"});
+    if (touches_) plan.slots.add(p_->body->slot);
+    return plan;
+  }
+  void gather(Group, const Inputs&, RowSpan) const override {}
+  const Stateful* stateful() const override { return this; }
+  int n_states() const override { return 1; }
+  void start_states(std::span<double>) const override {}
+  void state_rates(const Inputs&, std::span<double> rates) const override { rates[0] = 0; }
+
+ private:
+  Marker *p_, *s_;
+  bool touches_;
+};
+
+void set_up_careless(bool touches) {
+  System system;
+  Body& body = system.add_body("body", shapes::box(1, {1, 1, 1}));
+  system.add<Careless>("careless", system.add_marker("p", body), system.add_marker("s", system.ground()), touches);
+  system.setup();
+}
+
+}  // namespace
+
+TEST_CASE("a link of the user's own that forgets a number or its bodies is refused by name", "[unit][refusals]") {
+  check_refusals({
+      {"a start",
+       [] { set_up_careless(true); },
+       {"link 'careless'", "leaves some of its 1 numbers unwritten in start_states()"}},
+      {"no body",
+       [] { set_up_careless(false); },
+       {"link 'careless'", "touches 0 moving bodies", "add their slots in setup()"}},
+  });
+}
+
 TEST_CASE("links, bodies and laws refuse numbers that cannot be", "[unit][refusals]") {
   System system, other;
   Body& body = system.add_body("body", shapes::box(1, {1, 1, 1}));
@@ -426,6 +473,10 @@ TEST_CASE("checks, tables and pictures refuse what has nothing in it", "[unit][r
          Copies(family.pointers()).run(states, std::vector<double>{1}, {});
        },
        {"link 'hinge 0' is not in the state that it has at the start", "one set of links"}},
+      {"near rows", [] { nearly_redundant_from("maybe"); }, {"auto, told, free or held", "not 'maybe'"}},
+      {"no methods",
+       [] { work_precision({.make = {}, .length = 1.0}, {}); },
+       {"a chart needs an integrator", "take them from the registry"}},
       {"a column",
        [&] {
          Recorder recorder(driven.system);
