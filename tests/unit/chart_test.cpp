@@ -221,4 +221,23 @@ TEST_CASE("without gnuplot a chart says what to install", "[unit][record]") {
   CHECK_FALSE(fs::exists(folder.file("a.svg")));
 }
 
+TEST_CASE("a gnuplot that cannot be started, fails or draws nothing is told with what it said", "[unit][record]") {
+  const char* const path = std::getenv("PATH");
+  const std::string before = path ? path : "";
+  const auto said_by = [&](const std::string& script) {
+    const Folder folder;
+    std::ofstream(folder.file("gnuplot")) << script;
+    fs::permissions(folder.file("gnuplot"), fs::perms::owner_all);
+    setenv("PATH", folder.path.c_str(), 1);
+    const std::string message = message_of<FileError>([&] { write_chart(folder.file("a.svg"), two_curves()); });
+    setenv("PATH", before.c_str(), 1);
+    CHECK_FALSE(fs::exists(folder.file("a.svg")));
+    return message;
+  };
+  check_words(said_by("no program"), {"cannot start", "gnuplot", "check that it can be executed"});
+  check_words(said_by("#!/bin/sh\necho no fonts\nexit 3\n"), {"gnuplot could not draw", "a.svg", "it said: no fonts"});
+  check_words(said_by("#!/bin/sh\necho nothing to do\n"),
+              {"gnuplot drew nothing for", "a.svg", "it said: nothing to do"});
+}
+
 }  // namespace chart_test

@@ -115,6 +115,8 @@ TEST_CASE("damaged meshes are refused with file and line", "[unit][scene]") {
   const std::string text = contents(kCorpus + "cube_text.stl"), binary = contents(kCorpus + "cube_binary.stl");
   check_words(said("cut.stl", text.substr(0, text.find("endloop"))), {"cut.stl:7", "ends where \"endloop\" should"});
   check_words(said("end.stl", replaced(text, "endsolid cube\n", "")), {"end.stl:85", "endsolid", "cut off"});
+  check_words(said("first.stl", "solid a\nvertex 1 2 3\n"),
+              {"first.stl:2", "\"vertex\" should be \"facet\" or \"endsolid\""});
   check_words(said("word.stl", replaced(text, "outer loop", "outer lop")), {"word.stl:3", "outer loop"});
   check_words(said("nan.stl", replaced(text, "vertex 0", "vertex nan")), {"nan.stl:4", "\"nan\"", "no number"});
   check_words(said("huge.stl", replaced(text, "vertex 0", "vertex 1e99")), {"huge.stl:4", "1e99"});

@@ -9,11 +9,17 @@
 #include <lockstep/analysis.h>
 #include <lockstep/batch.h>
 #include <lockstep/charts.h>
+#include <lockstep/check.h>
+#include <lockstep/couplings.h>
+#include <lockstep/forces.h>
+#include <lockstep/frame_laws.h>
 #include <lockstep/integrators.h>
 #include <lockstep/joints.h>
 #include <lockstep/laws.h>
 #include <lockstep/params.h>
+#include <lockstep/recorder.h>
 #include <lockstep/registry.h>
+#include <lockstep/scene.h>
 #include <lockstep/simulation.h>
 #include <lockstep/solvers.h>
 #include <lockstep/splines.h>
@@ -241,6 +247,242 @@ TEST_CASE("a grid and a recorded run refuse what comes too late or is too much",
          Grid({100'000, 100'000});
        },
        {"the grid has more than 1000000000 runs", "take fewer values"}},
+  });
+}
+
+namespace {
+
+/// Reads the reactions of a link, and does nothing.
+class Reader final : public Force, public Reacting {
+ public:
+  Reader(std::string name, const Lock& link)
+      : Force(std::move(name)), Reacting(static_cast<const Force&>(*this)), link_(&link) {}
+  std::string_view type() const override { return "reader"; }
+  std::vector<const Marker*> markers() const override { return {}; }
+  void setup() override {}
+  void apply(const Inputs&, WrenchSum&) const override {}
+  const Reacting* reacting() const override { return this; }
+  std::vector<const Lock*> reads() const override { return {link_}; }
+  void react(const Inputs&, const Reactions&, WrenchSum&) const override {}
+
+ private:
+  const Lock* link_;
+};
+
+/// A hinge that is driven by its speed.
+struct Driven {
+  System system;
+  Body& body = system.add_body("body", shapes::box(1, {1, 1, 1}));
+  Revolute& hinge = system.add<Revolute>("hinge", body, system.ground(), Pose{});
+  Driven() { hinge.drive_speed(Axis::rz, laws::constant(1)); }
+  Dynamics dynamics(Formulation formulation = Formulation::omega, const Stabilization& stabilization = {}) {
+    return {system, std::make_unique<SchurSolver>(), {formulation, stabilization}};
+  }
+};
+
+void loop_with(const StepLoopOptions& options) {
+  Driven driven;
+  Dynamics dynamics = driven.dynamics();
+  const StepLoop loop(dynamics, std::make_unique<Dopri5>(), options);
+}
+
+}  // namespace
+
+TEST_CASE("a run refuses settings and states that cannot be", "[unit][refusals]") {
+  Driven driven;
+  Dynamics dynamics = driven.dynamics();
+  StepLoop loop(dynamics, std::make_unique<Dopri5>());
+  State no_number = driven.system.start();
+  no_number.s[0] = kNaN;
+  check_refusals({
+      {"a step", [] { loop_with({.step = -1}); }, {"the step of -1 s", "> 0"}},
+      {"an output", [] { loop_with({.output = -1}); }, {"the output interval of -1 s", "> 0"}},
+      {"a tolerance",
+       [] {
+         loop_with({.tolerance = {-1, 0}});
+       },
+       {"the tolerance (relative -1, absolute 0 m)", "> 0"}},
+      {"times",
+       [] {
+         loop_with({.output_times = {1, 0.5}});
+       },
+       {"the output times must be finite and rising", "sort them"}},
+      {"one step", [&] { loop.step(-1); }, {"a step of -1 s must be > 0"}},
+      {"a state", [&] { loop.set_state(no_number); }, {"StepLoop::set_state", "an integrated state", "is not finite"}},
+      {"a tolerance of an event",
+       [&] { loop.add_event({.name = "e", .at = 1, .tolerance = 0, .stop = true}); },
+       {"event 'e': its tolerance of 0 s must be > 0"}},
+      {"a change",
+       [] { run_with({.name = "e", .change = [](State& state) { state.q[0] = kNaN; }}); },
+       {"event 'e' made the state not finite at t = 0.5 s"}},
+      {"a condition",
+       [] {
+         System own;
+         add_door(own);
+         Dynamics of_own(own, std::make_unique<SchurSolver>());
+         StepLoop run(of_own, std::make_unique<Dopri5>());
+         run.add_event({.name = "e", .value = [](const Sample&) { return kNaN; }, .stop = true});
+         run.run_until(1);
+       },
+       {"the condition of event 'e' is nan", "must be a finite number"}},
+      {"rates",
+       [&] { Driven().dynamics(Formulation::omega, {.kind = Stabilization::Kind::baumgarte, .alpha = -1}); },
+       {"stabilisation: alpha -1", "must not be negative"}},
+      {"a formulation", [] { formulation_from("omegas"); }, {"there is no formulation 'omegas'", "omega"}},
+      {"coordinates",
+       [] {
+         test::Family family(1, [](int k) { return test::chain(1, k); });
+         Dynamics along(*family.systems[0], std::make_unique<SchurSolver>(), {Formulation::joint, {}});
+         State state = family.starts()[0];
+         along.to_formulation(state);
+         StateRate rate;
+         along.rate(state, rate);
+       },
+       {"Dynamics::rate", "slots' own coordinates", "call rates()"}},
+  });
+}
+
+namespace {
+
+/// A link of the user's own with a state: of which it forgets the start, or that touches no body.
+class Careless final : public Lock, public Stateful {
+ public:
+  Careless(std::string name, Marker& p, Marker& s, bool touches)
+      : Lock(std::move(name)), p_(&p), s_(&s), touches_(touches) {}
+  std::string_view type() const override { return "careless"; }
+  std::vector<std::pair<const Marker*, const Marker*>> pairs() const override { return {{p_, s_}}; }
+  RowPlan plan_rows() override {
+    RowPlan plan;
+    plan.add({RowKind::function, "row"});
+    if (touches_) plan.slots.add(p_->body->slot);
+    return plan;
+  }
+  void gather(Group, const Inputs&, RowSpan) const override {}
+  const Stateful* stateful() const override { return this; }
+  int n_states() const override { return 1; }
+  void start_states(std::span<double>) const override {}
+  void state_rates(const Inputs&, std::span<double> rates) const override { rates[0] = 0; }
+
+ private:
+  Marker *p_, *s_;
+  bool touches_;
+};
+
+void set_up_careless(bool touches) {
+  System system;
+  Body& body = system.add_body("body", shapes::box(1, {1, 1, 1}));
+  system.add<Careless>("careless", system.add_marker("p", body), system.add_marker("s", system.ground()), touches);
+  system.setup();
+}
+
+}  // namespace
+
+TEST_CASE("a link of the user's own that forgets a number or its bodies is refused by name", "[unit][refusals]") {
+  check_refusals({
+      {"a start",
+       [] { set_up_careless(true); },
+       {"link 'careless'", "leaves some of its 1 numbers unwritten in start_states()"}},
+      {"no body",
+       [] { set_up_careless(false); },
+       {"link 'careless'", "touches 0 moving bodies", "add their slots in setup()"}},
+  });
+}
+
+TEST_CASE("links, bodies and laws refuse numbers that cannot be", "[unit][refusals]") {
+  System system, other;
+  Body& body = system.add_body("body", shapes::box(1, {1, 1, 1}));
+  Marker &p = system.add_marker("p", body), &s = system.add_marker("s", system.ground());
+  Revolute& elsewhere =
+      other.add<Revolute>("elsewhere", other.add_body("a", shapes::box(1, {1, 1, 1})), other.ground(), Pose{});
+  const double inf = std::numeric_limits<double>::infinity();
+  check_refusals({
+      {"no law",
+       [&] { Distance("rope", p, s, LawPtr<MotionLaw>()); },
+       {"link 'rope'", "no law for its length", "give one, or a number"}},
+      {"a stop", [&] { TurnStop("stop", p, s, {.limit = inf}); }, {"link 'stop'", "the limit inf of a stop", "finite"}},
+      {"a speed of rest",
+       [&] { Distance("rope", p, s, 1.0).set_unilateral({.rest_speed = 0}); },
+       {"link 'rope' is one-sided with rest_speed 0", "above zero"}},
+      {"a rod",
+       [] {
+         shapes::rod(0, {0, 0, 0}, {1, 0, 0});
+       },
+       {"rod: the mass is 0", "greater than zero"}},
+      {"a cylinder", [] { shapes::cylinder(0, 1, 1); }, {"cylinder: the mass is 0", "greater than zero"}},
+      {"a direction",
+       [] {
+         laws::axis_rotation({kNaN, 0, 1}, laws::ramp(1));
+       },
+       {"axis", "not finite", "give a direction"}},
+      {"an orientation",
+       [] {
+         laws::constant_rotation({kNaN, 0, 0, 1});
+       },
+       {"not finite", "give a quaternion"}},
+      {"a type",
+       [] {
+         check_type_info({"a\nb", "", {}});
+       },
+       {"its name is not a plain line of text", "rewrite it"}},
+      {"a link of another system",
+       [&] {
+         system.add(std::make_unique<Reader>("reader", elsewhere));
+         system.setup();
+       },
+       {"reader", "link 'elsewhere', whose reactions it reads, is of another System"}},
+  });
+}
+
+TEST_CASE("checks, tables and pictures refuse what has nothing in it", "[unit][refusals]") {
+  Driven driven;
+  driven.system.setup();
+  check_refusals({
+      {"no integrator",
+       [] { check_integrator(IntegratorMaker{}); },
+       {"its maker gives no integrator", "give one that does"}},
+      {"no time",
+       [] { check_law(*laws::ramp(1), {.from = 2, .to = 1}); },
+       {"check_law: from 2 s to 1 s", "a later end"}},
+      {"bars",
+       [] {
+         write_bars("nothing", {"bars", "y", {"a"}, {{"one", {kNaN}}}});
+       },
+       {"bars \"bars\" have nothing to draw", "give them numbers"}},
+      {"copies in other coordinates",
+       [] {
+         test::Family family(1, [](int k) { return test::chain(1, k); });
+         Dynamics along(*family.systems[0], std::make_unique<SchurSolver>(), {Formulation::joint, {}});
+         std::vector<State> states = family.starts();
+         along.to_formulation(states[0]);
+         Copies(family.pointers()).run(states, std::vector<double>{1}, {});
+       },
+       {"the state of copy 0 is in joint coordinates", "Dynamics::to_slots"}},
+      {"copies that start late",
+       [] {
+         test::Family family(1, [](int k) { return test::chain(1, k); });
+         std::vector<State> states = family.starts();
+         states[0].t = 0.5;
+         Copies(family.pointers()).run(states, std::vector<double>{0.1}, {});
+       },
+       {"a start at 0.5 s lies behind the first wanted time, 0.1 s", "leave out the times"}},
+      {"copies with other links",
+       [] {
+         test::Family family(1, [](int k) { return test::chain(1, k); });
+         std::vector<State> states = family.starts();
+         states[0].modes[0] = false;
+         Copies(family.pointers()).run(states, std::vector<double>{1}, {});
+       },
+       {"link 'hinge 0' is not in the state that it has at the start", "one set of links"}},
+      {"near rows", [] { nearly_redundant_from("maybe"); }, {"auto, told, free or held", "not 'maybe'"}},
+      {"no methods",
+       [] { work_precision({.make = {}, .length = 1.0}, {}); },
+       {"a chart needs an integrator", "take them from the registry"}},
+      {"a column",
+       [&] {
+         Recorder recorder(driven.system);
+         recorder.add({"empty", "m", nullptr});
+       },
+       {"column \"empty\" has no function", "give it one"}},
   });
 }
 

@@ -29,6 +29,8 @@ struct Bad {
 #define TWO_BODIES \
   R"("bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}}, {"name": "bob", "particle": 2}], )"
 #define ONE_LINK R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0]}], )"
+#define COUPLED \
+  R"("bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}}, {"name": "leg", "rod": {"mass": 1, "from": [1,0,0], "to": [2,0,0]}}], "links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0]}, {"name": "B", "type": "revolute", "p": "leg", "s": "arm", "at": [1,0,0]}, {"name": "G", "type": "gear", "pairs": ["A", "B"], "ratio": 2)"
 
 const std::vector<Bad> kBodies = {
     {R"("bodies": [{"name": "a", "particle": 1, ~"colour": 3}])", {"body 'a'", "unknown key \"colour\""}},
@@ -75,14 +77,33 @@ const std::vector<Bad> kBodies = {
      {"\"sequence\" needs \"angles\""}},
     {R"("bodies": [{"name": "a", "compound": [{"box": {"mass": 1, "size": [1,1,1]}, ~"place": [0,0,0]}]}])",
      {"compound[0]", "unknown key"}},
+    {R"("bodies": [{"name": "a", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0], "axial_inertia": 1, "radius": ~0.1}}])",
+     {"body 'a', rod", "\"axial_inertia\" makes a rod without thickness", "remove \"radius\""}},
+    {R"("bodies": [{"name": "a", "mass": 1, "inertia": {"xx": 1, "yy": 1, "zz": 1, "xz": ~0.1}}])",
+     {"body 'a', inertia", "unknown key \"xz\"", "its entry is \"zx\""}},
+    {R"("bodies": [{"name": "a", "sphere": {"mass": 1, "radius": 1}, "inertia": ~[1, 1, 1]}])",
+     {"\"sphere\" defines mass and inertia", "remove \"inertia\""}},
+    {R"("bodies": [{"name": "a", "compound": [{"sphere": {"mass": 1, "radius": 1}}], "center": ~[0, 0, 0]}])",
+     {"\"compound\" defines mass and inertia", "remove \"center\""}},
     {R"("bodies": [{"name": "a", "compound": ~[]}])", {"body 'a', compound", "the list is empty", "at least one part"}},
     {R"("bodies": [{"name": "a", "compound": [{"rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}, "position": ~[0,0,0]}]}])",
      {"\"rod\" itself places the part", "remove \"position\""}},
     {R"("bodies": [{"name": "a", "fixed": true, "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}, "position": ~[0,0,0]}])",
      {"\"rod\" itself places the body", "remove \"position\""}},
-    {R"("bodies": [{"name": ~"", "particle": 1}])", {"body", "the name is empty", "give it one"}},
+    {R"("bodies": [{"name": "a", "fixed": true, "velocity": ~[1,0,0]}])",
+     {"a fixed body never moves", "remove \"velocity\""}},
+    {R"("bodies": [{"name": "a", "particle": 1, "omega_body": ~[1,0,0]}])",
+     {"a particle has no rotation", "remove \"omega_body\""}},
+    {R"("bodies": [{"name": "a", "sphere": {"mass": 1, "radius": 1}, "omega_body": [1,0,0], "omega_world": ~[1,0,0]}])",
+     {"body 'a', omega_world", "\"omega_body\" is given as well", "remove one"}},
+    {R"("bodies": [{"name": ~"", "particle": 1}])", {"the name is empty", "give it one"}},
     {R"("bodies": [{"name": "a", "sphere": {"mass": 1, "radius": 1}, "visual": {"color": ~"red"}}])",
      {"body 'a', visual.color", "\"red\" is no color", "#0072b2"}},
+    {R"("bodies": [{"name": "a", "sphere": {"mass": 1, "radius": 1}, "visual": {"opacity": ~2}}])",
+     {"body 'a', visual.opacity", "it is 2", "from 0 to 1"}},
+    {R"("parameters": {"a": 1}, "points": {"P": [1, ~"2 kg", 3]})", {"of different dimensions", "the same unit"}},
+    {R"("points": {"P": "=m.from"}, "bodies": [{"name": "a", "particle": 1}], "markers": [~{"name": "m", "body": "a", "at": [0,0,0]}])",
+     {"marker 'm'", "it has no \".from\"", "\".at\""}},
 };
 
 const std::vector<Bad> kLinks = {
@@ -158,6 +179,60 @@ const std::vector<Bad> kLinks = {
     // the place is that of the culprit, not that of another thing whose name is in the message
     {TWO_BODIES R"("forces": [{"name": ~"f", "type": "applied_torque", "p": "bob", "torque": [0,0,1]}])",
      {"force 'f'", "body 'bob'", "particle"}},
+    {TWO_BODIES
+     R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "at_p": ~[0,0,0]}])",
+     {"link 'A', at_p", "\"at\" places both markers", "remove one"}},
+    {TWO_BODIES
+     R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "axis": "z", "orientation": ~[1,0,0,0]}])",
+     {"link 'A', orientation", "\"axis\" is given as well"}},
+    {TWO_BODIES R"("forces": [{"name": "f", "type": "applied_force", "s": ~"arm", "at": [0,0,0], "force": [0,0,1]}])",
+     {"force 'f', s", "\"s\" is given without \"p\""}},
+    {TWO_BODIES R"("forces": [~{"name": "f", "type": "applied_force", "force": [0,0,1]}])",
+     {"force 'f', p", "missing", "that the force acts on"}},
+    {TWO_BODIES
+     R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "drive": {"axis": "rz", "law": 1, "speed": ~1}}])",
+     {"drive.speed", "\"law\" is given as well", "one of the two"}},
+    {TWO_BODIES
+     R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "stops": [{"axis": "rz", "low": 0, "rest_speed": ~0}]}])",
+     {"rest_speed", "it is 0", "above zero"}},
+    {TWO_BODIES
+     R"("links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0], "stops": [{"axis": "rz", "low": 0, "restitution": ~2}]}])",
+     {"restitution", "it is 2", "between 0 (no bounce) and 1"}},
+    {TWO_BODIES
+     R"("markers": [{"name": "m", "body": "arm", "rotation": {"type": "axis_rotation", "axis": "x", "law": {"type": "ramp", "slope": 1}}}, {"name": "n", "body": "ground"}], "links": [{"name": "S", "type": "spherical", "p": "m", "s": "n", "stops": [{"axis": ~"rx", "low": 0}]}])",
+     {"marker 'm' moves by a law", "link of type \"stop\""}},
+    {TWO_BODIES
+     R"("links": [{"name": "S", "type": "stop", "p": "arm", "s": "ground", "at": [0,0,0], "coordinate": "rz", "low": 0, "high": ~1}])",
+     {"link 'S'", "\"low\" is given as well", "one stop has one end"}},
+    {TWO_BODIES
+     R"("links": [{"name": "A", "type": "distance", "p": "arm", "s": "ground", "at_p": [1,0,0], "at_s": [0,0,0], "unilateral": {"restitution": ~2}}])",
+     {"restitution", "it is 2"}},
+    {TWO_BODIES
+     R"("links": [{"name": "A", "type": "lock", "mask": ~"x y x", "p": "arm", "s": "ground", "at": [0,0,0]}])",
+     {"row \"x\" twice", "name each row once"}},
+    {COUPLED R"(, "move": ~{"type": "constant", "value": [0,0,0]}}])",
+     {"link 'G', move", "takes no imposed motion", "remove it"}},
+    {COUPLED R"(, "drive": ~{"axis": "rz", "law": 1}}])", {"link 'G', drive", "takes no drive", "remove it"}},
+    {COUPLED R"(}], "forces": [~{"name": "f", "type": "joint_friction", "link": "G", "mu": 0.1, "radius": 1}])",
+     {"force 'f'", "link 'G' (gear) is not a joint of two markers", "revolute, prismatic"}},
+    {TWO_BODIES ONE_LINK
+     R"("forces": [{"name": "f", "type": "function_force", "link": ~"A", "p": "arm", "s": "ground", "at": [0,0,0], "coordinate": "rz", "torque": "=1"}])",
+     {"force 'f', link", "\"p\" and \"s\" are given as well", "either a link or two markers"}},
+    {TWO_BODIES ONE_LINK
+     R"("forces": [{"name": "f", "type": "function_force", "link": "A", "coordinate": ~"x", "torque": "=1"}])",
+     {"force 'f', coordinate", "a torque is about rx, ry or rz"}},
+    {TWO_BODIES ONE_LINK
+     R"("forces": [{"name": "f", "type": "function_force", "link": "A", "coordinate": ~"rz", "force": "=1"}])",
+     {"force 'f', coordinate", "a force is along x, y or z"}},
+    {TWO_BODIES
+     R"("planar": "z", "links": [{"name": ~"A", "type": "lock", "mask": "x", "p": "arm", "s": "ground", "at": [0,0,0], "axis": [1,1,1]}])",
+     {"link 'A', row x", "neither in the plane nor normal to it", "set \"planar\" to \"off\""}},
+    {TWO_BODIES
+     R"("planar": "z", "links": [{"name": ~"A", "type": "cylindrical", "p": "arm", "s": "ground", "at": [0,0,0], "drive": {"axis": "z", "law": {"type": "ramp", "slope": 1}}}])",
+     {"link 'A', row z", "asks for a motion out of the plane", "set \"planar\" to \"off\""}},
+    {TWO_BODIES ONE_LINK
+     R"("forces": [{"name": "f", "type": "joint_friction", "link": ~"A", "p": "arm", "s": "ground", "at": [0,0,0], "mu": 0.1, "radius": 1}])",
+     {"force 'f', link", "\"p\" and \"s\" are given as well", "remove them"}},
 };
 
 const std::vector<Bad> kRuns = {
@@ -189,6 +264,15 @@ const std::vector<Bad> kRuns = {
     {R"(~"gravitiy": [0,0,0])", {"scene", "did you mean \"gravity\""}},
     {R"("gravity": ~[0, "9,81 m/s^2", 0])", {}},
     {R"("run": {"step": 1 ~"until": 2})", {"comma"}},
+    {R"("run": {"times": ~[-1, 2]})", {"instant -1 s lies before the start"}},
+    {R"("run": {"record": [~"a\nb"]})", {"line end or another control character", "leave it out"}},
+    {R"("run": {"draw": ~3})", {"run.draw", "expected a list of panels", "a number (3)"}},
+    {R"("run": {"nearly_redundant": ~"maybe"})", {"nearly_redundant", "maybe"}},
+    {TWO_BODIES ONE_LINK R"("events": [{"name": "e", "at": 1, "activate": ["A"], "deactivate": ~["A"]}])",
+     {"event 'e', deactivate", "'A' is activated and deactivated at the same instant"}},
+    {TWO_BODIES ONE_LINK R"("events": [{"name": "e", "at": 1, "activate": ~"A"}])",
+     {"event 'e', activate", "expected a list of texts"}},
+    {R"("requires": ~"drag")", {"requires", "expected a list of texts"}},
 };
 
 // A law of the turn of the link A, and things of the link B along whose z a particle slides.

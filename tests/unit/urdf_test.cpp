@@ -163,6 +163,27 @@ TEST_CASE("what is wrong with a robot in URDF is named", "[unit][scene]") {
       read_urdf(replaced(kArms, "<child link=\"tip\"/>", "<child link=\"tip\"/><axis xyz=\"0 0 0\"/>"), "a", false));
 }
 
+TEST_CASE("a robot that is no tree, or has sizes that cannot be, is refused by name", "[unit][scene]") {
+  const auto robot = [](const std::string& visual, const std::string& mass, const std::string& joints) {
+    return message_of<SceneError>([&] {
+      read_urdf("<robot name='r'><link name='a'/><link name='b'>" + visual + "<inertial><mass value='" + mass +
+                    "'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link>" + joints +
+                    "</robot>",
+                "r.urdf", false);
+    });
+  };
+  const auto picture = [](const std::string& shape) { return "<visual><geometry>" + shape + "</geometry></visual>"; };
+  const std::string joint = "<joint name='j' type='continuous'><parent link='a'/><child link='b'/></joint>",
+                    back = "<joint name='k' type='fixed'><parent link='b'/><child link='a'/></joint>";
+  CHECK(robot("", "1", joint) == "no error");
+  check_words(robot("", "-1", joint), {"r.urdf: link 'b': its mass is negative"});
+  check_words(robot(picture("<cylinder radius='0' length='1'/>"), "1", joint),
+              {"link 'b', visual, radius: it is not above 0"});
+  check_words(robot(picture("<box size='1 0 1'/>"), "1", joint), {"link 'b', visual, size: an edge is not above 0"});
+  check_words(robot("", "1", ""), {"several links are the child of no joint: 'a' and 'b'"});
+  check_words(robot("", "1", joint + back), {"its joints go in a circle"});
+}
+
 TEST_CASE("what links of a robot look like goes with their bodies", "[unit][scene]") {
   // The tip has no mass: its sphere moves with the lower arm or the load, which are one. The world has a box.
   std::string text =

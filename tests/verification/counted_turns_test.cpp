@@ -107,6 +107,30 @@ TEST_CASE("a fixed step in which turns cannot be counted is refused by the link"
   check_words(message_of<StepError>([&] { loop.run_until(2.0); }), {"rk4", "link 'mesh' counts", "smaller step"});
 }
 
+// From rest to rest the mean of the rates misses the whole way; at an even rate it misses nothing.
+TEST_CASE("turns are too uneven to be counted where the mean rate misses the way by more than 2 rad",
+          "[verification][joint]") {
+  Wheels wheels;
+  Dynamics dynamics = along_joints(wheels.system);
+  State from = wheels.system.start();
+  dynamics.to_formulation(from);
+  const auto missed = [&](double way, double rate) {
+    State to = from;
+    to.t = from.t + 0.1;
+    to.q[0] += way, to.q[1] -= 0.5 * way;
+    from.v[0] = to.v[0] = rate, from.v[1] = to.v[1] = -0.5 * rate;
+    const Lock* link = dynamics.miscounts(from, to);
+    return link != nullptr ? link->name() : "";
+  };
+  for (const double sign : {1.0, -1.0}) {
+    CHECK(missed(sign * 1.99, 0) == "");
+    CHECK(missed(sign * 2.01, 0) == "mesh");
+    CHECK(missed(sign * 30, sign * 300) == "");
+    CHECK(missed(sign * 30, sign * 279) == "mesh");
+    CHECK(missed(sign * 30, sign * 281) == "");
+  }
+}
+
 TEST_CASE("what is remembered besides turns of hinges of the tree stays in omega, by name", "[verification][joint]") {
   const auto why = [](System& system) { return along_joints(system).why_not_joint(system.start().modes); };
   Wheels plain, driven(true);

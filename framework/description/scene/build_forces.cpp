@@ -34,6 +34,9 @@ void Builder::force(const Value& object, const std::string& owner) {
     where.link = &out_.system.link(link);
     if (entry->origin == "built in" && parts.type != "joint_friction" && !on_coordinate)
       parts.common.refuse("link", "a " + parts.type + " does not act in a link; name \"p\" and \"s\"");
+    if (entry->origin == "built in" && !on_coordinate && !where.pairs.empty())
+      parts.common.refuse("link",
+                          "a " + parts.type + " acts in its link, and \"p\" and \"s\" are given as well; remove them");
     if (on_coordinate) where.pairs = {markers_of(parts.common, *where.link, where)};
   }
   placed(object.where, [&] {

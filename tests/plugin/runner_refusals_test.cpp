@@ -1,0 +1,175 @@
+// What the command line refuses: the option or the name, its value, and what to write in its place.
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "tests/support/catch.h"
+#include "tests/support/paths.h"
+#include "tests/support/program.h"
+
+namespace runner_refusals_test {
+
+using namespace lockstep;
+using namespace lockstep::testing;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Words of the command line, "@" the four-bar; and words that stand in what is said.
+struct Refused {
+  std::string words;
+  int exit;
+  std::vector<std::string> said;
+};
+
+void check_refusals(const std::vector<Refused>& all) {
+  for (const Refused& one : all) {
+    std::string words = one.words;
+    for (std::size_t at = words.find('@'); at != std::string::npos; at = words.find('@', at + kFourBar.size()))
+      words.replace(at, 1, "'" + kFourBar + "'");
+    const Called called = call(words);
+    INFO(one.words);
+    INFO(called.text);
+    CHECK(called.exit == one.exit);
+    for (const std::string& word : one.said) {
+      INFO("missing: " << word);
+      CHECK(contains(called.text, word));
+    }
+  }
+}
+
+/// A file of the folder in which the program runs.
+void write(const std::string& name, const std::string& text) {
+  fs::create_directories(kRunnerFolder);
+  std::ofstream(kRunnerFolder + "/" + name) << text;
+}
+
+}  // namespace
+
+TEST_CASE("options that cannot be meant are refused with the option, the value and how to write it", "[runner]") {
+  write("requires.json", R"({"lockstep": 1, "requires": ["bump"], "bodies": [{"name": "a", "particle": 1}]})");
+  check_refusals({
+      {"describe", 2, {"describe: give a name, as in `lockstep describe revolute`"}},
+      {"describe revolut", 2, {"describe: unknown name \"revolut\"", "did you mean \"revolute\""}},
+      {"describe cranc --scene @", 2, {"no parameter or point \"cranc\"", "did you mean"}},
+      {"run @ --picture A.angle_z", 2, {"--picture A.angle_z: expected X:Y", "--picture crank.x:crank.y"}},
+      {"run @ --picture none:nothing", 2, {"--picture none:nothing: \"none\" is not recorded"}},
+      {"run @ --json --record -", 2, {"--json: standard output takes the rows", "let one of the two go to a file"}},
+      {"run @ --report -", 2, {"--report: a page for the browser goes to a file", "--report out.html"}},
+      {"run @ --record table.csv --report table.csv",
+       2,
+       {"the report would replace 'table.csv'", "name it table.html"}},
+      {"run @ --record - --checkpoint run.checkpoint",
+       2,
+       {"--checkpoint: rows that go to '", "record them to a file (--record)"}},
+      {"run @ --record table.csv --checkpoint table.csv",
+       2,
+       {"--checkpoint: the checkpoint would replace 'table.csv'", "name another file"}},
+      {"run @ --checkpoint run.checkpoint --every 0s", 2, {"--every: the value is 0s", "greater than 0"}},
+      {"check @ --channels --of cranc", 2, {"--of: nothing named \"cranc\" has channels", "did you mean \"crank\""}},
+      {"statics @ --all none", 2, {"--all: \"none\" is no whole number from 1 to 1000000"}},
+      {"statics @ --all 3 --record rest.csv", 2, {"--all: it prints every equilibrium", "neither --vary nor --record"}},
+      {"statics @ --json --vary run.step=1,2", 2, {"--json: with --vary the rows are CSV", "leave one of the two out"}},
+      {"statics @ --vary run.integrator=rk4,dopri5", 2, {"--vary: \"run.integrator\" takes words", "over numbers"}},
+      {"modes @ --count 0", 2, {"--count: \"0\" is no number of modes", "--count 10"}},
+      {"modes @ --at -1", 2, {"--at: the value is -1", "0 or greater"}},
+      {"matrices @ --out /dev/null/here", 8, {"folder '/dev/null/here' cannot be made", "name another"}},
+      {"kinematics @ --output 1e-12", 2, {"poses, one every 1e-12 s", "give a longer interval, --output"}},
+      {"sweep @ --vary run.step=1,2 --step 3", 2, {"--step: \"run.step\" varies", "leave one of the two out"}},
+      {"sweep @ --vary planar=off,z --full", 2, {"--planar: \"planar\" varies", "leave one of the two out"}},
+      {"sweep @ --vary run.step=1e-3,2e-3 --histories /dev/null/here",
+       8,
+       {"folder '/dev/null/here' cannot be made", "check --histories"}},
+      {"chart @ --budget 0.5", 2, {"--budget: the value is 0.5", "1 s at least"}},
+      {"chart @ --tolerances 1e-3:x", 2, {"--tolerances: \"1e-3:x\" is not a range", "COARSE:FINE"}},
+      {"atlas @ --vary run.step=1,2", 2, {"--vary: a map has two axes", "give two of them"}},
+      {"atlas @ --vary run.step=1,2 --vary run.integrator=rk4,dopri5",
+       2,
+       {"\"run.integrator\": an axis of a map needs numbers", "--integrators"}},
+      {"atlas @ --vary run.step=2,1 --vary run.tolerance=1,2",
+       2,
+       {"\"run.step\": an axis of a map needs two values at least, rising"}},
+      {"atlas @ --vary run.step=1,2 --vary run.tolerance=1,2 --step 3", 2, {"--step: \"run.step\" varies"}},
+      {"atlas @ --vary run.until=1,2 --vary run.tolerance=1,2 --until 3", 2, {"--until: \"run.until\" varies"}},
+      {"run requires.json --set requires.0=drag", 2, {"\"requires.0\" cannot be set", "plugins are given by --plugin"}},
+      {"sweep requires.json --vary requires.0=bump,drag", 2, {"\"requires.0\" cannot vary", "plugins and columns are the same"}},
+  });
+}
+
+TEST_CASE("what a run, a sweep or a plugin's template cannot go on with is refused by name", "[runner]") {
+  const std::string particle = R"("bodies": [{"name": "a", "particle": 1, "velocity": [1, 0, 0]}], )";
+  write("ends.json",
+        R"({"lockstep": 1, )" + particle +
+            R"("events": [{"name": "end", "at": 0.2, "stop": true}], "run": {"until": 1, "record": ["a.x"]}})");
+  write("damped.json", R"({"lockstep": 1, )" + particle +
+                           R"("run": {"until": 1, "integrator": {"type": "generalized_alpha", "rho_infinity": 2}}})");
+  write("none.csv.sweep", "nonsense");
+  write("list.json", "[1, 2]");
+  write("includes.json", R"({"lockstep": 1, "include": [{"scene": "list.json"}]})");
+  for (int k = 0; k <= 17; ++k)
+    write("deep_" + std::to_string(k) + ".json",
+          "{\"lockstep\": 1, \"include\": [{\"scene\": \"deep_" + std::to_string(k + 1) + ".json\"}]}");
+  write("below.json", R"({"lockstep": 1, "bodies": [{"name": "a", "particle": 1, "position": [0, 0, -1]}], "links": [
+    {"name": "S", "type": "stop", "p": "a", "s": "ground", "at_s": [0, 0, 0], "coordinate": "z", "low": 0}], "run": {"until": 1}})");
+  check_refusals({
+      {"modes ends.json --at 0.5", 3, {"the run ended at t = 0.2 s, by 'end'", "give an instant --at before it"}},
+      {"check damped.json", 3, {"run.integrator.rho_infinity: it is 2", "between 0 (all damped) and 1 (nothing)"}},
+      {"check includes.json", 3, {"include[0].scene: \"list.json\" holds no object"}},
+      {"check deep_0.json", 3, {"scenes are included deeper than 16 within one another"}},
+      {"run below.json",
+       5,
+       {"the start has the one-sided link 'S' (row phi) on its forbidden side: C = -1", "reverse the side"}},
+      {"atlas @ --vary run.tolerance=1e-6,1e-5 --vary run.until=1,2 --integrators rk4 --budget 2s",
+       2,
+       {"no method can run this scene", "\"rk4\" takes fixed steps and no step is given"}},
+      {"linearize @ --json --csv numbers", 2, {"--json and --csv", "give one of the two"}},
+      {"sweep ends.json --vary run.tolerance=1e-6,1e-7 --resume --record absent.csv",
+       8,
+       {"there is no sweep to go on with", "'absent.csv.sweep' is missing", "leave out --resume"}},
+      {"sweep ends.json --vary run.tolerance=1e-6,1e-7 --resume --record none.csv",
+       8,
+       {"checkpoint 'none.csv.sweep' is none", "not written by lockstep"}},
+      {"sweep - --vary run.tolerance=1e-6,1e-7 --resume < ends.json",
+       2,
+       {"--resume: it needs a scene and rows that can be read again", "give files for both"}},
+      {"new-plugin link revolute", 2, {"\"revolute\" is a link of lockstep already", "take another name"}},
+      {"new-plugin law motion", 2, {"the class of \"motion\" would be MotionLaw", "take another name"}},
+      {"new-plugin link mine --into /dev/null/here", 8, {"/dev/null/here/mine: cannot be made", "say --into a folder"}},
+  });
+}
+
+TEST_CASE("plugins refuse numbers that cannot be by key, value and limit", "[runner]") {
+  const auto drive = [](const std::string& law) {
+    return "{\"lockstep\": 1, " + kArm + "\"requires\": [\"bump\"], \"links\": [{" + kHinge +
+           ", \"drive\": {\"axis\": \"rz\", \"law\": " + law + "}}]}";
+  };
+  const auto cam = [](const std::string& keys) {
+    return "{\"lockstep\": 1, " + kArm + "\"requires\": [\"cam_follower\"], \"links\": [{\"name\": \"C\", \"type\": " +
+           "\"cam_follower\", \"p\": \"arm\", \"s\": \"ground\", \"at\": [0, 0, 0], " + keys + "}]}";
+  };
+  write("flat_bump.json", drive(R"({"type": "bump", "height": 1, "at": 1, "width": 0})"));
+  write("no_cam.json", cam(R"("base": 0, "lift": 1)"));
+  write("no_lobe.json", cam(R"("base": 1, "lift": 1, "lobes": 0)"));
+  check_refusals({
+      {"check flat_bump.json", 3, {"drive.law.width: is 0 s", "above zero"}},
+      {"check no_cam.json", 3, {"link 'C', base: is 0 m", "a radius above zero"}},
+      {"check no_lobe.json", 3, {"link 'C', lobes: is 0", "a cam has at least one"}},
+  });
+}
+
+TEST_CASE("files that cannot be written are refused with the file and the next move", "[runner]") {
+  write(
+      "robot.urdf",
+      "<robot name='r'><link name='base'/><link name='arm'><inertial><mass value='1'/><inertia ixx='1' ixy='0' ixz='0' "
+      "iyy='1' iyz='0' izz='1'/></inertial></link><joint name='hinge' type='continuous'><parent link='base'/>"
+      "<child link='arm'/></joint></robot>");
+  write("there.json", "{}");
+  check_refusals({
+      {"import robot.urdf --out there.json", 2, {"--out: 'there.json' is there already", "name another file"}},
+      {"import robot.urdf --out /dev/null/scene.json", 8, {"file '/dev/null/scene.json' cannot be written", "(--out)"}},
+      {"run @ --record /dev/null/here/table.csv", 8, {"folder '/dev/null/here' cannot be made", "name another"}},
+  });
+}
+
+}  // namespace runner_refusals_test
