@@ -158,6 +158,7 @@ bool EmbeddedRungeKutta::dense(double t, State& out) const {
   out.z = start_.z;
   out.modes = start_.modes, out.watched = start_.watched;
   if (h_ == 0) return t == start_.t;
+  if (out.q.size() + out.v.size() + out.s.size() == 0) return out.t = t, true;  // laws alone say where all are
   if (!dense_ready_) prepare_dense();
   const double theta = (t - start_.t) / h_;
   double factor = theta;  // theta, theta (1 - theta), theta^2 (1 - theta), ...

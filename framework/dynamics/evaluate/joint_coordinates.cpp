@@ -154,10 +154,13 @@ void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* repo
   Tree& t = tree(state.modes).of(state);
   t.recursion->outward(*t.coordinates, state, t.motions);
   const Inputs in = t.inputs(state);
-  system_.gather_forces(in, t.f);
+  const bool driven = t.coordinates->n_v() == 0;
+  if (!driven || t.solves) system_.gather_forces(in, t.f);
   const Solution* solved = nullptr;
   t.multipliers_known = true;
-  if (t.closures().empty())
+  if (driven)
+    driven_rates(t, out);
+  else if (t.closures().empty())
     t.recursion->accelerate(*t.coordinates, t.motions, t.f, out.v);
   else
     solved = joint_accelerations(t, state, in, out, report);
@@ -165,7 +168,7 @@ void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* repo
   t.coordinates->kinematic_rate(state, out.q);
   out.s.resize(state.s.size());
   if (state.s.size() > 0) {
-    if (t.solves && (solved || !t.multipliers_known || (t.reads_all && t.coordinates->has_rows()))) {
+    if (t.solves && (solved || !t.multipliers_known || (t.reads_all && !t.coordinates->closures().empty()))) {
       if (!solved) solved = &evaluate(state), --work_.evaluations;
       system_.state_rates(*solved, out.s);
     } else if (t.solves) {
@@ -183,6 +186,20 @@ void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* repo
                            " s: the accelerations are not finite although every force is; the motion has blown up: "
                            "take a smaller step (--step) or tolerance",
                        state.t);
+}
+
+// Laws alone move the slots: nothing is solved for.
+void Dynamics::driven_rates(Tree& t, StateRate& out) {
+  t.recursion->follow(*t.coordinates);
+  t.recursion->accelerations(*t.coordinates, t.motions, t.a);
+  out.v.resize(0);
+  const Eigen::Index n = t.a.size();
+  out.slots.resize(2 * n);
+  for (Eigen::Index at = 0; at < n; at += 6) {
+    const Motion& O = t.motions[static_cast<std::size_t>(at / 6 + 1)];
+    out.slots.segment<3>(at) = O.v, out.slots.segment<3>(at + 3) = O.A * O.w;
+    out.slots.segment<3>(n + at) = t.a.segment<3>(at), out.slots.segment<3>(n + at + 3) = O.A * t.a.segment<3>(at + 3);
+  }
 }
 
 // With closures. Where their rows cannot be met, and not for redundant ones off the constraints alone, omega answers, and

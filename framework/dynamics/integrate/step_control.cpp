@@ -183,6 +183,7 @@ double guess_first_step(Dynamics& dynamics, const State& y0, int order, double l
   f1.q -= f0.q;
   f1.v -= f0.v;
   f1.s -= f0.s;
+  f1.slots -= f0.slots;
   const double most = std::max(d1, norm.of(f1, y0) / h0);
   const double h1 = most <= 1e-15 ? std::max(1e-6, 1e-3 * h0) : std::pow(0.01 / most, 1.0 / (order + 1));
   return std::min({100 * h0, h1, largest});

@@ -33,11 +33,23 @@ void check_options(const StepLoopOptions& options, const IntegratorInfo& info) {
     throw ModelError(fmt::format("{} works with a fixed step; give it by StepLoopOptions::step, or --step", info.name));
 }
 
+// To the coordinates of the formulation, where the method takes them, else to the slots' own.
+void to_coordinates(Dynamics& dynamics, const IntegratorInfo& method, State& state, const State* near) {
+  if (method.joint) dynamics.to_formulation(state, near);
+  if (!method.takes(state.coordinates.get())) dynamics.to_slots(state);
+}
+
 // Joint coordinates that were asked for by name must be possible.
 void check_formulation(Dynamics& dynamics, const State& state, const IntegratorInfo& method) {
   if (dynamics.options().formulation != Formulation::joint) return;
   std::string why = dynamics.why_not_joint(state.modes);
   if (why.empty() && !method.joint) why = "the integrator " + method.name + " does not take them";
+  if (why.empty()) {
+    State there = state;
+    dynamics.to_formulation(there);
+    if (!method.takes(there.coordinates.get()))
+      why = "the integrator " + method.name + " takes no mechanism that laws alone move";
+  }
   if (!why.empty())
     throw ModelError("joint coordinates (formulation joint) are not possible: " + why +
                      "; take the formulation auto or omega");
@@ -294,7 +306,7 @@ void StepLoop::conclude() {
       if (!ended.refusal.empty()) throw AssemblyError(ended.refusal);
       if (ended.jump) {
         make_consistent("the jump of a law");
-        if (method_->info().joint) dynamics_.to_formulation(state_, &before_change);
+        if (method_->info().joint) to_coordinates(dynamics_, method_->info(), state_, &before_change);
       }
       if (ended.landed || ended.met || ended.touched) clock.set_anchor(state_.t);
       phase_ = Phase::events;
@@ -345,10 +357,7 @@ void StepLoop::cross_jump(double t) {
 void StepLoop::begin_method() {
   auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause,
          detailed] = *parts_;
-  if (method_->info().joint)
-    dynamics_.to_formulation(state_, &before_change);
-  else
-    dynamics_.to_slots(state_);
+  to_coordinates(dynamics_, method_->info(), state_, &before_change);
   const double t = state_.t, horizon = clock.horizon(t);
   interval.begin(state_);
   double guess = 0;
