@@ -72,7 +72,7 @@ void Dynamics::lay_out_reactions(Tree& t) const {
   bool laws = false;
   const auto show = [&](int link) { shown[static_cast<std::size_t>(link)] = laws = true; };
   for (const TreeNode& n : t.coordinates->nodes())
-    if (n.has_laws()) show(n.link);
+    if (n.has_laws() || (n.left != 0 && may_have_laws(*n.lock))) show(n.link);
   for (const int link : t.coordinates->closures())
     if (may_have_laws(*system_.links()[static_cast<std::size_t>(link)])) show(link);
   system_.lay_out(shown, t.rows);
@@ -168,7 +168,7 @@ void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* repo
   t.coordinates->kinematic_rate(state, out.q);
   out.s.resize(state.s.size());
   if (state.s.size() > 0) {
-    if (t.solves && (solved || !t.multipliers_known || (t.reads_all && !t.coordinates->closures().empty()))) {
+    if (t.solves && (solved || !t.multipliers_known || (t.reads_all && t.coordinates->may_be_redundant()))) {
       if (!solved) solved = &evaluate(state), --work_.evaluations;
       system_.state_rates(*solved, out.s);
     } else if (t.solves) {

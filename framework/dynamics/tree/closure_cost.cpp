@@ -17,7 +17,7 @@ constexpr double kMostSquares = 15;  // of the numbers of rows at a node, for ea
 std::string why_dearer(const JointTree& tree, const ClosureFronts& fronts, const System& system,
                        const std::vector<bool>& modes) {
   for (const auto& own : system.auxiliaries())
-    if (!tree.closures().empty() && own->reads_solution() && !own->vanishes_without_laws())
+    if (tree.may_be_redundant() && own->reads_solution() && !own->vanishes_without_laws())
       return "the states of '" + own->name() +
              "' read accelerations or reactions, which omega gives at every evaluation";
   RowTable all;

@@ -22,12 +22,24 @@ Mask closed_form(Mask rows, Plane plane) {
   return plane || count_rows(rows & Mask::e123) != 1 ? rows : rows & Mask::xyz;
 }
 
-// Numbers among the rows of a mask that are not held, a bit for each.
-unsigned rows_left(Mask rows, Mask held) {
+// Numbers of the rows of a lock that its joint does not hold, a bit for each: rows of its functions come last.
+unsigned rows_left(const Lock& lock, Mask held) {
+  const Mask rows = lock.jointed()->rows();
   unsigned left = 0;
-  for (int k = 0, row = 0; k < 6; ++k)
+  int row = 0;
+  for (int k = 0; k < 6; ++k)
     if (includes(rows, row_bit(k))) left |= includes(held, row_bit(k)) ? 0U : 1U << row, ++row;
+  for (; row < lock.row_count(); ++row) left |= 1U << row;
   return left;
+}
+
+// Whether the rows of its mask are the first of a lock.
+bool begins_with_mask(const Lock& lock) {
+  const Mask rows = lock.jointed()->rows();
+  if (lock.row_count() < count_rows(rows)) return false;
+  for (int k = 0, row = 0; k < 6; ++k)
+    if (includes(rows, row_bit(k)) && lock.row_name(row++) != row_name(k)) return false;
+  return true;
 }
 
 bool is_particle(const Body& body) { return !body.fixed && body.freedoms == Freedoms::particle; }
@@ -127,7 +139,8 @@ std::string refusal(const Lock& link, Plane plane) {
   if (plane)
     for (const auto& [p, s] : link.pairs())
       if (is_moving(*p) || is_moving(*s)) return who + "has a marker that moves on its body";
-  if (link.row_count() != count_rows(joint->rows())) return who + "has rows beside those of its mask";
+  if (!begins_with_mask(link) || (plane && link.row_count() != count_rows(joint->rows())))
+    return who + "has rows beside those of its mask";
   if (plane && is_tilted(link, plane)) return who + "has markers that are turned against each other out of the plane";
   return refusal_of_particle(link);
 }
@@ -195,7 +208,7 @@ std::shared_ptr<const JointTree> JointTree::of(const System& system, const std::
   const auto tree = std::make_shared<JointTree>();
   tree->node_of_.assign(static_cast<std::size_t>(system.n_slots()), -1);
   const auto [joints, others] = tree_and_closures(system, modes);
-  tree->closures_ = others, tree->has_rows_ = !others.empty();
+  tree->closures_ = others, tree->has_rows_ = tree->may_be_redundant_ = !others.empty();
   tree->grow(system, Graph(system, joints));
   tree->planar_ = PlanarJoints::of(tree->nodes_, system.plane());
   why_not = tree->follow_turns(system);
@@ -203,8 +216,7 @@ std::shared_ptr<const JointTree> JointTree::of(const System& system, const std::
   if (system.plane() && !tree->planar_)
     why_not = "a law does not say that it stays in the plane (stays_in_plane, turns_about)";
   else if (tree->n_v_ == 0 && tree->has_rows_)
-    why_not = "no coordinate is free beside link '" +
-              system.links()[static_cast<std::size_t>(tree->closures_.front())]->name() + "', which closes a loop";
+    why_not = "no coordinate is free, and what closes loops has rows";
   return why_not.empty() ? tree : nullptr;
 }
 
@@ -246,8 +258,11 @@ void JointTree::add_node(const System& system, int slot, int parent, int link) {
     const auto [p, s] = lock.pairs().front();
     P = MarkerFrame(*p), S = MarkerFrame(*s);
     held = closed_form(lock.jointed()->rows(), system.plane());
-    node.left = rows_left(lock.jointed()->rows(), held);
+    node.left = rows_left(lock, held);
     has_rows_ = has_rows_ || node.left != 0;
+    for (int row = 0; row < lock.row_count(); ++row)
+      may_be_redundant_ =
+          may_be_redundant_ || ((node.left >> row & 1U) != 0 && lock.row_kind(row) == RowKind::function);
     if (const ImposedMotion& laws = lock.jointed()->imposed(); !laws.empty()) {
       node.imposed = std::make_shared<const ImposedMotion>(laws);
       node.first_s = lock.first_state(), node.n_s = lock.n_own_states();

@@ -1,5 +1,5 @@
 // JointTree: joint coordinates. Slots are nodes; one link carries each slot from its parent, and its free coordinates
-// are unknowns. What a link in the tree holds has no rows, but for a row of one turn alone.
+// are unknowns. What a link in the tree holds has no rows, but for one turn alone and for functions.
 #pragma once
 
 #include <array>
@@ -94,6 +94,8 @@ class LOCKSTEP_API JointTree final : public Coordinates {
 
   const std::vector<TreeNode>& nodes() const { return nodes_; }  ///< parents before their children
   const std::vector<int>& closures() const { return closures_; }  ///< numbers of the links in force beside the tree
+  /// Whether rows beside the joints may depend on others: those of closures and of functions. A turn alone never does.
+  bool may_be_redundant() const { return may_be_redundant_; }
   /// The same joints in a plane, where they keep all slots in one; else null.
   const PlanarJoints* planar() const { return planar_.get(); }
 
@@ -127,7 +129,7 @@ class LOCKSTEP_API JointTree final : public Coordinates {
   std::vector<CountedTurn> counted_;
   std::shared_ptr<const PlanarJoints> planar_;
   int n_q_ = 0, n_v_ = 0;
-  bool has_laws_ = false, has_rows_ = false;
+  bool has_laws_ = false, has_rows_ = false, may_be_redundant_ = false;
 };
 
 }  // namespace lockstep

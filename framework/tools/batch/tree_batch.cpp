@@ -20,7 +20,7 @@ std::string why_no_lanes(const JointTree& tree, const System& system) {
   if (!tree.closures().empty()) return link(tree.closures().front()) + "closes a loop";
   if (tree.n_v() == 0) return "no coordinate is free";
   for (const TreeNode& n : tree.nodes()) {
-    if (n.left != 0) return link(n.link) + "holds one turn alone";
+    if (n.left != 0) return link(n.link) + "has rows that its joint does not hold";
     if (n.moving) return link(n.link) + "has a marker that moves on its body";
   }
   for (const auto& force : system.forces())
