@@ -17,6 +17,16 @@ namespace {
 
 constexpr double kStalledRows = 0.3;  // of a residual: a correction that leaves more is the last one
 
+// The rates of slots that laws alone move, world axes: velocities, and their rates. a: 6 per slot, as in Evaluated.
+void write_rates(std::span<const Motion> motions, const VecX& a, StateRate& out) {
+  out.q.resize(a.size()), out.v.resize(a.size());
+  for (Eigen::Index at = 0; at < a.size(); at += 6) {
+    const Motion& O = motions[static_cast<std::size_t>(at / 6 + 1)];
+    out.q.segment<3>(at) = O.v, out.q.segment<3>(at + 3) = O.A * O.w;
+    out.v.segment<3>(at) = a.segment<3>(at), out.v.segment<3>(at + 3) = O.A * a.segment<3>(at + 3);
+  }
+}
+
 }  // namespace
 
 Dynamics::~Dynamics() = default;
@@ -159,13 +169,16 @@ void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* repo
   const Solution* solved = nullptr;
   t.multipliers_known = true;
   if (driven)
-    driven_rates(t, out);
+    t.recursion->follow(*t.coordinates);
   else if (t.closures().empty())
     t.recursion->accelerate(*t.coordinates, t.motions, t.f, out.v);
   else
     solved = joint_accelerations(t, state, in, out, report);
   out.largest_a = t.recursion->largest().a(), out.largest_alpha = t.recursion->largest().alpha();
-  t.coordinates->kinematic_rate(state, out.q);
+  if (driven)
+    t.recursion->accelerations(*t.coordinates, t.motions, t.a), write_rates(t.motions, t.a, out);
+  else
+    t.coordinates->kinematic_rate(state, out.q);
   out.s.resize(state.s.size());
   if (state.s.size() > 0) {
     if (t.solves && (solved || !t.multipliers_known || (t.reads_all && t.coordinates->may_be_redundant()))) {
@@ -186,20 +199,6 @@ void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* repo
                            " s: the accelerations are not finite although every force is; the motion has blown up: "
                            "take a smaller step (--step) or tolerance",
                        state.t);
-}
-
-// Laws alone move the slots: nothing is solved for.
-void Dynamics::driven_rates(Tree& t, StateRate& out) {
-  t.recursion->follow(*t.coordinates);
-  t.recursion->accelerations(*t.coordinates, t.motions, t.a);
-  out.v.resize(0);
-  const Eigen::Index n = t.a.size();
-  out.slots.resize(2 * n);
-  for (Eigen::Index at = 0; at < n; at += 6) {
-    const Motion& O = t.motions[static_cast<std::size_t>(at / 6 + 1)];
-    out.slots.segment<3>(at) = O.v, out.slots.segment<3>(at + 3) = O.A * O.w;
-    out.slots.segment<3>(n + at) = t.a.segment<3>(at), out.slots.segment<3>(n + at + 3) = O.A * t.a.segment<3>(at + 3);
-  }
 }
 
 // With closures. Where their rows cannot be met, and not for redundant ones off the constraints alone, omega answers, and

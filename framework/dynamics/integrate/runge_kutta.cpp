@@ -122,7 +122,6 @@ void Stages::sum(double h, const Weights& w, StateRate& out) const {
   add_part(nullptr, k_.data(), &StateRate::q, h, w, out.q);
   add_part(nullptr, k_.data(), &StateRate::v, h, w, out.v);
   add_part(nullptr, k_.data(), &StateRate::s, h, w, out.s);
-  add_part(nullptr, k_.data(), &StateRate::slots, h, w, out.slots);
 }
 
 ProjectReport project_end(Dynamics& dynamics, State& y, StagesOn on) {
@@ -157,9 +156,8 @@ double combined_error(double e5, double e3) {
 }
 
 StateRate sized_like(const State& y) {
-  StateRate rate{VecX::Zero(y.q.size()), VecX::Zero(y.v.size()), VecX::Zero(y.s.size())};
-  if (y.coordinates && y.coordinates->n_v() == 0) rate.slots.setZero(12 * y.coordinates->n_slots());
-  return rate;
+  const Eigen::Index alone = y.coordinates && y.v.size() == 0 ? 6 * y.coordinates->n_slots() : 0;  // rates of the slots
+  return {VecX::Zero(y.q.size() + alone), VecX::Zero(y.v.size() + alone), VecX::Zero(y.s.size())};
 }
 
 void copy_motion(const State& in, State& out) {

@@ -377,9 +377,8 @@ namespace {
 
 // Where laws alone move the slots.
 void vary_driven(const StateRate& d, VecX& dx, VecX& dv) {
-  const Eigen::Index n = dx.size();
-  if (d.slots.size() == 2 * n)
-    dx = d.slots.head(n), dv = d.slots.tail(n);
+  if (d.q.size() == dx.size() && d.v.size() == dv.size())
+    dx = d.q, dv = d.v;
   else
     dx.setZero(), dv.setZero();
 }

@@ -427,7 +427,6 @@ class LOCKSTEP_API Dynamics {
   Evaluation& gathered(const State&);
   Tree& tree(const std::vector<bool>& modes);
   void joint_rates(const State&, StateRate& out, SolveReport*);
-  static void driven_rates(Tree&, StateRate& out);
   ProjectReport project_joint(State&, double goal);
   void joint_reactions(Tree&, const Inputs&);
   const Solution* joint_accelerations(Tree&, const State&, const Inputs&, StateRate& out, SolveReport*);

@@ -19,14 +19,10 @@ struct IntegratorInfo {
   bool implicit = false,  ///< it solves nonlinear equations in each step
       adaptive = false;   ///< it chooses its steps by an estimate of its error
   int evaluations = 1;    ///< of the equations of motion per step; of an implicit method a rough number
-  bool joint = false;     ///< it takes states in any coordinates (Dynamics::rates), joint coordinates among them
+  /// It takes states in any coordinates (Dynamics::rates), joint coordinates among them; those without q and v only if its
+  /// steps are fixed or it is an EmbeddedRungeKutta.
+  bool joint = false;
   bool passes_singular = false;  ///< it passes singular positions, near which accelerations are ill-conditioned
-  /// It also takes states without q and v, of mechanisms that laws alone move. One that chooses its steps counts the
-  /// error that its formula makes of StateRate::slots; ErrorNorm::of and Stages::sum do.
-  bool driven = false;
-
-  /// Whether it takes states in these coordinates; null: the slots' own.
-  bool takes(const Coordinates* c) const { return c == nullptr || (joint && (driven || c->n_v() > 0)); }
 };
 
 /// Error of a step that is allowed: atol_x + relative |increment| for positions (m) and rotations (rad), with

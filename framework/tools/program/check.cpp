@@ -14,6 +14,7 @@
 #include <lockstep/lock.h>
 #include <lockstep/text.h>
 #include <lockstep/uniqueness.h>
+#include "framework/dynamics/simulate/along_laws.h"
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/check_tree.h"
 #include "framework/tools/program/commands.h"
@@ -89,14 +90,12 @@ std::vector<LeftOut> left_out(const Mechanism& m) {
 
 /// What keeps a run of the mechanism as it stands from joint coordinates; "" if nothing does.
 std::string why_not_joint(const Mechanism& m, Dynamics& dynamics, const State& start, const Registry& registry) {
-  const IntegratorInfo method = make_integrator(m.run, registry)->info();
+  const std::unique_ptr<Integrator> method = make_integrator(m.run, registry);
+  const IntegratorInfo info = method->info();
   std::string why = dynamics.why_not_joint(start.modes);
-  if (why.empty() && !method.joint) why = "integrator " + method.name + " does not take joint coordinates";
-  if (!why.empty()) return why;
-  State there = start;
-  dynamics.to_formulation(there);
-  if (!method.takes(there.coordinates.get()))
-    why = "integrator " + method.name + " takes no mechanism that laws alone move";
+  if (why.empty() && !info.joint) why = "integrator " + info.name + " does not take joint coordinates";
+  if (why.empty() && !takes_formulation(*method, dynamics, start))
+    why = "integrator " + info.name + " takes no mechanism that laws alone move";
   return why;
 }
 
