@@ -87,7 +87,7 @@ void EmbeddedRungeKutta::begin(Dynamics& dynamics, const State& state) {
 // The first stage does not depend on h: rejected attempts keep it. From the rate at the end of the last step, which
 // begins this one, and that of its late stage, the watch estimates the fastest mode.
 double EmbeddedRungeKutta::start_step(Dynamics& dynamics, double h) {
-  const bool follows = h_followed_ > 0 && start_.t == landed_t_;
+  const bool follows = h_followed_ > 0 && start_.t == landed_t_ && start_.v.size() > 0;
   const double h_before = h_followed_;
   h_ = h_followed_ = 0;
   dense_ready_ = false;
@@ -127,7 +127,7 @@ void EmbeddedRungeKutta::finish_step(Dynamics&, StepReport& report) {
   report.manifold = passage_.stages_on() == StagesOn::manifold;
   report.stiff = watch_.stiff();
   passage_.finish_step(stages_, report);
-  if (fixed()) return;
+  if (fixed() || end_.v.size() == 0) return;
   stages_.sum(h_, gap_w_, gap_);
   gap_.v += landed_.v - end_.v;
 }
@@ -158,12 +158,12 @@ bool EmbeddedRungeKutta::dense(double t, State& out) const {
   out.z = start_.z;
   out.modes = start_.modes, out.watched = start_.watched;
   if (h_ == 0) return t == start_.t;
-  if (!dense_ready_) prepare_dense();
+  const bool moves = out.v.size() > 0;  // else laws alone say where all are
+  if (!dense_ready_ && (moves || out.s.size() > 0)) prepare_dense();
   const double theta = (t - start_.t) / h_;
   double factor = theta;  // theta, theta (1 - theta), theta^2 (1 - theta), ...
   for (std::size_t i = 0; i < poly_.size(); ++i) {
-    out.q += factor * poly_[i].q;
-    out.v += factor * poly_[i].v;
+    if (moves) out.q += factor * poly_[i].q, out.v += factor * poly_[i].v;
     out.s += factor * poly_[i].s;
     factor *= i % 2 == 0 ? 1 - theta : theta;
   }
@@ -183,8 +183,7 @@ void EmbeddedRungeKutta::prepare_dense() const {
     p1 = h_ * (stages_.k(0).*part) - p0;
     p2 = p0 - h_ * (stages_.k(scheme_.end_stage).*part) - p1;
   };
-  each(&StateRate::q, &State::q);
-  each(&StateRate::v, &State::v);
+  if (start_.v.size() > 0) each(&StateRate::q, &State::q), each(&StateRate::v, &State::v);
   each(&StateRate::s, &State::s);
   for (int i = 0; i < scheme_.n_dense; ++i)
     stages_.sum(h_, dense_w_[static_cast<std::size_t>(i)], poly_[static_cast<std::size_t>(3 + i)]);

@@ -185,10 +185,10 @@ void check_omega(Dynamics& dynamics, const JointTree& tree, const State& state) 
   CHECK(rate.largest_alpha == Approx(al).epsilon(1e-10));
 }
 
-/// A mechanism in a plane by name: joints in it as above, spherical ones with axes anywhere, bodies that are free, and
-/// supports, which hold nothing in the plane and would close loops in space.
+/// A mechanism in a plane by name: joints in it as above, of which some hold one turn alone, spherical ones with axes
+/// anywhere, bodies that are free, and supports, which hold nothing in the plane and would close loops in space.
 System planar_system(std::uint64_t seed, int n, bool laws) {
-  Draw draw(seed);
+  Draw draw(seed), turns(seed + 1000);
   const auto flat = [&](Vec3 a) {
     a[n] = 0;
     return a;
@@ -221,16 +221,18 @@ System planar_system(std::uint64_t seed, int n, bool laws) {
     for (int i = 0; i < 3 && !spherical; ++i)
       if (i != n && draw.number(0, 1) < 0.6) mask = mask | row_bit(i);
     if (!spherical && draw.number(0, 1) < 0.3) mask = mask | row_bit(3 + n);
+    const bool one_turn = !spherical && turns.number(0, 1) < 0.4;
+    if (one_turn) mask = (mask & Mask::xyz) | row_bit(3 + static_cast<int>(turns.number(0, 2.999)));
     auto& lock = system.add<GenericLock>("link" + name, turned ? b : a, turned ? a : b, mask);
     if (kind > 0.6)
       system.add<GenericLock>("support" + name, marker("up", body, flip), marker("down", system.ground(), flip),
                               row_bit(n) | row_bit(3 + (n + 1) % 3) | row_bit(3 + (n + 2) % 3));
-    const bool holds = count_rows(mask) > 3;  // something in the plane
+    const bool holds = overlaps(mask, row_bit((n + 1) % 3) | row_bit((n + 2) % 3) | row_bit(3 + n));  // in the plane
     if (!laws || spherical || !holds) continue;
     TranslationValue move{flat(draw.vector(1.0)), draw.vector(1.0), draw.vector(1.0)};
     if (draw.number(0, 1) < 0.5) lock.move(std::make_shared<Move>(move, normal));
     if (draw.number(0, 1) < 0.5) lock.turn(std::make_shared<Turn>(normal, number()));
-    if (!includes(mask, row_bit(3 + n)) && draw.number(0, 1) < 0.3)
+    if (!includes(mask, row_bit(3 + n)) && !one_turn && draw.number(0, 1) < 0.3)
       lock.drive(Axis(3 + n), std::make_shared<Quadratic>(number()));
   }
   system.add_particle("bead", 0.7, flat(draw.vector(1.0)));

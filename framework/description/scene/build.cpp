@@ -5,6 +5,7 @@
 #include <lockstep/text.h>
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/resolve.h"
+#include "framework/dynamics/simulate/along_laws.h"
 #include "framework/dynamics/tree/tree_layout.h"
 
 namespace lockstep {
@@ -139,11 +140,12 @@ void Builder::set_merge(const std::string& how) {
 std::shared_ptr<const JointTree> Builder::tree() const {
   const Formulation formulation = out_.run.formulation;
   if (formulation != Formulation::joint && formulation != Formulation::automatic) return nullptr;
-  if (!make_integrator(out_.run, registry_)->info().joint) return nullptr;
+  const std::unique_ptr<Integrator> method = make_integrator(out_.run, registry_);
+  if (!method->info().joint) return nullptr;
   out_.system.setup();
-  return lay_out_tree(out_.system, out_.system.start().modes,
-                      formulation == Formulation::joint ? Taken::all : Taken::where_cheaper)
-      .tree;
+  const Taken taken = formulation == Formulation::joint ? Taken::all : Taken::where_cheaper;
+  std::shared_ptr<const JointTree> tree = lay_out_tree(out_.system, out_.system.start().modes, taken).tree;
+  return takes(*method, tree.get()) ? tree : nullptr;
 }
 
 // A start speed of a link that leads out of the plane; null where there is none. Of a system that is set up in it.

@@ -17,6 +17,16 @@ namespace {
 
 constexpr double kStalledRows = 0.3;  // of a residual: a correction that leaves more is the last one
 
+// The rates of slots that laws alone move, world axes: velocities, and their rates. a: 6 per slot, as in Evaluated.
+void write_rates(std::span<const Motion> motions, const VecX& a, StateRate& out) {
+  out.q.resize(a.size()), out.v.resize(a.size());
+  for (Eigen::Index at = 0; at < a.size(); at += 6) {
+    const Motion& O = motions[static_cast<std::size_t>(at / 6 + 1)];
+    out.q.segment<3>(at) = O.v, out.q.segment<3>(at + 3) = O.A * O.w;
+    out.v.segment<3>(at) = a.segment<3>(at), out.v.segment<3>(at + 3) = O.A * a.segment<3>(at + 3);
+  }
+}
+
 }  // namespace
 
 Dynamics::~Dynamics() = default;
@@ -72,7 +82,7 @@ void Dynamics::lay_out_reactions(Tree& t) const {
   bool laws = false;
   const auto show = [&](int link) { shown[static_cast<std::size_t>(link)] = laws = true; };
   for (const TreeNode& n : t.coordinates->nodes())
-    if (n.has_laws()) show(n.link);
+    if (n.has_laws() || (n.left != 0 && may_have_laws(*n.lock))) show(n.link);
   for (const int link : t.coordinates->closures())
     if (may_have_laws(*system_.links()[static_cast<std::size_t>(link)])) show(link);
   system_.lay_out(shown, t.rows);
@@ -154,18 +164,24 @@ void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* repo
   Tree& t = tree(state.modes).of(state);
   t.recursion->outward(*t.coordinates, state, t.motions);
   const Inputs in = t.inputs(state);
-  system_.gather_forces(in, t.f);
+  const bool driven = t.coordinates->n_v() == 0;
+  if (!driven || t.solves) system_.gather_forces(in, t.f);
   const Solution* solved = nullptr;
   t.multipliers_known = true;
-  if (t.closures().empty())
+  if (driven)
+    t.recursion->follow(*t.coordinates);
+  else if (t.closures().empty())
     t.recursion->accelerate(*t.coordinates, t.motions, t.f, out.v);
   else
     solved = joint_accelerations(t, state, in, out, report);
   out.largest_a = t.recursion->largest().a(), out.largest_alpha = t.recursion->largest().alpha();
-  t.coordinates->kinematic_rate(state, out.q);
+  if (driven)
+    t.recursion->accelerations(*t.coordinates, t.motions, t.a), write_rates(t.motions, t.a, out);
+  else
+    t.coordinates->kinematic_rate(state, out.q);
   out.s.resize(state.s.size());
   if (state.s.size() > 0) {
-    if (t.solves && (solved || !t.multipliers_known || (t.reads_all && t.coordinates->has_rows()))) {
+    if (t.solves && (solved || !t.multipliers_known || (t.reads_all && t.coordinates->may_be_redundant()))) {
       if (!solved) solved = &evaluate(state), --work_.evaluations;
       system_.state_rates(*solved, out.s);
     } else if (t.solves) {

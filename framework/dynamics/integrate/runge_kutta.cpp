@@ -156,7 +156,8 @@ double combined_error(double e5, double e3) {
 }
 
 StateRate sized_like(const State& y) {
-  return {VecX::Zero(y.q.size()), VecX::Zero(y.v.size()), VecX::Zero(y.s.size())};
+  const Eigen::Index alone = y.coordinates && y.v.size() == 0 ? 6 * y.coordinates->n_slots() : 0;  // rates of the slots
+  return {VecX::Zero(y.q.size() + alone), VecX::Zero(y.v.size() + alone), VecX::Zero(y.s.size())};
 }
 
 void copy_motion(const State& in, State& out) {

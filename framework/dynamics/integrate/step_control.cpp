@@ -180,8 +180,7 @@ double guess_first_step(Dynamics& dynamics, const State& y0, int order, double l
   copy_motion(y0, y1);
   y1.z = y0.z;
   y1.t = y0.t + h0;
-  y1.q += h0 * f0.q;
-  y1.v += h0 * f0.v;
+  if (y1.v.size() > 0) y1.q += h0 * f0.q, y1.v += h0 * f0.v;  // else laws alone say where all are
   y1.s += h0 * f0.s;
   dynamics.rates(y1, f1);
   f1.q -= f0.q;

@@ -7,6 +7,7 @@
 
 #include <lockstep/error.h>
 #include "framework/dynamics/integrate/culprit.h"
+#include "framework/dynamics/simulate/along_laws.h"
 #include "framework/dynamics/simulate/consistency.h"
 #include "framework/dynamics/simulate/detail_observer.h"
 #include "framework/dynamics/simulate/keep_state.h"
@@ -33,11 +34,20 @@ void check_options(const StepLoopOptions& options, const IntegratorInfo& info) {
     throw ModelError(fmt::format("{} works with a fixed step; give it by StepLoopOptions::step, or --step", info.name));
 }
 
+// To the coordinates of the formulation, where the method takes them, else to the slots' own.
+void to_coordinates(Dynamics& dynamics, const Integrator& method, State& state, const State* near) {
+  if (method.info().joint) dynamics.to_formulation(state, near);
+  if (!takes(method, state.coordinates.get())) dynamics.to_slots(state);
+}
+
 // Joint coordinates that were asked for by name must be possible.
-void check_formulation(Dynamics& dynamics, const State& state, const IntegratorInfo& method) {
+void check_formulation(Dynamics& dynamics, const State& state, const Integrator& method) {
   if (dynamics.options().formulation != Formulation::joint) return;
   std::string why = dynamics.why_not_joint(state.modes);
-  if (why.empty() && !method.joint) why = "the integrator " + method.name + " does not take them";
+  const IntegratorInfo info = method.info();
+  if (why.empty() && !info.joint) why = "the integrator " + info.name + " does not take them";
+  if (why.empty() && !takes_formulation(method, dynamics, state))
+    why = "the integrator " + info.name + " takes no mechanism that laws alone move";
   if (!why.empty())
     throw ModelError("joint coordinates (formulation joint) are not possible: " + why +
                      "; take the formulation auto or omega");
@@ -169,7 +179,7 @@ void StepLoop::make_start() {
          detailed] = *parts_;
   system().check_size(state_);
   check_start(dynamics_, state_, options_.start_limit);
-  check_formulation(dynamics_, state_, method_->info());
+  check_formulation(dynamics_, state_, *method_);
   dynamics_.accept(state_);  // memory includes the speeds of the start
   interval.start(state_);
   clock.start(state_.t);
@@ -295,7 +305,7 @@ void StepLoop::conclude() {
       if (!ended.refusal.empty()) throw AssemblyError(ended.refusal);
       if (ended.jump) {
         make_consistent("the jump of a law");
-        if (method_->info().joint) dynamics_.to_formulation(state_, &before_change);
+        if (method_->info().joint) to_coordinates(dynamics_, *method_, state_, &before_change);
       }
       if (ended.landed || ended.met || ended.touched) clock.set_anchor(state_.t);
       phase_ = Phase::events;
@@ -325,7 +335,7 @@ void StepLoop::conclude() {
 // Crosses the last part of a step to a jump with the rates on its left side; the error is quadratic in its length. What
 // the laws of a tree do on that side becomes the bodies' own.
 void StepLoop::cross_jump(double t) {
-  if (state_.coordinates && state_.coordinates->has_laws()) {
+  if (state_.coordinates && (state_.coordinates->has_laws() || state_.coordinates->n_v() == 0)) {
     keep_state(state_, parts_->before_change);
     dynamics_.to_slots(state_);
   }
@@ -346,10 +356,7 @@ void StepLoop::cross_jump(double t) {
 void StepLoop::begin_method() {
   auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause,
          detailed] = *parts_;
-  if (method_->info().joint)
-    dynamics_.to_formulation(state_, &before_change);
-  else
-    dynamics_.to_slots(state_);
+  to_coordinates(dynamics_, *method_, state_, &before_change);
   const double t = state_.t, horizon = clock.horizon(t);
   interval.begin(state_);
   double guess = 0;

@@ -280,6 +280,15 @@ LOCKSTEP_INLINE SpatialWrench ArticulatedBodies::read_side(const RowView& rows, 
   return {column(f), column(motion.A * t)};
 }
 
+// a = a_p + al_p x r + ca, al = al_p + cal: where the coordinates' own are zero
+LOCKSTEP_INLINE SpatialTwist ArticulatedBodies::carried(const TreeNode& n, const Node& b) const {
+  SpatialTwist own{b.ca, b.cal};
+  if (n.parent < 0) return own;
+  const SpatialTwist& p = nodes_[static_cast<std::size_t>(n.parent)].found;
+  own.a += p.a - Skew(b.r) * p.al, own.al += p.al;
+  return own;
+}
+
 template <class Rows>
 LOCKSTEP_INLINE void ArticulatedBodies::accelerate_with(const JointTree& tree, std::span<const Motion> motions,
                                                         const VecX& f, Rows& rows, VecX& vd) {
@@ -311,11 +320,7 @@ LOCKSTEP_INLINE void ArticulatedBodies::accelerate_with(const JointTree& tree, s
     const TreeNode& n = tree.nodes()[k];
     Node& b = nodes_[k];
     SpatialTwist& own = b.found;
-    own = {b.ca, b.cal};
-    if (n.parent >= 0) {
-      const SpatialTwist& p = nodes_[static_cast<std::size_t>(n.parent)].found;
-      own.a += p.a - Skew(b.r) * p.al, own.al += p.al;
-    }
+    own = carried(n, b);
     const double* less = rows.less(k, n.n_v());
     if (n.n_v() > 0)
       for_size<1, 6>(n.n_v(), [&](auto count) __attribute__((always_inline)) { solve<count>(n, b, vd, less); });
@@ -339,6 +344,11 @@ LOCKSTEP_FLAT_CLONES void ArticulatedBodies::accelerate(const JointTree& tree, s
 LOCKSTEP_FLAT_CLONES void ArticulatedBodies::accelerate(const JointTree& tree, std::span<const Motion> motions,
                                                         const VecX& f, Closures& closures, VecX& vd) {
   accelerate_with(tree, motions, f, closures, vd);
+}
+
+void ArticulatedBodies::follow(const JointTree& tree) {
+  for (std::size_t k = 0; k < nodes_.size(); ++k) nodes_[k].found = carried(tree.nodes()[k], nodes_[k]);
+  find_largest();
 }
 
 void ArticulatedBodies::add(const Closures& closures) {

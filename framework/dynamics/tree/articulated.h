@@ -27,6 +27,7 @@ class LOCKSTEP_API ArticulatedBodies {
   void outward(const JointTree&, const State&, std::vector<Motion>& motions);
   void accelerate(const JointTree&, std::span<const Motion> motions, const VecX& f, VecX& vd);
   void accelerate(const JointTree&, std::span<const Motion> motions, const VecX& f, Closures&, VecX& vd);
+  void follow(const JointTree&);
   void add(const Closures&);
   void read_off(const JointTree&, std::span<const Motion> motions, const VecX& a, VecX& vd);
   void accelerations(const JointTree&, std::span<const Motion> motions, VecX& a) const;
@@ -82,6 +83,7 @@ class LOCKSTEP_API ArticulatedBodies {
   void reduce(const TreeNode&, const Node&, Inertia&);
   template <int k>
   void solve(const TreeNode&, Node&, VecX& vd, const double* less);
+  SpatialTwist carried(const TreeNode&, const Node&) const;
   template <class Rows>
   void accelerate_with(const JointTree&, std::span<const Motion> motions, const VecX& f, Rows& rows, VecX& vd);
   void find_largest();

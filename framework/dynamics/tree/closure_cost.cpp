@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "framework/dynamics/tree/closure_fronts.h"
+#include "framework/dynamics/tree/joint_tree.h"
 
 namespace lockstep {
 
@@ -13,9 +14,10 @@ constexpr double kMostSquares = 15;  // of the numbers of rows at a node, for ea
 
 }  // namespace
 
-std::string why_dearer(const ClosureFronts& fronts, const System& system, const std::vector<bool>& modes) {
+std::string why_dearer(const JointTree& tree, const ClosureFronts& fronts, const System& system,
+                       const std::vector<bool>& modes) {
   for (const auto& own : system.auxiliaries())
-    if (own->reads_solution() && !own->vanishes_without_laws())
+    if (tree.may_be_redundant() && own->reads_solution() && !own->vanishes_without_laws())
       return "the states of '" + own->name() +
              "' read accelerations or reactions, which omega gives at every evaluation";
   RowTable all;

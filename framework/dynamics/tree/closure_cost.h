@@ -7,6 +7,7 @@
 namespace lockstep {
 
 struct ClosureFronts;
+class JointTree;
 class System;
 
 /// What makes joint coordinates the dearer ones, with these links in force; "" where they are not. They are where
@@ -14,9 +15,9 @@ class System;
 ///     the links of the tree hold less than half of all rows,
 ///     the squares of the numbers of rows that are open or end at a node, summed over the nodes and the ground's links,
 ///     are more than 15 for each row of all, or
-///     integrated states read accelerations or reactions, which omega gives at every evaluation.
+///     rows may be redundant and integrated states read accelerations or reactions, which omega gives at every evaluation.
 ///
 /// Found by measuring fifty mechanisms (framework/docs/solvers.md, section 9).
-std::string why_dearer(const ClosureFronts&, const System&, const std::vector<bool>& modes);
+std::string why_dearer(const JointTree&, const ClosureFronts&, const System&, const std::vector<bool>& modes);
 
 }  // namespace lockstep

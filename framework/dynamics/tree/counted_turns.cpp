@@ -17,7 +17,10 @@ std::string JointTree::follow_turns(const System& system) {
       return n.link >= 0 && system.links()[static_cast<std::size_t>(n.link)]->pairs().front() == pair;
     });
   };
-  for (const int number : closures_) {
+  std::vector<int> with_rows = closures_;
+  for (const TreeNode& n : nodes_)
+    if (n.left != 0) with_rows.push_back(n.link);
+  for (const int number : with_rows) {
     const Lock& link = *system.links()[static_cast<std::size_t>(number)];
     if (link.remembering() == nullptr) continue;
     const std::string who = "link '" + link.name() + "' ";

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include <lockstep/lock.h>
@@ -17,8 +18,31 @@ namespace {
 
 constexpr double kInPlane = 1e-9;  // sine of the angle by which an axis may lie beside the plane: see System::setup
 
-// Rows that a tree joint may hold: any translations, and none, two or all of the turns.
-bool has_closed_form(Mask mask) { return count_rows(mask & Mask::e123) != 1; }
+// The part of a mask that a joint of the tree holds: any translations, and none, two or all of the turns. One turn alone
+// has no closed form and stays a row; in a plane it holds the angle or nothing.
+Mask closed_form(Mask rows, Plane plane) {
+  return plane || count_rows(rows & Mask::e123) != 1 ? rows : rows & Mask::xyz;
+}
+
+// Numbers of the rows of a lock that its joint does not hold, a bit for each: rows of its functions come last.
+unsigned rows_left(const Lock& lock, Mask held) {
+  const Mask rows = lock.jointed()->rows();
+  unsigned left = 0;
+  int row = 0;
+  for (int k = 0; k < 6; ++k)
+    if (includes(rows, row_bit(k))) left |= includes(held, row_bit(k)) ? 0U : 1U << row, ++row;
+  for (; row < lock.row_count(); ++row) left |= 1U << row;
+  return left;
+}
+
+// Whether the rows of its mask are the first of a lock.
+bool begins_with_mask(const Lock& lock) {
+  const Mask rows = lock.jointed()->rows();
+  if (lock.row_count() < count_rows(rows)) return false;
+  for (int k = 0, row = 0; k < 6; ++k)
+    if (includes(rows, row_bit(k)) && lock.row_name(row++) != row_name(k)) return false;
+  return true;
+}
 
 bool is_particle(const Body& body) { return !body.fixed && body.freedoms == Freedoms::particle; }
 
@@ -58,14 +82,26 @@ Free free_in_space(Mask held, const MarkerFrame& S) {
   return f;
 }
 
+// The axis of the turn in the plane, axes of S; null where rows hold it. A row of one turn does, unless its axis lies in
+// the plane.
+std::optional<Vec3> hinge_in_plane(Mask held, const MarkerFrame& S, const Vec3& normal) {
+  const Free space = free_in_space(held, S);
+  if (space.turn == TreeTurn::none) return {};
+  const bool alone = count_rows(held & Mask::e123) == 1;
+  if (space.turn == TreeTurn::hinge && !alone)
+    return are_parallel(Vec3(S.A0 * space.hinge), normal) ? std::optional(space.hinge) : std::nullopt;
+  for (int k = 0; k < 3; ++k)
+    if (includes(held, row_bit(3 + k)) && !are_perpendicular(S.A0.col(k), normal, kInPlane)) return {};
+  return Vec3(S.A0.transpose() * normal);
+}
+
 // Of these, those in the plane, in which slot axes are the world's where no slot is turned. Of the axes of S each lies
 // in the plane or along the normal, if a row holds it.
 Free free_in_plane(Mask held, const MarkerFrame& S, Plane plane) {
   const Free space = free_in_space(held, S);
-  const Vec3 normal = Vec3::Unit(plane.n), hinge = S.A0 * space.hinge;
+  const Vec3 normal = Vec3::Unit(plane.n);
   Free f;
-  if (space.turn == TreeTurn::ball || (space.turn == TreeTurn::hinge && are_parallel(hinge, normal)))
-    f.turn = TreeTurn::hinge, f.hinge = space.turn == TreeTurn::ball ? Vec3(S.A0.transpose() * normal) : space.hinge;
+  if (const std::optional<Vec3> hinge = hinge_in_plane(held, S, normal)) f.turn = TreeTurn::hinge, f.hinge = *hinge;
   Vec3 held_in = Vec3::Zero();  // a direction in the plane that is held
   int n_held = 0;
   for (int k = 0; k < 3; ++k)
@@ -82,7 +118,7 @@ Free free_in_plane(Mask held, const MarkerFrame& S, Plane plane) {
 
 // How many coordinates a lock holds; in a plane, of those in it.
 int count_held(const Lock& link, Plane plane) {
-  const Mask rows = link.jointed()->rows();
+  const Mask rows = closed_form(link.jointed()->rows(), plane);
   if (!plane) return count_rows(rows);
   const Free f = free_in_plane(rows, MarkerFrame(*link.pairs().front().second), plane);
   return 2 - f.n_slides + (f.turn == TreeTurn::none ? 1 : 0);
@@ -105,8 +141,8 @@ std::string refusal(const Lock& link, Plane plane) {
   if (plane)
     for (const auto& [p, s] : link.pairs())
       if (is_moving(*p) || is_moving(*s)) return who + "has a marker that moves on its body";
-  if (link.row_count() != count_rows(joint->rows())) return who + "has rows beside those of its mask";
-  if (!has_closed_form(joint->rows())) return who + "holds one turn alone";
+  if (!begins_with_mask(link) || (plane && link.row_count() != count_rows(joint->rows())))
+    return who + "has rows beside those of its mask";
   if (plane && is_tilted(link, plane)) return who + "has markers that are turned against each other out of the plane";
   return refusal_of_particle(link);
 }
@@ -174,15 +210,15 @@ std::shared_ptr<const JointTree> JointTree::of(const System& system, const std::
   const auto tree = std::make_shared<JointTree>();
   tree->node_of_.assign(static_cast<std::size_t>(system.n_slots()), -1);
   const auto [joints, others] = tree_and_closures(system, modes);
-  tree->closures_ = others;
+  tree->closures_ = others, tree->has_rows_ = tree->may_be_redundant_ = !others.empty();
   tree->grow(system, Graph(system, joints));
   tree->planar_ = PlanarJoints::of(tree->nodes_, system.plane());
   why_not = tree->follow_turns(system);
   if (!why_not.empty()) return nullptr;
   if (system.plane() && !tree->planar_)
     why_not = "a law does not say that it stays in the plane (stays_in_plane, turns_about)";
-  else if (tree->n_v_ == 0)
-    why_not = "no coordinate is free, so that nothing would choose the steps";
+  else if (tree->n_v_ == 0 && tree->has_rows_)
+    why_not = "no coordinate is free, and what closes loops has rows";
   return why_not.empty() ? tree : nullptr;
 }
 
@@ -223,7 +259,12 @@ void JointTree::add_node(const System& system, int slot, int parent, int link) {
     const Lock& lock = *system.links()[static_cast<std::size_t>(link)];
     const auto [p, s] = lock.pairs().front();
     P = MarkerFrame(*p), S = MarkerFrame(*s);
-    held = lock.jointed()->rows();
+    held = closed_form(lock.jointed()->rows(), system.plane());
+    node.left = rows_left(lock, held);
+    has_rows_ = has_rows_ || node.left != 0;
+    for (int row = 0; row < lock.row_count(); ++row)
+      may_be_redundant_ =
+          may_be_redundant_ || ((node.left >> row & 1U) != 0 && lock.row_kind(row) == RowKind::function);
     if (const ImposedMotion& laws = lock.jointed()->imposed(); !laws.empty()) {
       node.imposed = std::make_shared<const ImposedMotion>(laws);
       node.first_s = lock.first_state(), node.n_s = lock.n_own_states();
@@ -365,9 +406,22 @@ bool JointTree::take_off_turns(State& y) const {
   return any;
 }
 
+namespace {
+
+// Where laws alone move the slots.
+void vary_driven(const StateRate& d, VecX& dx, VecX& dv) {
+  if (d.q.size() == dx.size() && d.v.size() == dv.size())
+    dx = d.q, dv = d.v;
+  else
+    dx.setZero(), dv.setZero();
+}
+
+}  // namespace
+
 void JointTree::variations(const State& y, std::span<const Motion> at, const StateRate& d, VecX& dx, VecX& dv) const {
   const auto n = static_cast<Eigen::Index>(nodes_.size());
   dx.resize(6 * n), dv.resize(6 * n);
+  if (n_v_ == 0) return vary_driven(d, dx, dv);
   for (const TreeNode& node : nodes_) {
     NodeVariation p;
     if (node.parent >= 0) {

@@ -1,5 +1,5 @@
 // JointTree: joint coordinates. Slots are nodes; one link carries each slot from its parent, and its free coordinates
-// are unknowns. Links in the tree have no rows.
+// are unknowns. What a link in the tree holds has no rows, but for one turn alone and for functions.
 #pragma once
 
 #include <array>
@@ -45,12 +45,13 @@ struct TreeNode {
   int n_slides = 0;  ///< translations
   TreeTurn turn = TreeTurn::none;  ///< how far turns against near
   bool reversed = false;           ///< near is P
-  /// Laws of the lock, its rows, and where its states begin in State::s; null: none. The lock itself names errors only.
+  /// Laws of the lock, and where its states begin in State::s; null: none. The lock itself names errors only.
   std::shared_ptr<const ImposedMotion> imposed{};
   /// The markers, where laws move one of them on its body; else null.
   std::shared_ptr<const MovingMarkers> moving{};
   const Lock* lock = nullptr;
-  Mask rows = Mask::none;
+  Mask rows = Mask::none;  ///< that the joint holds
+  unsigned left = 0;       ///< numbers of the lock's rows that it does not hold, a bit for each: they stay rows
   int first_s = 0, n_s = 0;
 
   Vec3 near_u = Vec3::Zero(),    ///< origin of near in the parent, m
@@ -79,7 +80,7 @@ class LOCKSTEP_API JointTree final : public Coordinates {
   int n_v() const override { return n_v_; }
   int n_slots() const override { return static_cast<int>(nodes_.size()); }
   bool has_laws() const override { return has_laws_; }
-  bool has_rows() const override { return !closures_.empty(); }
+  bool has_rows() const override { return has_rows_; }
   void motions(const State&, std::span<Motion> out) const override;
   Motion motion(const State&, int slot) const override;
   void kinematic_rate(const State&, VecX& qd) const override;
@@ -94,6 +95,8 @@ class LOCKSTEP_API JointTree final : public Coordinates {
 
   const std::vector<TreeNode>& nodes() const { return nodes_; }  ///< parents before their children
   const std::vector<int>& closures() const { return closures_; }  ///< numbers of the links in force beside the tree
+  /// Whether rows beside the joints may depend on others: those of closures and of functions. A turn alone never does.
+  bool may_be_redundant() const { return may_be_redundant_; }
   /// The same joints in a plane, where they keep all slots in one; else null.
   const PlanarJoints* planar() const { return planar_.get(); }
 
@@ -128,7 +131,7 @@ class LOCKSTEP_API JointTree final : public Coordinates {
   std::vector<CountedTurn> counted_;
   std::shared_ptr<const PlanarJoints> planar_;
   int n_q_ = 0, n_v_ = 0;
-  bool has_laws_ = false;
+  bool has_laws_ = false, has_rows_ = false, may_be_redundant_ = false;
 };
 
 }  // namespace lockstep

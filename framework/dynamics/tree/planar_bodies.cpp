@@ -326,6 +326,15 @@ LOCKSTEP_FLAT_CLONES void PlanarBodies::accelerate(const JointTree& tree, std::s
   accelerate_with(tree, f, closures, vd);
 }
 
+void PlanarBodies::follow(const JointTree& tree) {
+  for (const PlanarNode& n : tree.planar()->nodes()) {
+    const FlatTwist& p = nodes_[static_cast<std::size_t>(n.parent + 1)].found;
+    Node& b = nodes_[static_cast<std::size_t>(&n - tree.planar()->nodes().data()) + 1];
+    b.found = {p.a + (p.al * across(b.r) + b.ca), p.al + b.cal};
+  }
+  find_largest();
+}
+
 void PlanarBodies::add(const Closures& closures) {
   for (std::size_t k = 0; k + 1 < nodes_.size(); ++k) {
     FlatTwist& own = nodes_[k + 1].found;

@@ -32,6 +32,7 @@ class LOCKSTEP_API PlanarBodies {
   void outward(const JointTree&, const State&, std::vector<Motion>& motions);
   void accelerate(const JointTree&, std::span<const Motion> motions, const VecX& f, VecX& vd);
   void accelerate(const JointTree&, std::span<const Motion> motions, const VecX& f, Closures&, VecX& vd);
+  void follow(const JointTree&);
   void add(const Closures&);
   void read_off(const JointTree&, std::span<const Motion> motions, const VecX& a, VecX& vd);
   void accelerations(const JointTree&, std::span<const Motion> motions, VecX& a) const;

@@ -11,8 +11,8 @@ namespace lockstep {
 
 /// Bodies: what LoopClosures asks of them, and
 ///
-///     outward(), accelerate(), read_off(), accelerations(), largest()  as TreeRecursion has them; accelerate() also with
-///                                                                     closures
+///     outward(), accelerate(), follow(), read_off(), accelerations(), largest()  as TreeRecursion has them; accelerate()
+///                                                                     also with closures
 ///     add(closures)  adds to the accelerations as found last what the closures' last correction changes
 template <class Bodies>
 class RecursionOf final : public TreeRecursion {
@@ -32,6 +32,7 @@ class RecursionOf final : public TreeRecursion {
   void accelerate(const JointTree& tree, std::span<const Motion> motions, const VecX& f, VecX& vd) override {
     closures_.empty() ? bodies_.accelerate(tree, motions, f, vd) : bodies_.accelerate(tree, motions, f, closures_, vd);
   }
+  void follow(const JointTree& tree) override { bodies_.follow(tree); }
   bool met() override { return measure(); }
   void correct(const JointTree& tree, VecX& vd) override {
     find_change(tree, closures_.measured(), correction_);

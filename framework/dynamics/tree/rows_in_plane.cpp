@@ -5,6 +5,7 @@
 #include <span>
 
 #include <lockstep/error.h>
+#include "framework/dynamics/tree/absent_rows.h"
 
 namespace lockstep {
 
@@ -81,32 +82,6 @@ std::vector<std::vector<Parts>> parts_of(const JointTree& tree, const System& sy
   return out;
 }
 
-// Takes rows out of a table. Links that lose some are gathered by themselves.
-void leave_out(std::span<const unsigned> absent, RowTable& table) {
-  std::vector<RowEntry> entries;
-  std::vector<RowRun> runs;
-  std::ranges::fill(table.entry_of_link, -1);
-  for (const RowRun& run : table.runs)
-    for (int i = 0; i < run.n; ++i) {
-      const auto at = static_cast<std::size_t>(run.first_entry + i);
-      RowEntry e = table.entries[at];
-      int kept = 0;
-      for (int k = 0; k < e.m; ++k)
-        if ((absent[at] >> k & 1U) == 0) {
-          e.own[static_cast<std::size_t>(kept)] = e.own[static_cast<std::size_t>(k)];
-          e.kind[static_cast<std::size_t>(kept++)] = e.kind[static_cast<std::size_t>(k)];
-        }
-      if (kept == 0) continue;
-      const bool in_parts = run.in_parts || kept < e.m;
-      if (kept < e.m) e.m = kept, e.layout = RowLayout::dense;
-      table.entry_of_link[static_cast<std::size_t>(e.link)] = static_cast<int>(entries.size());
-      runs.push_back({static_cast<int>(entries.size()), 1, run.first_link + i, false, in_parts});
-      entries.push_back(e);
-    }
-  table.entries = std::move(entries), table.runs = std::move(runs);
-  table.lay_out();
-}
-
 }  // namespace
 
 bool leave_out_normal_rows(const JointTree& tree, const System& system, RowTable& table) {
@@ -135,7 +110,7 @@ bool leave_out_normal_rows(const JointTree& tree, const System& system, RowTable
       absent[l] |= 1U << k;
     }
   }
-  leave_out(absent, table);
+  take_out(absent, table);
   return true;
 }
 

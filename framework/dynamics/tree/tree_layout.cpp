@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "framework/dynamics/tree/absent_rows.h"
 #include "framework/dynamics/tree/closure_cost.h"
 #include "framework/dynamics/tree/rows_in_plane.h"
 
@@ -18,6 +19,24 @@ std::string obstacle_of_rows(const System& system, const RowTable& rows) {
   return "";
 }
 
+// The rows of the links that close loops, and those that joints of the tree do not hold.
+RowTable rows_beside(const JointTree& tree, const System& system, std::size_t n_links) {
+  std::vector<bool> shown(n_links, false);
+  std::vector<unsigned> left(n_links, 0U);
+  for (const int link : tree.closures()) shown[static_cast<std::size_t>(link)] = true;
+  for (const TreeNode& n : tree.nodes())
+    if (n.left != 0) shown[static_cast<std::size_t>(n.link)] = true, left[static_cast<std::size_t>(n.link)] = n.left;
+  RowTable table;
+  system.lay_out(shown, table);
+  std::vector<unsigned> absent;
+  for (const RowEntry& e : table.entries) {
+    const unsigned own = left[static_cast<std::size_t>(e.link)];
+    absent.push_back(own == 0 ? 0U : ~own);
+  }
+  take_out(absent, table);
+  return table;
+}
+
 }  // namespace
 
 TreeLayout lay_out_tree(const System& system, const std::vector<bool>& modes, Taken taken) {
@@ -25,16 +44,13 @@ TreeLayout lay_out_tree(const System& system, const std::vector<bool>& modes, Ta
   std::shared_ptr<const JointTree> tree = JointTree::of(system, modes, out.why_not);
   if (!tree) return out;
   if (tree->has_rows()) {
-    std::vector<bool> shown(modes.size(), false);
-    for (const int link : tree->closures()) shown[static_cast<std::size_t>(link)] = true;
-    RowTable closures;
-    system.lay_out(shown, closures);
+    RowTable closures = rows_beside(*tree, system, modes.size());
     out.why_not = obstacle_of_rows(system, closures);
     if (!out.why_not.empty()) return out;
     const bool in_plane = tree->planar() && (system.plane() || leave_out_normal_rows(*tree, system, closures));
     ClosureFronts fronts(*tree, system, closures);
     fronts.in_plane = in_plane;
-    if (taken == Taken::where_cheaper) out.why_not = why_dearer(fronts, system, modes);
+    if (taken == Taken::where_cheaper) out.why_not = why_dearer(*tree, fronts, system, modes);
     if (!out.why_not.empty()) return out;
     out.closures = std::move(closures), out.fronts = std::move(fronts);
   }

@@ -21,7 +21,7 @@ enum class Taken {
 struct TreeLayout {
   std::shared_ptr<const JointTree> tree;  ///< null: joint coordinates are not taken
   std::string why_not;                    ///< what stands in the way, by name; "" for nothing
-  RowTable closures;                      ///< rows of the links that close loops
+  RowTable closures;  ///< rows of the links that close loops, and those that joints of the tree leave
   ClosureFronts fronts;
 };
 

@@ -1,6 +1,7 @@
 #include "framework/dynamics/tree/tree_reactions.h"
 
 #include <algorithm>
+#include <array>
 
 #include <Eigen/QR>
 
@@ -22,8 +23,8 @@ void TreeReactions::solve(const JointTree& tree, const System& system, std::span
   for (const RowEntry& e : rows.entries) {
     if (node_of_link_[static_cast<std::size_t>(e.link)] < 0) continue;
     const auto node = static_cast<std::size_t>(node_of_link_[static_cast<std::size_t>(e.link)]);
-    const int slot = tree.nodes()[node].slot;
-    multipliers(e, rows, motions[static_cast<std::size_t>(slot + 1)], carried_[node], system.slot(slot), slot);
+    const TreeNode& n = tree.nodes()[node];
+    multipliers(e, rows, motions[static_cast<std::size_t>(n.slot + 1)], carried_[node], system.slot(n.slot), n);
   }
 }
 
@@ -58,22 +59,27 @@ void TreeReactions::wrenches(const JointTree& tree, const System& system, std::s
 }
 
 // -J' lambda = (F, A' M) on the slot: six equations for at most six multipliers, which have one solution, since a joint
-// carries nothing along its free coordinates; three for a particle. Moments are divided by a length, as everywhere in
-// norms.
+// carries nothing along its free coordinates; three for a particle. Rows that the joint does not hold are forces. Moments
+// are divided by a length, as everywhere in norms.
 void TreeReactions::multipliers(const RowEntry& e, const RowTable& rows, const Motion& motion, const Wrench& carried,
-                                const Slot& of, int slot) {
+                                const Slot& of, const TreeNode& n) {
   using Equations = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6>;
-  Equations Jt(6, e.m);
+  std::array<int, 6> held{};
+  int m = 0;
+  for (int k = 0; k < e.m; ++k)
+    if ((n.left >> e.own[static_cast<std::size_t>(k)] & 1U) == 0) held[static_cast<std::size_t>(m++)] = k;
+  Equations Jt(6, m);
   const RowView block = rows.block(e);
-  const int i = e.slots[0] == slot ? 0 : 1;
+  const int i = e.slots[0] == n.slot ? 0 : 1;
   const double turns = of.freedoms == Freedoms::particle ? 0.0 : 1.0 / length_;
-  for (int k = 0; k < e.m; ++k) {
-    const std::array<double, 6> J = block.J(i, k);
+  for (int k = 0; k < m; ++k) {
+    const std::array<double, 6> J = block.J(i, held[static_cast<std::size_t>(k)]);
     Jt.col(k) << J[0], J[1], J[2], turns * J[3], turns * J[4], turns * J[5];
   }
   Eigen::Matrix<double, 6, 1> wrench;
   wrench << -carried.force, -turns * (motion.A.transpose() * carried.moment);
-  lambda_.segment(e.first_row, e.m) = Eigen::HouseholderQR<Equations>(Jt).solve(wrench);
+  const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1> found = Eigen::HouseholderQR<Equations>(Jt).solve(wrench);
+  for (int k = 0; k < m; ++k) lambda_[e.first_row + held[static_cast<std::size_t>(k)]] = found[k];
 }
 
 }  // namespace lockstep

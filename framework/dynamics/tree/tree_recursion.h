@@ -27,6 +27,8 @@ class LOCKSTEP_API TreeRecursion {
   /// The other two passes: accelerations of the coordinates under f, 6 per slot: N (world) and N m (slot axes), -w x J w
   /// included; and first multipliers of the closures.
   virtual void accelerate(const JointTree&, std::span<const Motion> motions, const VecX& f, VecX& vd) = 0;
+  /// The accelerations of a tree without coordinates: its laws'. No force matters.
+  virtual void follow(const JointTree&) = 0;
   /// Whether the accelerations as found last meet the rows of the closures.
   virtual bool met() = 0;
   /// Corrects the accelerations by what met() has measured; vd: as found last.

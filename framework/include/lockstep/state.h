@@ -72,6 +72,7 @@ class LOCKSTEP_API Coordinates {
   virtual bool take_off_turns(State&) const { return false; }
   /// How the slots' motions change under a small change `d` of q and v: 6 per slot, world axes. dx: of the mass centre,
   /// m, and the rotation vector; dv: of its velocity, m/s, and of the angular velocity. `at`: what motions() writes.
+  /// Coordinates without any of their own give d itself.
   virtual void variations(const State&, std::span<const Motion> at, const StateRate& d, VecX& dx, VecX& dv) const = 0;
 };
 
@@ -154,7 +155,9 @@ LOCKSTEP_API void normalize_state(State&);
 /// quaternion as it is stored, so that the exact flow keeps its length.
 LOCKSTEP_API void kinematic_rate(const State&, VecX& qd);
 
-/// Time derivatives of q, v and s, in the order of State; those of quaternions are (1/2) e w.
+/// Time derivatives of q, v and s, in the order of State; those of quaternions are (1/2) e w. Of coordinates without any
+/// of their own, where laws alone move the slots, q and v are the rates of the slots' motions, world axes, 6 per slot:
+/// velocity of the mass centre and angular velocity, and their rates. By them a method measures the error of its step.
 struct StateRate {
   VecX q,  ///< 7 per slot, m/s and 1/s
       v,   ///< 6 per slot, m/s^2 (world) and rad/s^2 (slot axes)

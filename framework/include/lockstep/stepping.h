@@ -127,7 +127,7 @@ LOCKSTEP_API StepError end_not_projected(const ProjectReport&, const std::string
 /// Infinite where one is not finite.
 LOCKSTEP_API double combined_error(double e5, double e3);
 
-/// Rates of the sizes of a state, all zero.
+/// Rates of the sizes that Dynamics::rates gives at a state, all zero.
 LOCKSTEP_API StateRate sized_like(const State&);
 /// Copies t, q, v and s; memory and links, which do not change during a step, stay as they are in `out`.
 LOCKSTEP_API void copy_motion(const State& in, State& out);

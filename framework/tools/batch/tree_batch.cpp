@@ -18,8 +18,11 @@ std::string why_no_lanes(const JointTree& tree, const System& system) {
     return "link '" + system.links()[static_cast<std::size_t>(number)]->name() + "' ";
   };
   if (!tree.closures().empty()) return link(tree.closures().front()) + "closes a loop";
-  for (const TreeNode& n : tree.nodes())
+  if (tree.n_v() == 0) return "no coordinate is free";
+  for (const TreeNode& n : tree.nodes()) {
+    if (n.left != 0) return link(n.link) + "has rows that its joint does not hold";
     if (n.moving) return link(n.link) + "has a marker that moves on its body";
+  }
   for (const auto& force : system.forces())
     if (system.plane() && !force->stays_in_plane(system.plane()))
       return "force '" + force->name() + "' does not say that it stays in the plane of the system";

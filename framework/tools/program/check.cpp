@@ -14,6 +14,7 @@
 #include <lockstep/lock.h>
 #include <lockstep/text.h>
 #include <lockstep/uniqueness.h>
+#include "framework/dynamics/simulate/along_laws.h"
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/check_tree.h"
 #include "framework/tools/program/commands.h"
@@ -89,9 +90,12 @@ std::vector<LeftOut> left_out(const Mechanism& m) {
 
 /// What keeps a run of the mechanism as it stands from joint coordinates; "" if nothing does.
 std::string why_not_joint(const Mechanism& m, Dynamics& dynamics, const State& start, const Registry& registry) {
-  const IntegratorInfo method = make_integrator(m.run, registry)->info();
+  const std::unique_ptr<Integrator> method = make_integrator(m.run, registry);
+  const IntegratorInfo info = method->info();
   std::string why = dynamics.why_not_joint(start.modes);
-  if (why.empty() && !method.joint) why = "integrator " + method.name + " does not take joint coordinates";
+  if (why.empty() && !info.joint) why = "integrator " + info.name + " does not take joint coordinates";
+  if (why.empty() && !takes_formulation(*method, dynamics, start))
+    why = "integrator " + info.name + " takes no mechanism that laws alone move";
   return why;
 }
 
@@ -146,6 +150,15 @@ void list_channels(const System& system, const std::string& of, nlohmann::ordere
              system.bodies().empty() ? "body" : system.bodies().back().name);
 }
 
+/// The rows that a tree leaves: of what closes loops, and of joints that do not hold all of theirs.
+std::string rows_in_words(const TreeReport& tree) {
+  if (!tree.has_rows()) return "no rows";
+  std::string words;
+  if (!tree.closures.empty()) words = "the rows of what closes loops: " + first_of(tree.closures);
+  if (!tree.left.empty()) words += (words.empty() ? "" : "; ") + ("single rows: " + first_of(tree.left));
+  return words;
+}
+
 /// What "auto" would integrate, in space unless the scene names its plane: "no rows", or the rows that are left; "" where it
 /// takes omega.
 std::string rows_along_joints(const Loaded& loaded) {
@@ -155,8 +168,7 @@ std::string rows_along_joints(const Loaded& loaded) {
   Dynamics dynamics = make_dynamics(m, loaded.registry);
   const std::vector<bool> modes = m.system.start().modes;
   if (!dynamics.why_not_joint(modes).empty()) return "";
-  const std::vector<std::string> closures = tree_of(m.system, modes).closures;
-  return closures.empty() ? "no rows" : "the rows of " + first_of(closures);
+  return rows_in_words(tree_of(m.system, modes));
 }
 
 /// The scene in the plane with this normal, where only the word of a part is missing that it stays there.
@@ -295,8 +307,7 @@ std::vector<std::string> all_proposals(const Arguments& args, const Loaded& load
 }
 
 /// The formulation of a run, and what it makes of the mechanism; `why_not_joint`: what keeps it from joint coordinates.
-std::string formulation_of(const Mechanism& m, const std::string& why_not_joint, const MobilityReport& r,
-                           const Findings& found) {
+std::string formulation_of(const Mechanism& m, const std::string& why_not_joint, const Findings& found) {
   const Formulation asked = m.run.formulation;
   if (asked == Formulation::quaternion || (asked == Formulation::omega && !m.system.plane())) return to_string(asked);
   const Plane plane = m.system.plane();
@@ -304,11 +315,10 @@ std::string formulation_of(const Mechanism& m, const std::string& why_not_joint,
       plane ? fmt::format(", in the plane with normal {}", "xyz"[static_cast<std::size_t>(plane.n)]) : "";
   if (asked == Formulation::omega) return "omega" + where;
   if (!why_not_joint.empty()) return "omega" + where + ": " + why_not_joint;
-  if (found.tree.closures.empty()) return fmt::format("joint{}: {} unknown velocities, no rows", where, r.freedoms);
-  std::size_t unknowns = 0;
-  for (const Branch& b : found.tree.branches) unknowns += b.coordinates.size();
-  return fmt::format("joint{}: {} unknown velocities, and the rows of what closes loops: {}", where, unknowns,
-                     first_of(found.tree.closures));
+  const int unknowns = found.tree.n_coordinates;
+  if (unknowns == 0) return fmt::format("joint{}: nothing is unknown, laws alone move it", where);
+  return fmt::format("joint{}: {} unknown velocities, {}{}", where, unknowns, found.tree.has_rows() ? "and " : "",
+                     rows_in_words(found.tree));
 }
 
 Findings found_in(const Arguments& args, const Loaded& loaded, Mechanism& m) {
@@ -325,10 +335,10 @@ Findings found_in(const Arguments& args, const Loaded& loaded, Mechanism& m) {
   const std::string not_joint = why_not_joint(m, dynamics, start, loaded.registry);
   TreeReport tree;
   if (not_joint.empty()) tree = tree_of(m.system, start.modes);
-  found.proposals = all_proposals(args, loaded, m, r, not_joint.empty() && tree.closures.empty());
+  found.proposals = all_proposals(args, loaded, m, r, not_joint.empty() && !tree.has_rows());
   if (m.run.formulation == Formulation::automatic || m.run.formulation == Formulation::joint)
     found.tree = std::move(tree);
-  found.formulation = formulation_of(m, not_joint, r, found);
+  found.formulation = formulation_of(m, not_joint, found);
   found.taken = frames_taken(loaded.scene);
   return found;
 }

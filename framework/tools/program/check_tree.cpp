@@ -15,11 +15,12 @@ constexpr std::size_t kMostLines = 40;
 
 // The coordinates that a lock leaves free and nothing drives; in a plane those in it, by the axes of S that lie in it or
 // along its normal, else of the world.
-std::vector<std::string> free_axes(Mask held, const TreeNode& n, Plane plane) {
+std::vector<std::string> free_axes(const TreeNode& n, Plane plane) {
   std::vector<std::string> free;
   if (!plane) {
     for (const Axis axis : {Axis::x, Axis::y, Axis::z, Axis::rx, Axis::ry, Axis::rz})
-      if (!includes(held, row_of(axis))) free.emplace_back(to_string(axis));
+      if (!includes(n.rows, row_of(axis)) && !(is_rotation(axis) && n.turn == TreeTurn::none))  // particles do not turn
+        free.emplace_back(to_string(axis));
     return free;
   }
   const Mat3 S = rotation(n.reversed ? n.far_q : n.near_q);
@@ -47,6 +48,7 @@ TreeReport tree_of(const System& system, const std::vector<bool>& modes) {
   const std::shared_ptr<const JointTree> tree = JointTree::of(system, modes, why_not);
   TreeReport report;
   if (!tree) return report;
+  report.n_coordinates = tree->n_v();
   for (const TreeNode& n : tree->nodes()) {
     Branch b;
     b.body = system.body_of_slot(n.slot).name;
@@ -57,7 +59,12 @@ TreeReport tree_of(const System& system, const std::vector<bool>& modes) {
     }
     const Lock* link = n.link >= 0 ? system.links()[static_cast<std::size_t>(n.link)].get() : nullptr;
     if (link != nullptr) b.link = link->name();
-    b.coordinates = free_axes(link != nullptr ? link->jointed()->rows() : Mask::none, n, system.plane());
+    b.coordinates = free_axes(n, system.plane());
+    for (int row = 0; link != nullptr && row < link->row_count(); ++row)
+      if ((n.left >> row & 1U) != 0) {
+        b.rows.push_back(link->row_name(row));
+        report.left.push_back(b.link + "." + b.rows.back());
+      }
     report.branches.push_back(std::move(b));
   }
   for (const int link : tree->closures())
@@ -70,8 +77,9 @@ std::string tree_text(const std::vector<Branch>& tree) {
   for (std::size_t i = 0; i < tree.size() && i < kMostLines; ++i) {
     const Branch& b = tree[i];
     const std::string on = b.link.empty() ? "on no link" : fmt::format("on {} by '{}'", b.parent, b.link);
-    text += fmt::format("{:{}}{} {}: {}\n", "", 2 * (1 + b.depth), b.body, on,
-                        b.coordinates.empty() ? "driven throughout, or held" : text::join(b.coordinates));
+    text += fmt::format("{:{}}{} {}: {}{}\n", "", 2 * (1 + b.depth), b.body, on,
+                        b.coordinates.empty() ? "driven throughout, or held" : text::join(b.coordinates),
+                        b.rows.empty() ? "" : ", and row " + text::join(b.rows));
   }
   if (tree.size() > kMostLines) text += fmt::format("  and {} more, see --json\n", tree.size() - kMostLines);
   return text;
@@ -80,7 +88,8 @@ std::string tree_text(const std::vector<Branch>& tree) {
 nlohmann::ordered_json tree_json(const std::vector<Branch>& tree) {
   auto all = nlohmann::ordered_json::array();
   for (const Branch& b : tree) {
-    all.push_back({{"body", b.body}, {"parent", nullptr}, {"link", nullptr}, {"coordinates", b.coordinates}});
+    all.push_back(
+        {{"body", b.body}, {"parent", nullptr}, {"link", nullptr}, {"coordinates", b.coordinates}, {"rows", b.rows}});
     if (!b.link.empty()) all.back()["parent"] = b.parent, all.back()["link"] = b.link;
   }
   return all;

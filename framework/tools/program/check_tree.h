@@ -13,6 +13,7 @@ namespace lockstep {
 struct Branch {
   std::string body, link, parent;        ///< link: empty where no link carries the body
   std::vector<std::string> coordinates;  ///< "x", "rz": of P seen from S; of a free body in the world
+  std::vector<std::string> rows;         ///< "e1": of the link, which its joint does not hold
   int depth = 0;                         ///< 0: on the ground, or free
 };
 
@@ -20,6 +21,9 @@ struct Branch {
 struct TreeReport {
   std::vector<Branch> branches;       ///< parents before their children
   std::vector<std::string> closures;  ///< names of the links in force that close loops
+  std::vector<std::string> left;      ///< "J.e1": rows that joints do not hold
+  int n_coordinates = 0;              ///< of all branches, turns of balls by three
+  bool has_rows() const { return !closures.empty() || !left.empty(); }
 };
 TreeReport tree_of(const System&, const std::vector<bool>& modes);
 

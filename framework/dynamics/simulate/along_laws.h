@@ -1,0 +1,26 @@
+// Which methods run a mechanism that laws alone move along these laws, without q and v.
+#pragma once
+
+#include <lockstep/dynamics.h>
+#include <lockstep/integrators.h>
+
+namespace lockstep {
+
+/// Whether a method takes states in these coordinates; null: the slots' own. Where these have none of their own, the rates
+/// are those of the slots (Dynamics::rates): a method whose steps are fixed takes them, and one whose formula estimates an
+/// error from its stages.
+inline bool takes(const Integrator& method, const Coordinates* coordinates) {
+  if (coordinates == nullptr) return true;
+  const IntegratorInfo info = method.info();
+  const bool estimates = !info.adaptive || dynamic_cast<const EmbeddedRungeKutta*>(&method) != nullptr;
+  return info.joint && (coordinates->n_v() > 0 || estimates);
+}
+
+/// Whether a method takes the coordinates that the formulation gives a state.
+inline bool takes_formulation(const Integrator& method, Dynamics& dynamics, const State& state) {
+  State there = state;
+  dynamics.to_formulation(there);
+  return takes(method, there.coordinates.get());
+}
+
+}  // namespace lockstep
