@@ -1,15 +1,19 @@
 // What eight copies in lanes cost, against the same evaluations one by one: chains of hinged rods and rows of four-bars,
-// in one run.
+// in one run. With arguments, files of scenes: what each costs in both formulations, and the counts by which one of them is
+// chosen.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "framework/tools/precision/work_precision.h"
-#include "framework/tools/batch/batch.h"
-#include <lockstep/solvers.h>
 #include <lockstep/error.h>
+#include <lockstep/registry.h>
+#include <lockstep/scene.h>
+#include <lockstep/solvers.h>
+#include "framework/dynamics/tree/tree_layout.h"
+#include "framework/tools/batch/batch.h"
+#include "framework/tools/precision/work_precision.h"
 #include "tests/support/copies_of.h"
 
 using namespace lockstep;
@@ -80,11 +84,47 @@ void table(const char* what, std::initializer_list<int> sizes, Make&& make) {
   }
 }
 
+/// Rows that close loops and all rows; the squares of the numbers of rows at a node, for each row of all.
+void print_counts(const System& system) {
+  const TreeLayout layout = lay_out_tree(system, system.start().modes, Taken::all);
+  if (!layout.tree) return fmt::print("{:>9} {:>6}\n", "-", "-");
+  RowTable all;
+  system.lay_out(system.start().modes, all);
+  double squares = 0;
+  for (const ClosureFront& front : layout.fronts.all) squares += double(front.n) * front.n;
+  fmt::print("{:>9} {:6.1f}\n", fmt::format("{}/{}", layout.fronts.sources.size(), all.n_rows), squares / all.n_rows);
+}
+
+void scene_row(const std::string& file) try {
+  const Registry registry = builtin_registry();
+  const Scene scene = in_space(read_scene(file));
+  test::Family family(
+      lanes::kLanes, [&](int) { return std::make_unique<System>(std::move(build_mechanism(scene, registry).system)); });
+  const std::vector<State> states = family.assembled();
+  const auto lanes = [&](Formulation f) { return in_lanes(family, states, f, Instructions::best); };
+  const bool runs = Copies::unsuited(*family.systems[0]).empty();
+  fmt::print("{:32.32} | {:7.1f} {:8.1f} | {:7.1f} {:8.1f} | {:>6} ", file.substr(file.rfind('/') + 1),
+             one_by_one(family, states, Formulation::omega), lanes(Formulation::omega),
+             one_by_one(family, states, Formulation::joint), lanes(Formulation::joint),
+             runs ? to_string(Copies(family.pointers()).formulation()) : "-");
+  print_counts(*family.systems[0]);
+} catch (const Error& error) {
+  fmt::print("{}: {}\n", file, error.what());
+}
+
 }  // namespace
 
-int main() {
+int main(int n_arguments, char** arguments) {
   fmt::print("CPU ns a body, copy and evaluation: one mechanism, and eight in lanes\n");
+  if (n_arguments > 1) {
+    fmt::print("{:32} | {:>7} {:>8} | {:>7} {:>8} | {:>6} {:>9} {:>6}\n", "scene", "omega", "in lanes", "joint",
+               "in lanes", "taken", "rows", "sq.");
+    for (int i = 1; i < n_arguments; ++i) scene_row(arguments[i]);
+    return 0;
+  }
   table("chain of hinges whose axes differ", {1, 4, 10, 100}, [](int n, int k) { return test::chain(n, k, 0.7); });
   table("chain in a plane", {1, 4, 10, 100}, [](int n, int k) { return test::chain(n, k); });
-  table("row of four-bars", {1, 10}, [](int n, int k) { return test::ladder(n, k); });
+  table("row of four-bars", {1, 2, 10}, [](int n, int k) { return test::ladder(n, k); });
+  table("row of four-bars askew, with redundant rows", {1, 2, 10},
+        [](int n, int k) { return test::ladder(n, k, axis_angle(Vec3(1, 2, 3).normalized(), 0.7)); });
 }

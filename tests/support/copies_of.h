@@ -68,27 +68,29 @@ inline std::unique_ptr<System> chain(int n, int k, double twist = 0.0) {
   return sys;
 }
 
-/// Row of four-bars, `bays` of them, in the plane of x and z; in space its rows are redundant.
-inline std::unique_ptr<System> ladder(int bays, int k) {
-  auto sys = std::make_unique<System>(System::Options{Vec3(0, 0, -9.81)});
-  const Vec3 axis(0, 1, 0);
+/// Row of four-bars, `bays` of them, in the plane of x and z; in space its rows are redundant. All of it is turned by
+/// `turn`: it then lies askew.
+inline std::unique_ptr<System> ladder(int bays, int k, const Quat& turn = {}) {
+  const Mat3 A = rotation(turn);
+  auto sys = std::make_unique<System>(System::Options{A * Vec3(0, 0, -9.81)});
+  const Vec3 axis = A * Vec3(0, 1, 0);
   const double tilt = 0.3 + 0.1 * k, c = std::cos(tilt), s = std::sin(tilt);
   std::vector<Body*> uprights;
   const auto rod = [&](const std::string& name, const Vec3& middle) -> Body& {
     const double m = 1.0 + 0.1 * k;
-    return sys->add_body(name, {m, Vec3::Zero(), (m * Vec3(0.08, 0.09, 0.1)).asDiagonal()}, {middle, Quat{}});
+    return sys->add_body(name, {m, Vec3::Zero(), (m * Vec3(0.08, 0.09, 0.1)).asDiagonal()}, {A * middle, turn});
+  };
+  const auto hinge = [&](const std::string& name, Body& p, Body& on, const Vec3& at) {
+    sys->add<Revolute>(name, p, on, pose_at(A * at, axis));
   };
   for (int i = 0; i <= bays; ++i) {
-    Body& up = rod("upright " + std::to_string(i), Vec3(i + 0.5 * s, 0, 0.5 * c));
-    sys->add<Revolute>("foot " + std::to_string(i), up, sys->ground(), pose_at(Vec3(i, 0, 0), axis));
-    uprights.push_back(&up);
+    uprights.push_back(&rod("upright " + std::to_string(i), Vec3(i + 0.5 * s, 0, 0.5 * c)));
+    hinge("foot " + std::to_string(i), *uprights.back(), sys->ground(), Vec3(i, 0, 0));
   }
   for (int i = 0; i < bays; ++i) {
     Body& bar = rod("bar " + std::to_string(i), Vec3(i + 0.5 + s, 0, c));
-    sys->add<Revolute>("left " + std::to_string(i), bar, *uprights[static_cast<std::size_t>(i)],
-                       pose_at(Vec3(i + s, 0, c), axis));
-    sys->add<Revolute>("right " + std::to_string(i), bar, *uprights[static_cast<std::size_t>(i + 1)],
-                       pose_at(Vec3(i + 1 + s, 0, c), axis));
+    hinge("left " + std::to_string(i), bar, *uprights[static_cast<std::size_t>(i)], Vec3(i + s, 0, c));
+    hinge("right " + std::to_string(i), bar, *uprights[static_cast<std::size_t>(i + 1)], Vec3(i + 1 + s, 0, c));
   }
   return sys;
 }

@@ -206,16 +206,17 @@ TEST_CASE("a run in lanes is the run of each copy", "[unit][copies]") {
 TEST_CASE("a copy near a singular position finishes alone", "[unit][copies]") {
   const std::vector<double> times{0.5, 2.0};
   const std::string method = GENERATE("dopri5", "dop853");
+  const Formulation formulation = GENERATE(Formulation::omega, Formulation::joint);
   Family family(3, [](int k) { return ladder(1, k == 2 ? 28 : k); });
   const std::vector<State> starts = family.assembled();
   CopiesOptions options;
-  options.integrator = method;
+  options.integrator = method, options.formulation = formulation;
   options.tolerance = {1e-9, 1e-11};
   const Told lanes = told(family, starts, times, options);
   options.lanes = false;
   const Told alone = told(family, starts, times, options);
   for (std::size_t k = 0; k < starts.size(); ++k) {
-    CAPTURE(method, k, lanes.reports[k].error);
+    CAPTURE(method, to_string(formulation), k, lanes.reports[k].error);
     REQUIRE(lanes.reports[k].finished);
     CHECK(lanes.reports[k].alone == (k < 2));
     for (std::size_t i = 0; i < times.size(); ++i) CHECK(largest(lanes.states[k][i].q - alone.states[k][i].q) < 1e-7);
@@ -336,10 +337,11 @@ TEST_CASE("copies land on the jumps of their laws", "[unit][copies]") {
 TEST_CASE("steps in lanes allocate nothing", "[unit][copies]") {
   if (!allocations_are_counted()) return;
   const bool loops = GENERATE(true, false);
+  const Formulation formulation = GENERATE(Formulation::omega, Formulation::joint);
   Family family(8, [&](int k) { return loops ? ladder(2, 25 + k) : chain(3, k, 0.3); });  // they hang, far from flat
   const std::vector<State> starts = family.assembled();
   CopiesOptions options;
-  options.integrator = "dopri5";
+  options.integrator = "dopri5", options.formulation = formulation;
   Copies copies(family.pointers(), options);
   const auto run_to = [&](double t) {
     const std::vector<double> times{t};
@@ -419,7 +421,8 @@ TEST_CASE("copies refuse by name what has no lanes", "[unit][copies]") {
     inputs::RandomMechanism m(1);
     m.add_body();
     m.link(0, -1, Mask::xyz, oracle::kUP);
-    check_words(Copies::unsuited(m.system), {"link 0.P", "translation law"});
+    check_words(Copies::unsuited(m.system, Formulation::omega), {"link 0.P", "translation law"});
+    CHECK(Copies::unsuited(m.system) == "");  // in joint coordinates
   }
   {
     Family family(2, [](int k) { return chain(2 + k, 0); });

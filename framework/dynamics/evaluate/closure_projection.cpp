@@ -57,13 +57,11 @@ double Dynamics::Tree::project_velocity(System& system, State& state, double goa
 // Starts from Cd at this state. A factor of a position before serves while each round leaves a tenth at most; with one of
 // this position the proximal term alone leaves something.
 double Dynamics::Tree::velocities(State& state, bool factored, double goal) {
-  constexpr double kFalls = 0.3, kMet = 1e-3;
-  constexpr int kMostRounds = 8;
   goal = velocity_goal(goal, largest(&Motion::v));
   const double first = closures().norm(Cd);
   double left = first;
   bool old = factored;
-  for (int round = 0; !(left <= goal) && round < kMostRounds; ++round) {
+  for (int round = 0; !(left <= goal) && round < kTreeVelocityRounds; ++round) {
     if (!factored) factor(state), factored = true;
     recursion->correct(*coordinates, Cd, correction);
     state.v += correction;
@@ -73,10 +71,10 @@ double Dynamics::Tree::velocities(State& state, bool factored, double goal) {
     left = closures().norm(Cd);
     if (old && !(left <= 0.1 * last))
       factored = old = false;
-    else if (!(left < kFalls * last))
+    else if (!(left < kVelocitiesFall * last))
       break;
   }
-  velocities_met = left <= goal || left <= kMet * first;
+  velocities_met = left <= goal || left <= kVelocitiesMet * first;
   return left;
 }
 

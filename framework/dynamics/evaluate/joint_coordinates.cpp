@@ -8,14 +8,13 @@
 #include <lockstep/text.h>
 #include "framework/dynamics/evaluate/joint_coordinates.h"
 #include "framework/dynamics/evaluate/slot_coordinates.h"
+#include "framework/dynamics/tree/closure_rule.h"
 #include "framework/dynamics/tree/rows_in_plane.h"
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
 
 namespace {
-
-constexpr double kStalledRows = 0.3;  // of a residual: a correction that leaves more is the last one
 
 // The rates of slots that laws alone move, world axes: velocities, and their rates. a: 6 per slot, as in Evaluated.
 void write_rates(std::span<const Motion> motions, const VecX& a, StateRate& out) {

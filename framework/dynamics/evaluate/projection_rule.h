@@ -43,6 +43,10 @@ class PositionRounds {
   bool chord_ = false, converged_ = true;
 };
 
+/// Rounds onto the velocities in joint coordinates: at most this many; a round with a factor of this position that leaves
+/// more than the second number of the residual is the last; one that is this small against the first is met.
+inline constexpr int kTreeVelocityRounds = 8;
+inline constexpr double kVelocitiesFall = 0.3, kVelocitiesMet = 1e-3;
 /// Rounds onto the velocities J v = -Ct, with one factor.
 inline constexpr int kVelocityRounds = 3;
 inline double velocity_goal(double goal, double v_max) {

@@ -36,6 +36,12 @@ struct ClosureFronts {
 
   int row_of(const ClosureFront& f, int i) const { return rows[static_cast<std::size_t>(f.first + i)]; }
 
+  /// The place of an open row of a front at its parent.
+  int place_above(std::size_t front, int i) const {
+    const ClosureFront& f = all[front];
+    return all[parents[front]].first + above[static_cast<std::size_t>(f.first + i)];
+  }
+
   /// By node, then those of the ground: one for each link that ends there, in the order of their elimination.
   std::vector<ClosureFront> all;
   std::vector<std::size_t> parents;  ///< of each front the one that its open rows go to

@@ -5,14 +5,13 @@
 #include <utility>
 
 #include "framework/dynamics/solvers/scales.h"
+#include "framework/dynamics/tree/closure_rule.h"
 
 namespace lockstep {
 
 namespace {
 
-constexpr double kClosureProximal = 1e-9;  // of the scale s_j, as in the solver schur
 constexpr double kUnchanged = 0.9;    // of a residual, and its inverse: a correction that leaves this could not help
-constexpr double kRedundantRow = 10;  // in proximal terms: the pivot of a redundant row is at most this
 
 }  // namespace
 

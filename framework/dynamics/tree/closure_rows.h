@@ -48,8 +48,7 @@ class LOCKSTEP_API ClosureRows {
   }
   /// l of an open row of a front at its parent.
   double& l_above(std::size_t front, int i) {
-    const int above = fronts_.above[static_cast<std::size_t>(fronts_.all[front].first + i)];
-    return l_[static_cast<std::size_t>(fronts_.all[fronts_.parents[front]].first + above)];
+    return l_[static_cast<std::size_t>(fronts_.place_above(front, i))];
   }
   inline double multiplier(const ClosureFront&, int j, double with, const VecX& lambda) const;
   /// From diagonal_; arm2: as in PivotFloors, read the first time.

@@ -4,6 +4,23 @@
 
 namespace lockstep {
 
+JointLaws joint_laws_at(const TreeNode& n, double t, const VecX& s) {
+  JointLaws now;
+  const std::span<const double> own =
+      n.n_s > 0 ? std::span<const double>(s.data() + n.first_s, static_cast<std::size_t>(n.n_s))
+                : std::span<const double>();
+  named(*n.lock, t, [&] {
+    now.near = n.moving->near.at(t), now.far = n.moving->far.at(t);
+    if (n.imposed) now.x = n.imposed->translation(t, own), now.D = n.imposed->rotation(t, own);
+  });
+  for (int k = 0; k < 3; ++k)
+    if (!includes(n.rows, row_bit(k))) now.x.p[k] = now.x.pd[k] = now.x.pdd[k] = 0;
+  Vec3 all = now.x.p + now.x.pd + now.x.pdd + now.D.w + now.D.a + now.D.q.vec();
+  for (const MarkerMotion* m : {&now.near, &now.far}) all += m->u + m->ud + m->udd + m->w + m->a + m->q.vec();
+  if (!all.allFinite()) refuse_laws(*n.lock, t);
+  return now;
+}
+
 namespace {
 
 // Small changes of what moves a frame: of the displacement, its velocity, the rotation (axes of the turned frame) and
@@ -50,30 +67,6 @@ struct Moved {
   }
 };
 
-// What the laws of a joint say at an instant, those of its lock on what it holds.
-struct LawsNow {
-  MarkerMotion near, far;
-  ImposedTranslation x;
-  ImposedRotation D;
-};
-
-LawsNow laws_now(const TreeNode& n, double t, const VecX& s) {
-  LawsNow now;
-  const std::span<const double> own =
-      n.n_s > 0 ? std::span<const double>(s.data() + n.first_s, static_cast<std::size_t>(n.n_s))
-                : std::span<const double>();
-  named(*n.lock, t, [&] {
-    now.near = n.moving->near.at(t), now.far = n.moving->far.at(t);
-    if (n.imposed) now.x = n.imposed->translation(t, own), now.D = n.imposed->rotation(t, own);
-  });
-  for (int k = 0; k < 3; ++k)
-    if (!includes(n.rows, row_bit(k))) now.x.p[k] = now.x.pd[k] = now.x.pdd[k] = 0;
-  Vec3 all = now.x.p + now.x.pd + now.x.pdd + now.D.w + now.D.a + now.D.q.vec();
-  for (const MarkerMotion* m : {&now.near, &now.far}) all += m->u + m->ud + m->udd + m->w + m->a + m->q.vec();
-  if (!all.allFinite()) refuse_laws(*n.lock, t);
-  return now;
-}
-
 // The joint's own motion: translations with the laws' along the axes of S, and the free turn in the axes of P.
 struct JointMotion {
   ImposedTranslation x;
@@ -82,7 +75,7 @@ struct JointMotion {
   Changes slide, turn;
 };
 
-JointMotion joint_motion(const TreeNode& n, const LawsNow& now, const State& y, const StateRate* dy) {
+JointMotion joint_motion(const TreeNode& n, const JointLaws& now, const State& y, const StateRate* dy) {
   const double *q = y.q.data() + n.first_q, *v = y.v.data() + n.first_v;
   JointMotion o{now.x, {}, Vec3::Zero(), {}, {}};
   int k = 0;
@@ -111,7 +104,7 @@ JointMotion joint_motion(const TreeNode& n, const LawsNow& now, const State& y, 
 
 // From the parent to the slot: near marker, joint, and back from the far one. P = S moved by rho and turned by q_D r.
 Moved moved(const TreeNode& n, const State& y, const StateRate* dy, Moved f, MovedNode& out) {
-  const LawsNow now = laws_now(n, y.t, y.s);
+  const JointLaws now = joint_laws_at(n, y.t, y.s);
   const JointMotion o = joint_motion(n, now, y, dy);
   const Vec3 zero = Vec3::Zero();
   Mat3 S, P;
@@ -164,7 +157,7 @@ NodeVariation vary_moving(const TreeNode& n, const State& y, const StateRate& dy
 }
 
 MovedCoordinates read_moving(const TreeNode& n, double t, const VecX& s, const Motion& p, const Motion& own) {
-  const LawsNow now = laws_now(n, t, s);
+  const JointLaws now = joint_laws_at(n, t, s);
   Moved near(p, p.A * p.w), far(own, own.A * own.w);
   near.move(now.near.u, now.near.ud, now.near.udd), near.turn(now.near.q, now.near.w, now.near.a);
   far.move(now.far.u, now.far.ud, now.far.udd), far.turn(now.far.q, now.far.w, now.far.a);

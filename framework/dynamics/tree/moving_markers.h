@@ -7,6 +7,16 @@
 
 namespace lockstep {
 
+/// What the laws of a joint with moving markers say at an instant: of the markers, and those of its lock on what it holds,
+/// along the axes of S and in those of D.
+struct JointLaws {
+  MarkerMotion near, far;
+  ImposedTranslation x;
+  ImposedRotation D;
+};
+/// Throws NonFiniteError and what the laws throw, with the link's name.
+JointLaws joint_laws_at(const TreeNode&, double t, const VecX& s);
+
 /// The motion of a node with moving markers from that of its parent, world axes.
 struct MovedNode {
   Vec3 w,          ///< angular velocity of the slot, rad/s

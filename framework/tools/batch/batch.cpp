@@ -9,9 +9,9 @@ namespace lockstep::lanes {
 std::unique_ptr<Batch> Batch::of(std::span<System* const> systems, int first, const CopiesOptions& options) {
   if (options.formulation == Formulation::omega) return std::make_unique<RowBatch>(systems, first, options);
   std::string why_not;
-  auto trees = TreeBatch::trees_of(systems, why_not);
+  const TreeBatch::Trees trees = TreeBatch::trees_of(systems, Taken::all, why_not);
   if (trees.empty()) throw ModelError("copies: no joint coordinates in lanes: " + why_not);
-  return std::make_unique<TreeBatch>(systems, first, std::move(trees), options);
+  return std::make_unique<TreeBatch>(systems, first, trees, options);
 }
 
 Batch::Batch(std::span<System* const> systems, int first, std::size_t n_q, std::size_t n_v,

@@ -4,6 +4,7 @@
 // first copy.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <new>
@@ -25,6 +26,7 @@ using Flags8 = std::array<bool, kLanes>;
 struct Landing {
   double before = 0, after = 0;  ///< |C|, m
   bool converged = true;
+  bool velocities_met = true;  ///< false: the copy goes on alone
 };
 
 class LOCKSTEP_API Batch {
@@ -70,6 +72,8 @@ class LOCKSTEP_API Batch {
   virtual void weigh(const double*, std::array<Change, kLanes>&) {}
   /// The step of a copy that change_to() saw last is accepted.
   virtual void accept(int) {}
+  /// Angular velocity of the slot of a copy that turns fastest, at the start of the step y, rad/s.
+  virtual double fastest_turn(int lane, const double* y) const = 0;
   /// From now on evaluate() sees the pivots, in mechanisms with loops.
   virtual void watch_pivots() {}
   bool watches() const { return watches_; }
@@ -133,6 +137,15 @@ void put_numbers(Aligned<double>& to, std::size_t at, int lane, const M& values)
 }
 inline void put_matrix(Aligned<double>& to, std::size_t at, int lane, const Mat3& A) {
   put_numbers(to, at, lane, Mat3(A.transpose()));
+}
+
+/// xx xy xz yy yz zz
+inline Eigen::Matrix<double, 6, 1> packed(const Mat3& J) {
+  return {J(0, 0), J(0, 1), J(0, 2), J(1, 1), J(1, 2), J(2, 2)};
+}
+
+inline bool any(const Flags8& f) {
+  return std::ranges::any_of(f, [](bool x) { return x; });
 }
 
 }  // namespace lockstep::lanes

@@ -146,17 +146,19 @@ std::string unsuited(std::span<System* const> systems, Formulation& formulation)
   }
   if (formulation == Formulation::quaternion)
     return "the formulation quaternion has none; take automatic, joint or omega";
-  std::string why_no_trees;
-  const bool asked = formulation == Formulation::joint;
-  if (formulation != Formulation::omega && !lanes::TreeBatch::trees_of(systems, why_no_trees).empty()) {
+  const Formulation asked = formulation;
+  std::string why_no_trees, why_no_rows;
+  const auto take_trees = [&](Taken taken) {
+    if (asked == Formulation::omega || lanes::TreeBatch::trees_of(systems, taken, why_no_trees).empty()) return false;
     formulation = Formulation::joint;
-    return "";
-  }
+    return true;
+  };
+  if (take_trees(asked == Formulation::joint ? Taken::all : Taken::where_cheaper)) return "";
+  if (asked == Formulation::joint) return why_no_trees;
   formulation = Formulation::omega;
-  if (asked) return why_no_trees;
   for (const System* system : systems)
-    if (std::string why = lanes::unsuited_rows(*system); !why.empty()) return why;
-  return "";
+    if (why_no_rows = lanes::unsuited_rows(*system); !why_no_rows.empty()) break;
+  return why_no_rows.empty() || take_trees(Taken::all) ? "" : why_no_rows;  // dearer ones rather than none
 }
 
 }  // namespace

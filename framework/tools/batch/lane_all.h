@@ -6,6 +6,7 @@
 
 #include "framework/dynamics/solvers/stop_rule.h"
 #include "framework/tools/batch/lane_blocks.h"
+#include "framework/tools/batch/lane_closures.h"
 #include "framework/tools/batch/lane_passes.h"
 #include "framework/tools/batch/lane_rows.h"
 #include "framework/tools/batch/lane_tree.h"
@@ -212,6 +213,32 @@ LOCKSTEP_PASS(change,
               (plan, from(z, lane), before + lane, h + lane, now + lane, out + lane))
 LOCKSTEP_PASS(vary, (const TreePlan& plan, const TreeNumbers& z, const double* dy, double* out),
               (plan, from(z, lane), dy + lane, out + lane))
+LOCKSTEP_PASS(accelerate_closed,
+              (const TreePlan& tree, const TreeNumbers& z, const ClosurePlan& plan, const ClosureNumbers& c,
+               double* rate),
+              (tree, from(z, lane), plan, from(c, lane), rate + lane))
+LOCKSTEP_PASS(factor_closures,
+              (const TreePlan& tree, const TreeNumbers& z, const ClosurePlan& plan, const ClosureNumbers& c),
+              (tree, from(z, lane), plan, from(c, lane)))
+LOCKSTEP_PASS(correct_closures,
+              (const TreePlan& tree, const TreeNumbers& z, const ClosurePlan& plan, const ClosureNumbers& c,
+               const double* r, double* dv),
+              (tree, from(z, lane), plan, from(c, lane), r + lane, dv + lane))
+LOCKSTEP_PASS(add_correction,
+              (const TreePlan& tree, const TreeNumbers& z, const ClosurePlan& plan, const ClosureNumbers& c,
+               const double* dv, double* rate),
+              (tree, from(z, lane), plan, from(c, lane), dv + lane, rate + lane))
+LOCKSTEP_PASS(closure_errors, (const TreeNumbers& z, const ClosurePlan& plan, const ClosureNumbers& c),
+              (plan, from(z, lane), from(c, lane)))
+LOCKSTEP_PASS(closure_rates, (const TreeNumbers& z, const ClosurePlan& plan, const ClosureNumbers& c),
+              (plan, from(z, lane), from(c, lane)))
+LOCKSTEP_PASS(closure_residuals,
+              (const TreeNumbers& z, const ClosurePlan& plan, const ClosureNumbers& c, bool raised, double* out),
+              (plan, from(z, lane), from(c, lane), raised, out + lane))
+LOCKSTEP_PASS(closure_pivots, (const ClosurePlan& plan, const ClosureNumbers& c, const double* left, double* out),
+              (plan, from(c, lane), left + lane, out + lane))
+LOCKSTEP_PASS(closure_norm, (const ClosurePlan& plan, const double* x, const double* L, double* out),
+              (plan, x + lane, L + lane, out + lane))
 LOCKSTEP_TARGET void half_turns_pass(const TreePlan& plan, const TreeNumbers& z) { half_turns(plan, z); }
 
 Passes all_passes() {
@@ -238,6 +265,15 @@ Passes all_passes() {
   out.accelerate_tree = accelerate_tree_pass;
   out.change = change_pass;
   out.vary = vary_pass;
+  out.accelerate_closed = accelerate_closed_pass;
+  out.factor_closures = factor_closures_pass;
+  out.correct_closures = correct_closures_pass;
+  out.add_correction = add_correction_pass;
+  out.closure_errors = closure_errors_pass;
+  out.closure_rates = closure_rates_pass;
+  out.closure_residuals = closure_residuals_pass;
+  out.closure_pivots = closure_pivots_pass;
+  out.closure_norm = closure_norm_pass;
   return out;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <lockstep/batch.h>
+#include "framework/tools/batch/closure_plan.h"
 #include "framework/tools/batch/lane_numbers.h"
 #include "framework/tools/batch/tree_plan.h"
 
@@ -47,6 +48,28 @@ struct Passes {
                  double* out) = nullptr;
   /// An error dy of q and v -> the squares of how it moves the slots: 4 packs.
   void (*vary)(const TreePlan&, const TreeNumbers&, const double* dy, double* out) = nullptr;
+
+  // The same with loops.
+  /// As accelerate_tree, with the rows that close the loops: J, c, and their multipliers.
+  void (*accelerate_closed)(const TreePlan&, const TreeNumbers&, const ClosurePlan&, const ClosureNumbers&,
+                            double* rate) = nullptr;
+  /// The elimination alone, of the jacobians as found last.
+  void (*factor_closures)(const TreePlan&, const TreeNumbers&, const ClosurePlan&, const ClosureNumbers&) = nullptr;
+  /// The change of the velocities, and of the slots', by which residuals r vanish, by the last elimination.
+  void (*correct_closures)(const TreePlan&, const TreeNumbers&, const ClosurePlan&, const ClosureNumbers&,
+                           const double* r, double* dv) = nullptr;
+  /// Adds that to the accelerations and multipliers.
+  void (*add_correction)(const TreePlan&, const TreeNumbers&, const ClosurePlan&, const ClosureNumbers&,
+                         const double* dv, double* rate) = nullptr;
+  void (*closure_errors)(const TreeNumbers&, const ClosurePlan&, const ClosureNumbers&) = nullptr;  ///< J, C, Cd
+  void (*closure_rates)(const TreeNumbers&, const ClosurePlan&, const ClosureNumbers&) = nullptr;   ///< Cd = J v + Ct
+  /// r = J a - c -> 2 packs, the largest relative to its scale, and that of rows that are not redundant; `raised`: scales
+  /// are, by the slots' accelerations.
+  void (*closure_residuals)(const TreeNumbers&, const ClosurePlan&, const ClosureNumbers&, bool raised,
+                            double* out) = nullptr;
+  void (*closure_pivots)(const ClosurePlan&, const ClosureNumbers&, const double* left,
+                         double* out) = nullptr;                                                      ///< as pivots
+  void (*closure_norm)(const ClosurePlan&, const double* x, const double* L, double* out) = nullptr;  ///< as norm
 };
 
 /// Throws ModelError if the machine does not have these instructions.

@@ -3,6 +3,7 @@
 #include <typeinfo>
 
 #include <lockstep/joints.h>
+#include "framework/tools/batch/link_numbers.h"
 
 namespace lockstep::lanes {
 namespace {
@@ -29,6 +30,8 @@ RowTable rows_of(const System& system) {
   return table;
 }
 
+}  // namespace
+
 std::string unsuited_link(const Lock& link) {
   const std::string who = "link '" + link.name() + "' ";
   const MarkerLock* lock = plain_lock(link);
@@ -41,8 +44,6 @@ std::string unsuited_link(const Lock& link) {
   if (P == S) return who + "joins two bodies that move as one";
   return "";
 }
-
-}  // namespace
 
 std::string unsuited(const System& system) {
   if (!system.auxiliaries().empty())
@@ -77,13 +78,13 @@ std::string unsuited_rows(const System& system) {
   return "";
 }
 
-namespace {
-
 Turn turn_of(const MarkerLock& lock) {
   if (!overlaps(lock.rows(), Mask::e123)) return Turn::none;
   if (lock.laws() & with::qD) return Turn::law;
   return lock.laws() & with::parallel ? Turn::parallel : Turn::plain;
 }
+
+namespace {
 
 Link link_of(const schur::Node& node, const RowEntry& e, const MarkerLock& lock, Plan& plan) {
   Link link;
@@ -100,7 +101,7 @@ Link link_of(const schur::Node& node, const RowEntry& e, const MarkerLock& lock,
   link.frames = plan.size_frames;
   plan.size_frames += frames::size;
   link.law = plan.size_law;
-  if (link.moved || link.turn == Turn::law) plan.size_law += law::size;
+  if (link.has_laws()) plan.size_law += law::size;
   return link;
 }
 

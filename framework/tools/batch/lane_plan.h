@@ -33,6 +33,8 @@ struct Link {
   std::size_t frames = 0;        ///< of its markers, frames::size packs
   std::size_t law = 0;           ///< of its laws, law::size packs, where there are any
   std::size_t x = 0;             ///< of its rows, m packs
+
+  bool has_laws() const { return moved || turn == Turn::law; }
 };
 
 struct Plan : schur::Plan {

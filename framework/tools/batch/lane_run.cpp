@@ -88,7 +88,6 @@ class LaneRun {
   void park(int lane);
   void see_pivots(bool first);
   bool near_singular(int lane);
-  double fastest_turn(int lane);
 
   Batch& batch_;
   const RunTask& task_;
@@ -273,14 +272,6 @@ bool LaneRun::near_singular(int lane) {
          std::min(the.first.smallest, the.stages.smallest) < the.singular.limit_from(the.first.smallest);
 }
 
-// Angular velocity of the body of a copy that turns fastest, rad/s.
-double LaneRun::fastest_turn(int lane) {
-  read(lane, y_.data(), t_[static_cast<std::size_t>(lane)], state_);
-  double w2 = 0;
-  for (int k = 0; k < batch_.system(lane).n_slots(); ++k) w2 = std::max(w2, state_.slot_twist(k).w.squaredNorm());
-  return std::sqrt(w2);
-}
-
 double LaneRun::error_of(int lane) {
   batch_.get(lane, error_.data(), rate_error_);
   return lanes_[static_cast<std::size_t>(lane)].norm.of(rate_error_, state_end_);
@@ -360,7 +351,7 @@ void LaneRun::attempt() {
   for (int l = 0; l < batch_.size(); ++l) {
     const auto i = static_cast<std::size_t>(l);
     if (!lanes_[i].going) continue;
-    if (failed[i] || (batch_.watches() && near_singular(l))) {
+    if (failed[i] || !landed[i].velocities_met || (batch_.watches() && near_singular(l))) {
       leave(l);
       continue;
     }
@@ -380,7 +371,8 @@ void LaneRun::attempt() {
 void LaneRun::accept(int lane, double error) {
   const auto l = static_cast<std::size_t>(lane);
   Lane& the = lanes_[l];
-  if (batch_.watches()) the.singular.add(std::min(the.first.smallest, the.stages.smallest), h_[l] * fastest_turn(lane));
+  if (batch_.watches())
+    the.singular.add(std::min(the.first.smallest, the.stages.smallest), h_[l] * batch_.fastest_turn(lane, y_.data()));
   for (std::size_t i = l; i < y_.size(); i += kL) y_[i] = end_[i];
   batch_.accept(lane);
   first_done_ = false;

@@ -7,6 +7,7 @@
 
 #include "framework/foundation/math/sin_cos.h"
 #include "framework/tools/batch/lane_math.h"
+#include "framework/tools/batch/lane_moving.h"
 #include "framework/tools/batch/tree_plan.h"
 
 namespace lockstep::lanes::LOCKSTEP_SET {
@@ -182,7 +183,10 @@ LOCKSTEP_LANE void carry(const LaneNode& n, const TreePlan& plan, const TreeNumb
 }
 
 LOCKSTEP_LANE void outward(const TreePlan& plan, const TreeNumbers& z) {
-  for (std::size_t k = 0; k < plan.nodes.size(); ++k) carry(plan.nodes[k], plan, z, k);
+  for (std::size_t k = 0; k < plan.nodes.size(); ++k) {
+    const LaneNode& n = plan.nodes[k];
+    n.moving ? carry_moving(n, plan, z, k) : carry(n, plan, z, k);
+  }
 }
 
 /// Of all eight lanes.
@@ -210,7 +214,16 @@ LOCKSTEP_LANE void eliminate(const LaneNode& n, const TreeNumbers& z, LaneInerti
   }
 }
 
-LOCKSTEP_LANE void inward(const TreePlan& plan, const TreeNumbers& z) {
+/// In the place of rows that close loops, where there are none (lane_closures.h).
+struct NoRows {
+  static constexpr bool kAny = false;
+  LOCKSTEP_LANE void close(std::size_t, LaneInertia&) const {}
+  LOCKSTEP_LANE void pass_on(const LaneNode&, const TreeNumbers&, std::size_t) const {}
+  LOCKSTEP_LANE void find(std::size_t, const V3&, const V3&) const {}
+};
+
+template <class Rows>
+LOCKSTEP_LANE void inward(const TreePlan& plan, const TreeNumbers& z, const Rows& rows) {
   const V3 g = load3(z.gravity, 0);
   LaneInertia IA;
   for (std::size_t k = plan.nodes.size(); k-- > 0;) {
@@ -230,7 +243,9 @@ LOCKSTEP_LANE void inward(const TreePlan& plan, const TreeNumbers& z) {
       const double* F = pack(z.wrench, 6 * static_cast<std::size_t>(n.slot));
       IA.f = IA.f - load3(F, 0), IA.t = IA.t - A * load3(F, 3);
     }
+    rows.close(k, IA);
     eliminate(n, z, IA);
+    rows.pass_on(n, z, k);
     if (n.to == -1) continue;
     IA.shift(load3(b, moving::r), load3(b, moving::ca), load3(b, moving::cal));
     if (n.to == LaneNode::kNext) continue;
@@ -240,8 +255,9 @@ LOCKSTEP_LANE void inward(const TreePlan& plan, const TreeNumbers& z) {
   }
 }
 
-/// vd = D^-1 (u - U' a'), a' = (a_p + al_p x r + ca, al_p + cal): who was eliminated last comes first.
-LOCKSTEP_LANE void solve(const TreePlan& plan, const TreeNumbers& z, double* rate) {
+/// vd = D^-1 (u - U' a') - V' lambda, a' = (a_p + al_p x r + ca, al_p + cal): who was eliminated last comes first.
+template <class Rows>
+LOCKSTEP_LANE void solve(const TreePlan& plan, const TreeNumbers& z, double* rate, const Rows& rows) {
   V most{}, most_turned{};
   for (std::size_t k = 0; k < plan.nodes.size(); ++k) {
     const LaneNode& n = plan.nodes[k];
@@ -254,11 +270,13 @@ LOCKSTEP_LANE void solve(const TreePlan& plan, const TreeNumbers& z, double* rat
     }
     for (int i = n.n_v(); i-- > 0;) {
       const double* d = pack(z.dof, dof::size * (n.v + static_cast<std::size_t>(i)));
-      const V x = load(d, dof::D_1) * (load(d, dof::u) - dot(load3(d, dof::Uf), a) - dot(load3(d, dof::Ut), al));
+      V x = load(d, dof::D_1) * (load(d, dof::u) - dot(load3(d, dof::Uf), a) - dot(load3(d, dof::Ut), al));
+      if constexpr (Rows::kAny) x -= rows.less(k, n.n_v(), i);
       store(vd, static_cast<std::size_t>(i), x);
       a = a + x * load3(d, dof::l), al = al + x * load3(d, dof::n);
     }
     store3(b, moving::a, a), store3(b, moving::al, al);
+    rows.find(k, a, al);
     const V a2 = dot(a, a), al2 = dot(al, al);
     most = largest_or_nan(most, a2), most_turned = largest_or_nan(most_turned, al2);
   }
@@ -281,8 +299,8 @@ LOCKSTEP_LANE void kinematic_rates(const TreePlan& plan, const TreeNumbers& z, d
 }
 
 LOCKSTEP_LANE void accelerate_tree(const TreePlan& plan, const TreeNumbers& z, double* rate) {
-  inward(plan, z);
-  solve(plan, z, rate);
+  inward(plan, z, NoRows{});
+  solve(plan, z, rate, NoRows{});
   kinematic_rates(plan, z, rate);
 }
 
@@ -293,6 +311,12 @@ struct LaneSizes {
   V x{}, r{}, v{}, w{};
   LOCKSTEP_LANE void take(const V& dx, const V& dr, const V& dv, const V& dw) {
     x = largest_or_nan(x, dx), r = largest_or_nan(r, dr), v = largest_or_nan(v, dv), w = largest_or_nan(w, dw);
+  }
+  /// How a node varies, and its motion.
+  LOCKSTEP_LANE void take_varied(const double* d, const double* b) {
+    const V3 dx = load3(d, varied::x), phi = load3(d, varied::phi), dv = load3(d, varied::v);
+    const V3 in_slot = load3(d, varied::w) - cross(phi, load3(b, moving::w));
+    take(dot(dx, dx), dot(phi, phi), dot(dv, dv), dot(in_slot, in_slot));
   }
   LOCKSTEP_LANE void put(double* out) const { store(out, 0, x), store(out, 1, r), store(out, 2, v), store(out, 3, w); }
 };
@@ -325,6 +349,11 @@ LOCKSTEP_LANE void vary(const TreePlan& plan, const TreeNumbers& z, const double
   LaneSizes sizes;
   for (std::size_t k = 0; k < plan.nodes.size(); ++k) {
     const LaneNode& n = plan.nodes[k];
+    if (n.moving) {
+      vary_moving(n, plan, z, k, dy);
+      sizes.take_varied(pack(z.varied, varied::size * (k + 1)), pack(z.moving, moving::size * (k + 1)));
+      continue;
+    }
     const auto parent = static_cast<std::size_t>(n.parent + 1), slides = static_cast<std::size_t>(n.n_slides);
     const double *q = pack(z.y, n.q), *v = pack(z.y, plan.n_q + n.v), *j = pack(z.joint, n.joint);
     const double *dq = pack(dy, n.q), *dv = pack(dy, plan.n_q + n.v), *d = pack(z.dof, dof::size * n.v);

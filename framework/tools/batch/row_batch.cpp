@@ -8,6 +8,7 @@
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/dynamics/solvers/schur_floors.h"
 #include "framework/dynamics/solvers/stop_rule.h"
+#include "framework/tools/batch/link_numbers.h"
 
 namespace lockstep::lanes {
 
@@ -53,16 +54,8 @@ void RowBatch::fill_masses() {
 
 void RowBatch::fill_frames() {
   for (Link& node : plan_.links) {
-    has_laws_ = has_laws_ || node.moved || node.turn == Turn::law;
-    for (int l = 0; l < kLanes; ++l) {
-      const auto& lock = static_cast<const MarkerLock&>(*systems_[l]->links()[node.link]);
-      const MarkerFrame P(lock.p()), S(lock.s());
-      if (node.turn == Turn::parallel && !(P.parallel() && S.parallel())) node.turn = Turn::plain;
-      put_numbers(frames_, node.frames + frames::uP, l, P.u0), put_numbers(frames_, node.frames + frames::uS, l, S.u0);
-      put_numbers(frames_, node.frames + frames::qP, l, P.q0.coefficients());
-      put_numbers(frames_, node.frames + frames::qS, l, S.q0.coefficients());
-      put_matrix(frames_, node.frames + frames::AP, l, P.A0), put_matrix(frames_, node.frames + frames::AS, l, S.A0);
-    }
+    has_laws_ = has_laws_ || node.has_laws();
+    for (int l = 0; l < kLanes; ++l) put_frames(lock(l, node), l, node, frames_);
   }
 }
 
@@ -72,22 +65,9 @@ void RowBatch::fill_laws(const double* y, const Numbers8& t) {
     const Inputs in = inputs(l, y, t[static_cast<std::size_t>(l)]);
     guarded(l, [&] {
       for (const Link& node : plan_.links)
-        if (node.moved || node.turn == Turn::law) fill_law(node, l, in);
+        if (node.has_laws()) put_laws(lock(l, node), l, node, in, law_);
     });
   }
-}
-
-void RowBatch::fill_law(const Link& node, int lane, const Inputs& in) {
-  const auto& lock = static_cast<const MarkerLock&>(*system(lane).links()[static_cast<std::size_t>(node.link)]);
-  if (node.moved) {
-    const ImposedTranslation D = lock.imposed_translation(in);
-    put_numbers(law_, node.law + law::p, lane, D.p), put_numbers(law_, node.law + law::pd, lane, D.pd);
-    put_numbers(law_, node.law + law::pdd, lane, D.pdd);
-  }
-  if (node.turn != Turn::law) return;
-  const ImposedRotation D = lock.imposed_rotation(in);
-  put_numbers(law_, node.law + law::q, lane, D.q.coefficients()), put_matrix(law_, node.law + law::A, lane, D.A);
-  put_numbers(law_, node.law + law::w, lane, D.w), put_numbers(law_, node.law + law::a, lane, D.a);
 }
 
 void RowBatch::read_motion(int lane, int slot, Motion& O) const {
@@ -99,6 +79,15 @@ void RowBatch::read_motion(int lane, int slot, Motion& O) const {
     for (std::size_t j = 0; j < 3; ++j) O.A(r, static_cast<Eigen::Index>(j)) = at(body::A + 3 * i + j);
   }
   O.e = {at(body::e), at(body::e + 1), at(body::e + 2), at(body::e + 3)};
+}
+
+double RowBatch::fastest_turn(int lane, const double* y) const {
+  double most = 0;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(plan_.n_slots); ++k) {
+    const double* w = y + kL * (plan_.v_at() + 6 * k + 3) + static_cast<std::size_t>(lane);
+    most = std::max(most, w[0] * w[0] + w[kL] * w[kL] + w[2 * kL] * w[2 * kL]);
+  }
+  return std::sqrt(most);
 }
 
 // ------------------------------------------------------------------------------------------------------ evaluation

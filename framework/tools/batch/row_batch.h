@@ -1,6 +1,7 @@
 // RowBatch: copies in the slots' own coordinates, with all rows of their links. Private to the room.
 #pragma once
 
+#include <lockstep/lock.h>
 #include "framework/tools/batch/batch.h"
 
 namespace lockstep::lanes {
@@ -12,6 +13,7 @@ class LOCKSTEP_API RowBatch final : public Batch {
 
   const Plan& plan() const { return plan_; }
   Flags8 evaluate(const double* y, const Numbers8& t, double* rate) override;
+  double fastest_turn(int lane, const double* y) const override;
   void watch_pivots() override;
   double n_small(std::size_t lane) const override { return pivots_[lane]; }
   double smallest_pivot(std::size_t lane) const override { return pivots_[kL + lane]; }
@@ -22,7 +24,9 @@ class LOCKSTEP_API RowBatch final : public Batch {
   void fill_masses();
   void fill_frames();
   void fill_laws(const double* y, const Numbers8& t);
-  void fill_law(const Link&, int lane, const Inputs&);
+  const MarkerLock& lock(int lane, const Link& link) const {
+    return static_cast<const MarkerLock&>(*system(lane).links()[static_cast<std::size_t>(link.link)]);
+  }
   int first_solution();
   void see_pivots();
   Flags8 check_rows(int corrections);

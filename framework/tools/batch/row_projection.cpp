@@ -9,10 +9,6 @@
 namespace lockstep::lanes {
 namespace {
 
-bool any(const Flags8& f) {
-  return std::any_of(f.begin(), f.end(), [](bool x) { return x; });
-}
-
 // Largest absolute value in each lane, over packs [first, first + width) of every `stride`.
 Numbers8 largest(const double* y, std::size_t first, std::size_t stride, std::size_t width, int n_slots) {
   Numbers8 out{};

@@ -7,59 +7,68 @@
 #include <lockstep/error.h>
 #include <lockstep/lock.h>
 #include "framework/dynamics/evaluate/slot_coordinates.h"
+#include "framework/dynamics/solvers/graph.h"
+#include "framework/dynamics/tree/moving_markers.h"
 #include "framework/dynamics/tree/tree_motion.h"
 
 namespace lockstep::lanes {
 namespace {
 
 // Why a tree has no lanes; "" if it has.
-std::string why_no_lanes(const JointTree& tree, const System& system) {
-  const auto link = [&](int number) {
-    return "link '" + system.links()[static_cast<std::size_t>(number)]->name() + "' ";
-  };
-  if (!tree.closures().empty()) return link(tree.closures().front()) + "closes a loop";
-  if (tree.n_v() == 0) return "no coordinate is free";
-  for (const TreeNode& n : tree.nodes()) {
-    if (n.left != 0) return link(n.link) + "has rows that its joint does not hold";
-    if (n.moving) return link(n.link) + "has a marker that moves on its body";
-  }
+std::string why_no_lanes(const TreeLayout& layout, const System& system) {
+  if (layout.tree->n_v() == 0) return "no coordinate is free";
+  for (const TreeNode& n : layout.tree->nodes())
+    if (n.left != 0)
+      return "link '" + system.links()[static_cast<std::size_t>(n.link)]->name() + "' has rows that its joint does not hold";
   for (const auto& force : system.forces())
     if (system.plane() && !force->stays_in_plane(system.plane()))
       return "force '" + force->name() + "' does not say that it stays in the plane of the system";
-  return "";
+  return unsuited_closures(system, layout);
 }
 
-bool are_alike(const JointTree& a, const JointTree& b) {
+bool has_equal_joints(const JointTree& a, const JointTree& b) {
   return std::ranges::equal(a.nodes(), b.nodes(), [](const TreeNode& x, const TreeNode& y) {
     return x.slot == y.slot && x.parent == y.parent && x.link == y.link && x.n_slides == y.n_slides &&
-           x.turn == y.turn && x.reversed == y.reversed && !x.imposed == !y.imposed;
+           x.turn == y.turn && x.reversed == y.reversed && x.rows == y.rows && !x.imposed == !y.imposed &&
+           !x.moving == !y.moving;
   });
 }
 
-// xx xy xz yy yz zz
-Eigen::Matrix<double, 6, 1> packed(const Mat3& J) { return {J(0, 0), J(0, 1), J(0, 2), J(1, 1), J(1, 2), J(2, 2)}; }
+// Writes a translation and its rates, and the turn q with its rates w and a.
+template <class Turn>
+void put_carrying(Aligned<double>& to, std::size_t at, int lane, const Vec3& u, const Vec3& ud, const Vec3& udd,
+                  const Turn& turn) {
+  put_numbers(to, at + marked::u, lane, u), put_numbers(to, at + marked::ud, lane, ud);
+  put_numbers(to, at + marked::udd, lane, udd), put_numbers(to, at + marked::q, lane, turn.q.coefficients());
+  put_numbers(to, at + marked::w, lane, turn.w), put_numbers(to, at + marked::a, lane, turn.a);
+}
 
 }  // namespace
 
-TreeBatch::Trees TreeBatch::trees_of(std::span<System* const> systems, std::string& why_not) {
+TreeBatch::Trees TreeBatch::trees_of(std::span<System* const> systems, Taken taken, std::string& why_not) {
   Trees trees;
   for (const System* system : systems) {
-    auto tree = JointTree::of(*system, system->start().modes, why_not);
-    if (tree) why_not = why_no_lanes(*tree, *system);
-    if (why_not.empty() && !trees.empty() && !are_alike(*trees.front(), *tree))
+    TreeLayout layout = lay_out_tree(*system, system->start().modes, taken);
+    why_not = layout.tree ? why_no_lanes(layout, *system) : layout.why_not;
+    if (why_not.empty() && !trees.empty() &&
+        !(has_equal_joints(*trees.front().tree, *layout.tree) && are_alike(trees.front(), layout)))
       why_not = "the joints of two copies are not laid out alike";
     if (!why_not.empty()) return {};
-    trees.push_back(std::move(tree));
+    trees.push_back(std::move(layout));
   }
   return trees;
 }
 
-TreeBatch::TreeBatch(std::span<System* const> systems, int first, Trees trees, const CopiesOptions& options)
-    : Batch(systems, first, static_cast<std::size_t>(trees.front()->n_q()),
-            static_cast<std::size_t>(trees.front()->n_v()), options),
-      trees_(std::move(trees)),
-      plan_(make_plan(*trees_.front())) {
-  while (trees_.size() < kL) trees_.push_back(trees_.front());
+TreeBatch::TreeBatch(std::span<System* const> systems, int first, const Trees& trees, const CopiesOptions& options)
+    : Batch(systems, first, static_cast<std::size_t>(trees.front().tree->n_q()),
+            static_cast<std::size_t>(trees.front().tree->n_v()), options),
+      stabilization_(options.stabilization),
+      plan_(make_plan(*trees.front().tree)) {
+  TreeClosures::Layouts layouts{};
+  for (std::size_t l = 0; l < kL; ++l) {
+    layouts[l] = &trees[l < trees.size() ? l : 0];
+    trees_[l] = layouts[l]->tree;
+  }
   const std::size_t n = plan_.nodes.size();
   const auto size = [](Aligned<double>& v, std::size_t packs) {
     return v.assign(kL * std::max<std::size_t>(packs, 1), 0.0), v.data();
@@ -70,6 +79,7 @@ TreeBatch::TreeBatch(std::span<System* const> systems, int first, Trees trees, c
   z_.waiting = size(waiting_, articulated::size * plan_.n_waiting), z_.largest = size(largest_, 2);
   z_.varied = size(varied_, varied::size * (n + 1)), size(start_, end::size * n), size(now_, end::size * n);
   if (has_forces_) z_.wrench = wrench_.data();
+  closures_.begin(systems_, layouts, pass_);
   node_of_.resize(n);
   for (std::size_t k = 0; k < n; ++k) node_of_[static_cast<std::size_t>(plan_.nodes[k].slot)] = k;
   fill_joints();
@@ -90,7 +100,7 @@ void TreeBatch::fill_joints() {
       put_numbers(joint_, n.joint + joint::axis, l, t.axis);
       put_number(joint_, n.joint + joint::m, l, slot.mass);
       put_numbers(joint_, n.joint + joint::J, l, packed(slot.J));
-      if (n.n_slides == 0 && n.turn != TreeTurn::ball && !n.has_law) continue;
+      if (!n.needs_more()) continue;
       for (std::size_t i = 0; i < 3; ++i) put_numbers(more_, n.more + more::slide + 3 * i, l, t.slide[i]);
       put_matrix(more_, n.more + more::ball, l, t.ball);
       put_numbers(more_, n.more + more::near_q, l, t.near_q.coefficients());
@@ -128,19 +138,29 @@ void TreeBatch::fill_laws(const double* y, const Numbers8& t) {
   if (plan_.size_law == 0) return;
   for (int l = 0; l < kLanes; ++l) {
     inputs(l, y, t[static_cast<std::size_t>(l)]);
-    for (std::size_t k = 0; k < plan_.nodes.size(); ++k) {
-      const LaneNode& n = plan_.nodes[k];
-      if (!n.has_law) continue;
-      guarded(l, [&] {
-        Imposed now;
-        laws_at(tree(l).nodes()[k], t[static_cast<std::size_t>(l)], states_of(l), now);
-        put_numbers(law_, n.law + imposed::p, l, now.p), put_numbers(law_, n.law + imposed::pd, l, now.pd);
-        put_numbers(law_, n.law + imposed::pdd, l, now.pdd), put_numbers(law_, n.law + imposed::w, l, now.w);
-        put_numbers(law_, n.law + imposed::a, l, now.a), put_numbers(law_, n.law + imposed::axis, l, now.axis);
-        put_numbers(law_, n.law + imposed::q, l, now.q.coefficients());
-      });
-    }
+    for (std::size_t k = 0; k < plan_.nodes.size(); ++k)
+      if (plan_.nodes[k].has_law || plan_.nodes[k].moving)
+        guarded(l, [&] { fill_laws_of(k, l, t[static_cast<std::size_t>(l)]); });
   }
+}
+
+// By the last inputs().
+void TreeBatch::fill_laws_of(std::size_t node, int lane, double t) {
+  const TreeNode& n = tree(lane).nodes()[node];
+  const std::size_t at = plan_.nodes[node].law;
+  if (n.moving) {
+    const JointLaws now = joint_laws_at(n, t, states_of(lane));
+    put_carrying(law_, at + marked::near, lane, now.near.u, now.near.ud, now.near.udd, now.near);
+    put_carrying(law_, at + marked::far, lane, now.far.u, now.far.ud, now.far.udd, now.far);
+    put_carrying(law_, at + marked::lock, lane, now.x.p, now.x.pd, now.x.pdd, now.D);
+    return;
+  }
+  Imposed now;
+  laws_at(n, t, states_of(lane), now);
+  put_numbers(law_, at + imposed::p, lane, now.p), put_numbers(law_, at + imposed::pd, lane, now.pd);
+  put_numbers(law_, at + imposed::pdd, lane, now.pdd), put_numbers(law_, at + imposed::w, lane, now.w);
+  put_numbers(law_, at + imposed::a, lane, now.a), put_numbers(law_, at + imposed::axis, lane, now.axis);
+  put_numbers(law_, at + imposed::q, lane, now.q.coefficients());
 }
 
 // Moves all slots.
@@ -151,24 +171,56 @@ void TreeBatch::move(const double* y, const Numbers8& t, bool with_positions) {
   passes().outward(plan_, z_);
 }
 
+void TreeBatch::fill_closure_laws(const double* y, const Numbers8& t) {
+  if (!closures_.has_laws()) return;
+  for (int l = 0; l < kLanes; ++l) {
+    const Inputs in = inputs(l, y, t[static_cast<std::size_t>(l)]);
+    guarded(l, [&] { closures_.fill_laws(system(l), l, in); });
+  }
+}
+
 Flags8 TreeBatch::evaluate(const double* y, const Numbers8& t, double* rate) {
-  move(y, t, reads_motions_);
+  move(y, t, reads_motions_ || !closures_.empty());
   fill_wrench(y, t);
-  passes().accelerate_tree(plan_, z_, rate);
+  Flags8 failed{};
+  if (closures_.empty()) {
+    passes().accelerate_tree(plan_, z_, rate);
+  } else {
+    fill_closure_laws(y, t);
+    failed = closures_.accelerate(plan_, z_, n_, rate);
+    if (watches_) closures_.see_pivots();
+  }
   state_rates(y, t, rate);
-  Flags8 failed = lost_;
-  for (std::size_t l = 0; l < kL; ++l) failed[l] = failed[l] || !std::isfinite(largest_[l] + largest_[kL + l]);
+  for (std::size_t l = 0; l < kL; ++l)
+    failed[l] = failed[l] || lost_[l] || !std::isfinite(largest_[l] + largest_[kL + l]);
   return failed;
+}
+
+void TreeBatch::watch_pivots() { watches_ = !closures_.empty() && has_loops(*systems_[0], systems_[0]->start().modes); }
+
+// By the ends of steps as seen last.
+double TreeBatch::fastest_turn(int lane, const double*) const {
+  double most = 0;
+  for (std::size_t k = 0; k < plan_.nodes.size(); ++k) {
+    const double* w = start_.data() + kL * (end::size * k + end::w) + static_cast<std::size_t>(lane);
+    most = std::max(most, w[0] * w[0] + w[kL] * w[kL] + w[2 * kL] * w[2 * kL]);
+  }
+  return std::sqrt(most);
 }
 
 double TreeBatch::largest_a(std::size_t lane) const { return std::sqrt(largest_[lane]); }
 double TreeBatch::largest_alpha(std::size_t lane) const { return std::sqrt(largest_[kL + lane]); }
 
 void TreeBatch::start_from(const double* y, const Numbers8& t) {
-  alignas(64) const Numbers8 still{};
   move(y, t, true);
-  passes().change(plan_, z_, start_.data(), still.data(), now_.data(), sizes_.data());
+  see_ends();
   start_ = now_;
+}
+
+// The motions that the tree has are those at the ends of steps.
+void TreeBatch::see_ends() {
+  alignas(64) const Numbers8 still{};
+  passes().change(plan_, z_, start_.data(), still.data(), now_.data(), sizes_.data());
 }
 
 void TreeBatch::accept(int lane) {
@@ -190,19 +242,6 @@ void TreeBatch::weigh(const double* error, std::array<Change, kLanes>& out) {
 
 void TreeBatch::read(std::array<Change, kLanes>& out) const {
   for (std::size_t l = 0; l < kL; ++l) out[l] = {sizes_[l], sizes_[kL + l], sizes_[2 * kL + l], sizes_[3 * kL + l]};
-}
-
-// Nothing drifts; the quaternions of balls are scaled to length one.
-void TreeBatch::project(double* y, const Numbers8&, const Flags8&, std::array<Landing, kLanes>& landed) {
-  landed.fill({});
-  for (const LaneNode& n : plan_.nodes) {
-    if (n.turn != TreeTurn::ball) continue;
-    for (std::size_t l = 0; l < kL; ++l) {
-      double* e = y + kL * (n.q + static_cast<std::size_t>(n.n_slides)) + l;
-      const double unit = 1.0 / std::sqrt(e[0] * e[0] + e[kL] * e[kL] + e[2 * kL] * e[2 * kL] + e[3 * kL] * e[3 * kL]);
-      for (std::size_t i = 0; i < 4; ++i) e[kL * i] *= unit;
-    }
-  }
 }
 
 }  // namespace lockstep::lanes

@@ -1,19 +1,19 @@
-// TreeBatch: copies of a tree in joint coordinates, without a row. Private to the room.
+// TreeBatch: copies in joint coordinates: without a row, or with those that close loops. Private to the room.
 #pragma once
 
-#include "framework/dynamics/tree/joint_tree.h"
 #include "framework/tools/batch/batch.h"
+#include "framework/tools/batch/tree_closures.h"
 
 namespace lockstep::lanes {
 
 class LOCKSTEP_API TreeBatch final : public Batch {
  public:
-  using Trees = std::vector<std::shared_ptr<const JointTree>>;
+  using Trees = std::vector<TreeLayout>;
   /// The trees of copies, one each; none where a copy has none that runs in lanes, `why_not` then says what stands in the
   /// way, by name. The systems are set up, and suited.
-  static Trees trees_of(std::span<System* const> systems, std::string& why_not);
+  static Trees trees_of(std::span<System* const> systems, Taken taken, std::string& why_not);
 
-  TreeBatch(std::span<System* const> systems, int first, Trees trees, const CopiesOptions&);
+  TreeBatch(std::span<System* const> systems, int first, const Trees& trees, const CopiesOptions&);
 
   void to_batch(int lane, State&) const override;
   void to_slots(int lane, State&) const override;
@@ -25,6 +25,10 @@ class LOCKSTEP_API TreeBatch final : public Batch {
   Flags8 change_to(const double* y, const Numbers8& t, const Numbers8& h, std::array<Change, kLanes>& out) override;
   void weigh(const double* error, std::array<Change, kLanes>& out) override;
   void accept(int lane) override;
+  double fastest_turn(int lane, const double* y) const override;
+  void watch_pivots() override;
+  double n_small(std::size_t lane) const override { return closures_.n_small(lane); }
+  double smallest_pivot(std::size_t lane) const override { return closures_.smallest_pivot(lane); }
   void project(double* y, const Numbers8& t, const Flags8& wanted, std::array<Landing, kLanes>& landed) override;
 
  private:
@@ -32,10 +36,22 @@ class LOCKSTEP_API TreeBatch final : public Batch {
   void read_motion(int lane, int slot, Motion& out) const override;
   void fill_joints();
   void fill_laws(const double* y, const Numbers8& t);
+  void fill_laws_of(std::size_t node, int lane, double t);
+  void fill_closure_laws(const double* y, const Numbers8& t);
   void move(const double* y, const Numbers8& t, bool with_positions);
+  void see_ends();
   void read(std::array<Change, kLanes>& out) const;
+  void gather(const double* y, const Numbers8& t);
+  void normalize(double* y) const;
+  void advance(double* y, const double* d) const;
+  Numbers8 largest_of(std::size_t at) const;
+  bool project_positions(double* y, const Numbers8& t, const Flags8& wanted, std::array<Landing, kLanes>&);
+  void project_velocities(double* y, const Numbers8& t, const Flags8& wanted, bool factored,
+                          std::array<Landing, kLanes>&);
 
-  Trees trees_;  // of each lane
+  std::array<std::shared_ptr<const JointTree>, kLanes> trees_;
+  Stabilization stabilization_;
+  TreeClosures closures_;
   TreePlan plan_;
   std::vector<std::size_t> node_of_;  // of each slot
   TreeNumbers z_;

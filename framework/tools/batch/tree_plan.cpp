@@ -9,10 +9,13 @@ TreePlan make_plan(const JointTree& tree) {
     LaneNode n;
     n.parent = t.parent, n.slot = t.slot;
     n.q = static_cast<std::size_t>(t.first_q), n.v = static_cast<std::size_t>(t.first_v);
-    n.n_slides = t.n_slides, n.turn = t.turn, n.reversed = t.reversed, n.has_law = t.imposed != nullptr;
+    n.n_slides = t.n_slides, n.turn = t.turn, n.reversed = t.reversed;
+    n.moving = t.moving != nullptr, n.has_law = t.imposed && !n.moving;
     n.joint = joint::size * plan.nodes.size();
-    if (n.n_slides > 0 || n.turn == TreeTurn::ball || n.has_law) n.more = plan.size_more, plan.size_more += more::size;
-    if (n.has_law) n.law = plan.size_law, plan.size_law += imposed::size;
+    if (n.needs_more()) n.more = plan.size_more, plan.size_more += more::size;
+    if (n.has_law || n.moving) n.law = plan.size_law, plan.size_law += n.moving ? marked::size : imposed::size;
+    for (int axis = 0, k = 0; n.moving && axis < 3; ++axis)
+      if (!includes(t.rows, row_bit(axis))) n.slides[static_cast<std::size_t>(k++)] = axis;
     plan.nodes.push_back(n);
   }
   std::vector<int> parents;

@@ -1,6 +1,7 @@
 // TreePlan: the tree of a batch in joint coordinates, and where the packs of each node are. Private to the room.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "framework/dynamics/tree/inward_places.h"
@@ -17,8 +18,11 @@ struct LaneNode : InwardPlace {
   TreeTurn turn = TreeTurn::none;
   bool reversed = false;
   std::size_t joint = 0, more = 0, law = 0;  ///< packs of its joint; of what only some joints have; of its laws
-  bool has_law = false;
+  bool has_law = false,                      ///< imposed
+      moving = false;                        ///< its markers move on their bodies: marked, in place of imposed
+  std::array<int, 3> slides{};               ///< of a joint with moving markers: axes of S along which it slides
 
+  bool needs_more() const { return n_slides > 0 || turn == TreeTurn::ball || has_law || moving; }
   int n_v() const { return n_slides + (turn == TreeTurn::none ? 0 : turn == TreeTurn::hinge ? 1 : 3); }
 };
 
@@ -41,6 +45,12 @@ inline constexpr std::size_t slide = 0, ball = 9, near_q = 18, far_q = 22, hinge
 namespace imposed {
 inline constexpr std::size_t p = 0, pd = 3, pdd = 6, w = 9, a = 12, axis = 15, q = 18, size = 22;
 }
+/// Laws of a joint with moving markers: those of near, those of far, and those of its lock on what it holds, each a
+/// translation with its rates | q | w, a, in the axes that it turns.
+namespace marked {
+inline constexpr std::size_t u = 0, ud = 3, udd = 6, q = 9, w = 13, a = 16, one = 19;
+inline constexpr std::size_t near = 0, far = one, lock = 2 * one, size = 3 * one;
+}  // namespace marked
 /// Of a slot, world axes: e | A, row after row | w | x | v | r, ca, cal: a = a_p + al_p x r + ca, al = al_p + cal | a | al.
 namespace moving {
 inline constexpr std::size_t e = 0, A = 4, w = 13, x = 16, v = 19, r = 22, ca = 25, cal = 28, a = 31, al = 34,

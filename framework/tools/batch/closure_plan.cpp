@@ -1,0 +1,89 @@
+#include "framework/tools/batch/closure_plan.h"
+
+#include <algorithm>
+
+#include <lockstep/lock.h>
+#include "framework/tools/batch/link_numbers.h"
+
+namespace lockstep::lanes {
+
+namespace {
+
+const MarkerLock& lock_of(const System& system, const RowEntry& e) {
+  return static_cast<const MarkerLock&>(*system.links()[static_cast<std::size_t>(e.link)]);
+}
+
+// A link with these of its rows, all of them along the axes of S.
+Link closing_link(const System& system, const RowEntry& e, Plan& plan) {
+  const MarkerLock& lock = lock_of(system, e);
+  Link link;
+  link.link = e.link, link.m = e.m, link.x = static_cast<std::size_t>(e.first_row);
+  std::array<int, 6> rows{};
+  for (int k = 0, next = 0; k < 6; ++k)
+    if (includes(lock.rows(), row_bit(k))) rows[static_cast<std::size_t>(next++)] = k;
+  bool turns = false;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(e.m); ++k) {
+    link.row[k] = rows[static_cast<std::size_t>(e.own[k])];
+    turns = turns || link.row[k] >= 3;
+  }
+  link.moved = link.row[0] < 3 && (lock.laws() & with::p);
+  link.turn = turns ? turn_of(lock) : Turn::none;
+  const int P = lock.p().body->slot, S = lock.s().body->slot;
+  link.P = P == kGround ? plan.n_slots : P, link.S = S == kGround ? plan.n_slots : S;
+  for (int i = 0; i < e.slots.n; ++i)
+    (e.slots[i] == P ? link.side_P : link.side_S) = static_cast<int>(plan.sides.size()) + i;
+  link.frames = plan.size_frames, plan.size_frames += frames::size;
+  link.law = plan.size_law;
+  if (link.has_laws()) plan.size_law += law::size;
+  return link;
+}
+
+}  // namespace
+
+ClosurePlan make_closure_plan(const System& system, const TreeLayout& layout) {
+  ClosurePlan plan;
+  plan.fronts = layout.fronts;
+  plan.rows.n_slots = system.n_slots();
+  plan.slots.resize(plan.fronts.sides.size());
+  std::vector<bool> seen(static_cast<std::size_t>(system.n_slots()), false);
+  for (const RowEntry& e : layout.closures.entries) {
+    plan.rows.links.push_back(closing_link(system, e, plan.rows));
+    plan.links.push_back({static_cast<std::size_t>(e.first_row), e.m, KindBits(e.kind, e.m)});
+    const auto m = static_cast<std::size_t>(e.m);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(e.slots.n); ++i) {
+      schur::Side side;
+      side.slot = e.slots[static_cast<int>(i)], side.J = plan.size_J;
+      plan.rows.sides.push_back(side);
+      for (std::size_t k = 0; k < m; ++k) {
+        const ClosureSource& source = plan.fronts.sources[static_cast<std::size_t>(e.first_row) + k];
+        const auto at = static_cast<std::size_t>(source.first_side) + i;
+        const ClosureSide& of = plan.fronts.sides[at];
+        plan.slots[at] = {plan.size_J + k, m, static_cast<std::size_t>(of.node), static_cast<std::size_t>(of.place)};
+        const auto slot = static_cast<std::size_t>(side.slot);
+        if (!seen[slot]) plan.seen.push_back({slot, static_cast<std::size_t>(of.node)});
+        seen[slot] = true;
+      }
+      plan.size_J += 6 * m;
+    }
+  }
+  if (plan.fronts.in_plane) plan.normal = layout.tree->planar()->plane().n;
+  return plan;
+}
+
+std::string unsuited_closures(const System& system, const TreeLayout& layout) {
+  for (const RowEntry& e : layout.closures.entries)
+    if (std::string why = unsuited_link(*system.links()[static_cast<std::size_t>(e.link)]); !why.empty()) return why;
+  return "";
+}
+
+bool are_alike(const TreeLayout& a, const TreeLayout& b) {
+  if (a.fronts.in_plane != b.fronts.in_plane) return false;
+  if (a.fronts.in_plane && a.tree->planar()->plane().n != b.tree->planar()->plane().n) return false;
+  return std::ranges::equal(a.closures.entries, b.closures.entries, [](const RowEntry& x, const RowEntry& y) {
+    const auto m = static_cast<std::size_t>(x.m);
+    return x.link == y.link && x.m == y.m && x.slots.n == y.slots.n &&
+           std::equal(x.own.begin(), x.own.begin() + static_cast<std::ptrdiff_t>(m), y.own.begin());
+  });
+}
+
+}  // namespace lockstep::lanes

@@ -1,0 +1,66 @@
+// ClosurePlan: the rows that close the loops of a batch in joint coordinates: at which nodes they are open, and where the
+// packs of each row are. Private to the room.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "framework/dynamics/tree/tree_layout.h"
+#include "framework/tools/batch/lane_numbers.h"
+
+namespace lockstep::lanes {
+
+/// A slot of a row, in the order of ClosureFronts::sides.
+struct ClosureSlot {
+  std::size_t J = 0;  ///< of the row in Numbers::J, column after column,
+  std::size_t m = 0;  ///< so far apart
+  std::size_t node = 0, place = 0;
+};
+
+/// A link that closes a loop: its rows.
+struct ClosureLink {
+  std::size_t first_row = 0;
+  int m = 0;
+  KindBits kinds;
+};
+
+/// What is equal in all copies.
+struct ClosurePlan {
+  ClosureFronts fronts;
+  Plan rows;  ///< `links` and where each side's J is; rows of a link along the axes of S, c and C from `x` on
+  std::vector<ClosureLink> links;
+  std::vector<ClosureSlot> slots;
+  struct Seen {
+    std::size_t slot = 0, node = 0;
+  };
+  std::vector<Seen> seen;  ///< slots that the rows touch
+  std::size_t size_J = 0;
+  int normal = -1;  ///< of the plane in which the tree and the rows lie; -1: in space
+
+  std::size_t n_rows() const { return fronts.sources.size(); }
+  bool empty() const { return fronts.sources.empty(); }
+};
+
+/// The plan of copies whose rows are laid out like these.
+ClosurePlan make_closure_plan(const System&, const TreeLayout&);
+/// Why the rows that close the loops of a tree have no lanes; "" if they have.
+std::string unsuited_closures(const System&, const TreeLayout&);
+/// Whether the rows of two copies are laid out alike; their trees are.
+bool are_alike(const TreeLayout&, const TreeLayout&);
+
+/// The arrays of closures, in packs of eight. Per side: J, world axes | per place: K, l | per front: Lambda, V | per row |
+/// per node and velocity, of a correction.
+struct ClosureNumbers {
+  Numbers rows;                     ///< body, frames, law; J, c, C, Ct
+  const double* inverse = nullptr;  ///< 1/m | J^-1 xx xy xz yy yz zz, per node
+  double *J = nullptr, *K = nullptr, *l = nullptr, *Lambda = nullptr, *V = nullptr;
+  double *E = nullptr, *diagonal = nullptr, *scale = nullptr, *d = nullptr, *lambda = nullptr, *dlambda = nullptr;
+  double *r = nullptr, *size = nullptr, *Cd = nullptr;
+  double *wrench = nullptr, *change = nullptr, *du = nullptr;
+};
+namespace spatial {
+inline constexpr std::size_t size = 6;  ///< a wrench, a twist
+}
+
+}  // namespace lockstep::lanes

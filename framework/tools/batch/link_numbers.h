@@ -1,0 +1,22 @@
+// The numbers of a link in lanes: its markers and laws, in packs. Private to the room.
+#pragma once
+
+#include <string>
+
+#include <lockstep/lock.h>
+#include <lockstep/memory.h>
+#include <lockstep/state.h>
+#include "framework/tools/batch/lane_plan.h"
+
+namespace lockstep::lanes {
+
+/// Why a link has no rows in lanes; "" if it has.
+std::string unsuited_link(const Lock&);
+/// How the turn of a lock that has rows of turns is calculated.
+Turn turn_of(const MarkerLock&);
+/// Writes the markers of one copy's lock; where they are not parallel, the link's turn is no more Turn::parallel.
+void put_frames(const MarkerLock&, int lane, Link&, Aligned<double>& frames);
+/// Writes the laws of one copy's lock. Throws what they throw.
+void put_laws(const MarkerLock&, int lane, const Link&, const Inputs&, Aligned<double>& laws);
+
+}  // namespace lockstep::lanes

@@ -1,0 +1,134 @@
+// Projection of eight states in joint coordinates onto the rows that close their loops, by the rule of
+// dynamics/evaluate/closure_projection.cpp for each copy; a copy that has converged does not move while others go on.
+#include <algorithm>
+#include <cmath>
+
+#include "framework/dynamics/evaluate/projection_rule.h"
+#include "framework/tools/batch/tree_batch.h"
+
+namespace lockstep::lanes {
+
+void TreeBatch::project(double* y, const Numbers8& t, const Flags8& wanted, std::array<Landing, kLanes>& landed) {
+  landed.fill({});
+  normalize(y);
+  if (closures_.empty()) return;
+  if (stabilization_.kind != Stabilization::Kind::project) {
+    gather(y, t);
+    const Numbers8 C = closures_.norm_C();
+    for (std::size_t l = 0; l < kL; ++l) landed[l].before = landed[l].after = C[l];
+    return;
+  }
+  const bool chord = project_positions(y, t, wanted, landed);
+  project_velocities(y, t, wanted, chord, landed);
+  for (std::size_t l = 0; l < kL; ++l) landed[l].converged = landed[l].converged && !lost_[l];
+  see_ends();
+}
+
+// C and Cd of the rows at these states.
+void TreeBatch::gather(const double* y, const Numbers8& t) {
+  move(y, t, true);
+  fill_closure_laws(y, t);
+  closures_.gather(z_);
+}
+
+// Quaternions of balls get length one.
+void TreeBatch::normalize(double* y) const {
+  for (const LaneNode& n : plan_.nodes) {
+    if (n.turn != TreeTurn::ball) continue;
+    for (std::size_t l = 0; l < kL; ++l) {
+      double* e = y + kL * (n.q + static_cast<std::size_t>(n.n_slides)) + l;
+      const double unit = 1.0 / std::sqrt(e[0] * e[0] + e[kL] * e[kL] + e[2 * kL] * e[2 * kL] + e[3 * kL] * e[3 * kL]);
+      for (std::size_t i = 0; i < 4; ++i) e[kL * i] *= unit;
+    }
+  }
+}
+
+// q <- q (+) d
+void TreeBatch::advance(double* y, const double* d) const {
+  for (const LaneNode& n : plan_.nodes) {
+    const auto single = static_cast<std::size_t>(n.n_slides + (n.turn == TreeTurn::hinge ? 1 : 0));
+    for (std::size_t i = 0; i < kL * single; ++i) y[kL * n.q + i] += d[kL * n.v + i];
+    if (n.turn != TreeTurn::ball) continue;
+    for (std::size_t l = 0; l < kL; ++l) {
+      double* q = y + kL * (n.q + single) + l;
+      const double* u = d + kL * (n.v + single) + l;
+      const Quat e = Quat{q[0], q[kL], q[2 * kL], q[3 * kL]} * exponential(Vec3(u[0], u[kL], u[2 * kL]));
+      q[0] = e.w, q[kL] = e.x, q[2 * kL] = e.y, q[3 * kL] = e.z;
+    }
+  }
+}
+
+// Largest component of a vector of the slots in each lane; at: where it is in moving::.
+Numbers8 TreeBatch::largest_of(std::size_t at) const {
+  Numbers8 out{};
+  for (std::size_t k = 1; k <= plan_.nodes.size(); ++k)
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t l = 0; l < kL; ++l)
+        out[l] = std::max(out[l], std::abs(moving_[kL * (moving::size * k + at + i) + l]));
+  return out;
+}
+
+// H d + (J T)' z = 0,  J T d = -C,  q <- q (+) d. True if the last factor can be used for the velocities.
+bool TreeBatch::project_positions(double* y, const Numbers8& t, const Flags8& wanted,
+                                  std::array<Landing, kLanes>& landed) {
+  const double tolerance = stabilization_.tolerance;
+  gather(y, t);
+  const Numbers8 x_max = largest_of(moving::x);
+  std::array<PositionRounds, kLanes> rounds;
+  for (std::size_t l = 0; l < kL; ++l)
+    rounds[l] = {1e-2 * tolerance, tolerance, system(static_cast<int>(l)).length(), x_max[l]};
+  Flags8 going = wanted;
+  for (;; gather(y, t)) {
+    const Numbers8 C = closures_.norm_C();
+    bool chord = true;
+    for (std::size_t l = 0; l < kL; ++l) {
+      if (!going[l]) continue;
+      going[l] = !rounds[l].ends(C[l]);
+      chord = chord && rounds[l].chord();
+      if (rounds[l].round() == 0) landed[l].before = rounds[l].residual();
+      landed[l].after = rounds[l].residual();
+      landed[l].converged = rounds[l].converged();
+    }
+    if (!any(going)) return chord;
+    if (!chord) closures_.factor(plan_, z_);
+    advance(y, closures_.correct_C(plan_, z_, going));
+    normalize(y);
+  }
+}
+
+// A factor of a position before serves while each round leaves a tenth at most; with one of this position the proximal
+// term alone leaves something. Copies whose velocities are not met then go on alone.
+void TreeBatch::project_velocities(double* y, const Numbers8& t, const Flags8& wanted, bool factored,
+                                   std::array<Landing, kLanes>& landed) {
+  const Numbers8 v_max = largest_of(moving::v), first = closures_.norm_Cd();
+  Numbers8 left = first, goal;
+  Flags8 going = wanted;
+  for (std::size_t l = 0; l < kL; ++l) {
+    goal[l] = velocity_goal(1e-3 * stabilization_.tolerance, v_max[l]);
+    going[l] = wanted[l] && !(left[l] <= goal[l]);
+  }
+  bool old = factored;
+  for (int round = 0; any(going) && round < kTreeVelocityRounds; ++round) {
+    if (!factored) closures_.factor(plan_, z_), factored = true;
+    const double* dv = closures_.correct_Cd(plan_, z_, going);
+    for (std::size_t i = 0; i < kL * plan_.n_v; ++i) y[kL * plan_.n_q + i] += dv[i];
+    const Flags8 lost = lost_;
+    move(y, t, true);
+    lost_ = lost;
+    closures_.gather_rates(z_);
+    const Numbers8 last = left;
+    left = closures_.norm_Cd();
+    bool again = false;
+    for (std::size_t l = 0; l < kL; ++l) {
+      if (!going[l]) continue;
+      const bool slow = old && !(left[l] <= 0.1 * last[l]);
+      going[l] = !(left[l] <= goal[l]) && (old || left[l] < kVelocitiesFall * last[l]);
+      again = again || (going[l] && slow);
+    }
+    if (again) factored = old = false;
+  }
+  for (std::size_t l = 0; l < kL; ++l)
+    landed[l].velocities_met = !wanted[l] || left[l] <= goal[l] || left[l] <= kVelocitiesMet * first[l];
+}
+
+}  // namespace lockstep::lanes

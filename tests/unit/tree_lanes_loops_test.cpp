@@ -1,0 +1,358 @@
+// Copies of mechanisms with loops in joint coordinates, one per lane, against each mechanism alone in joint coordinates
+// and in omega.
+#include <cmath>
+
+#include <lockstep/batch.h>
+#include <lockstep/error.h>
+#include <lockstep/laws.h>
+#include <lockstep/stepping.h>
+#include "framework/tools/batch/tree_batch.h"
+#include "tests/support/allocations.h"
+#include "tests/support/catch.h"
+#include "tests/support/copies_of.h"
+#include "tests/support/messages.h"
+#include "tests/support/worst.h"
+
+namespace tree_lanes_loops_test {
+
+using namespace lockstep;
+using namespace lockstep::test;
+using lockstep::testing::check_words;
+using lockstep::testing::message_of;
+
+namespace {
+
+double largest(const VecX& a) { return a.size() > 0 ? a.lpNorm<Eigen::Infinity>() : 0.0; }
+
+std::unique_ptr<lanes::Batch> batch_of(Family& family, Instructions set = Instructions::best) {
+  CopiesOptions options;
+  options.instructions = set, options.formulation = Formulation::joint;
+  const std::vector<System*> systems = family.pointers();
+  for (System* system : systems) system->setup();
+  std::unique_ptr<lanes::Batch> batch = lanes::Batch::of(systems, 0, options);
+  REQUIRE(dynamic_cast<lanes::TreeBatch*>(batch.get()) != nullptr);
+  return batch;
+}
+
+Dynamics joint_dynamics(System& system) {
+  return Dynamics(system, std::make_unique<SchurSolver>(), {Formulation::joint, {}});
+}
+
+/// Largest differences of the rates in lanes from those of each mechanism alone at the same coordinates, relative to the
+/// largest rate of their kind; and how many copies were compared.
+struct Differences {
+  double joint = 0, omega = 0;
+  int n = 0;
+};
+/// State k in joint coordinates: state_of(dynamics, k). Singular positions, where a pivot is below `least`, are left out.
+template <class StateOf>
+Differences differences(Family& family, double least, StateOf&& state_of, Instructions set = Instructions::best) {
+  const std::unique_ptr<lanes::Batch> batch = batch_of(family, set);
+  batch->watch_pivots();
+  Aligned<double> y(batch->n_numbers()), rate(batch->n_numbers());
+  std::vector<State> states;
+  lanes::Numbers8 t{};
+  for (std::size_t k = 0; k < family.systems.size(); ++k) {
+    Dynamics dynamics = joint_dynamics(*family.systems[k]);
+    states.push_back(state_of(dynamics, static_cast<int>(k)));
+    t[k] = states[k].t;
+    batch->put(static_cast<int>(k), states[k], y.data());
+  }
+  const lanes::Flags8 failed = batch->evaluate(y.data(), t, rate.data());
+  Differences worst;
+  for (std::size_t k = 0; k < family.systems.size(); ++k) {
+    if (!(batch->smallest_pivot(k) > least)) continue;
+    CHECK_FALSE(failed[k]);
+    ++worst.n;
+    Dynamics dynamics = joint_dynamics(*family.systems[k]);
+    State own = family.systems[k]->start();
+    dynamics.to_formulation(own);
+    own.t = states[k].t, own.q = states[k].q, own.v = states[k].v;
+    StateRate truth, found = sized_like(own), by_omega = found;
+    dynamics.rates(own, truth);
+    batch->get(static_cast<int>(k), rate.data(), found);
+    for (const auto part : {&StateRate::q, &StateRate::v, &StateRate::s})
+      keep_worst(worst.joint, largest(found.*part - truth.*part) / std::max(1.0, largest(truth.*part)));
+    keep_worst(worst.joint, std::abs(batch->largest_a(k) - truth.largest_a) / std::max(1.0, truth.largest_a));
+    keep_worst(worst.joint,
+               std::abs(batch->largest_alpha(k) - truth.largest_alpha) / std::max(1.0, truth.largest_alpha));
+    State slots = own;
+    dynamics.to_slots(slots);
+    Dynamics omega(*family.systems[k], std::make_unique<SchurSolver>(), {Formulation::omega, {}});
+    StateRate of_slots;
+    omega.rates(slots, of_slots);
+    dynamics.read_rates(own, of_slots, by_omega);
+    keep_worst(worst.omega, largest(found.v - by_omega.v) / std::max(1.0, largest(by_omega.v)));
+  }
+  return worst;
+}
+
+/// Away from the start, with any velocities.
+State anywhere(Dynamics& dynamics, int k) {
+  State s = dynamics.system().start();
+  dynamics.to_formulation(s);
+  s.t = 0.1 * k;
+  s.q += 0.4 * VecX::Random(s.q.size()), s.v.setRandom();
+  s.coordinates->normalize(s);
+  return s;
+}
+/// On the constraints.
+State consistent(Dynamics& dynamics, int k) {
+  State s = dynamics.system().start();
+  s.t = 0.1 * k;
+  assemble(dynamics, s);
+  dynamics.to_formulation(s);
+  s.q += 0.05 * VecX::Random(s.q.size()), s.v.setRandom();
+  s.coordinates->normalize(s);
+  CHECK(dynamics.project(s, 1e-12).converged);
+  return s;
+}
+
+/// A row of four-bars whose plane lies askew: in space, with redundant rows.
+std::unique_ptr<System> askew_ladder(int bays, int k) {
+  return ladder(bays, k, axis_angle(Vec3(1, 2, 3).normalized(), 0.7));
+}
+
+/// A four-bar with a pendulum on its coupler. Its cranks are driven: the first, and all `driven`, to this amplitude, rad.
+std::unique_ptr<System> driven_four_bar(int k, int driven, double other = 0.3) {
+  auto sys = ladder(1, 25 + k);
+  Body& bob = sys->add_body("bob", {0.4 + 0.1 * k, Vec3::Zero(), Vec3(0.02, 0.03, 0.04).asDiagonal()},
+                            {sys->body("bar 0").home.x + Vec3(0, 0, -0.5), {}});
+  sys->add<Revolute>("pivot", bob, sys->body("bar 0"), pose_at(sys->body("bar 0").home.x, Vec3(0, 1, 0)));
+  for (int i = 0; i < driven; ++i)
+    static_cast<MarkerLock&>(*sys->links()[static_cast<std::size_t>(i)])
+        .drive(Axis::rz, laws::law([k, a = i == 0 ? 0.3 : other](auto t) { return a * sin((1.0 + 0.1 * k) * t); }));
+  return sys;
+}
+
+}  // namespace
+
+// A ring of six bodies and the ground, all of whose joints hold the same: as many rows as they have freedoms, or less. Where
+// they hold all turns, one of them leaves the turns.
+TEST_CASE("in lanes loops accelerate as alone: every mask, either way round", "[unit][copies]") {
+  int taken = 0, compared = 0;
+  for (int mask = 1; mask < 63; ++mask)
+    for (const bool reversed : {false, true}) {
+      const auto all = static_cast<Mask>(mask);
+      Family family = random_family(6, [&](inputs::RandomMechanism& m) {
+        for (int i = 0; i <= 6; ++i) {
+          const Mask rows = i == 3 && includes(all, Mask::e123) ? Mask::x | Mask::y : all;
+          const unsigned laws = i != 2 && i != 6 ? 0U
+                                                 : (overlaps(rows, Mask::xyz) ? oracle::kP : 0U) |
+                                                       (overlaps(rows, Mask::e123) ? oracle::kQD : 0U);
+          const int a = i - 1, b = i < 6 ? i : -1;
+          reversed ? m.link(b, a, rows, laws) : m.link(a, b, rows, laws);
+        }
+      });
+      ++taken;
+      INFO("mask " << mask << ", reversed " << reversed);
+      const Differences worst = differences(family, 1e-4, anywhere);
+      CHECK(worst.joint < 1e-10);
+      CHECK(worst.omega < 1e-10);
+      compared += worst.n;
+    }
+  CHECK(taken == 2 * 62);
+  CHECK(compared > 7 * taken);
+}
+
+TEST_CASE("in lanes loops accelerate as alone: in a plane, askew, driven, crossing", "[unit][copies]") {
+  const auto check = [](Family family) {
+    const Differences worst = differences(family, 1e-4, consistent);
+    CHECK(worst.n == static_cast<int>(family.systems.size()));
+    CHECK(worst.joint < 1e-10);
+    CHECK(worst.omega < 1e-10);
+  };
+  SECTION("a row of four-bars") {
+    check(Family(8, [](int k) { return ladder(3, k); }));
+  }
+  SECTION("in a mechanism that is planar") {
+    check(Family(5, [](int k) {
+      auto sys = ladder(2, k);
+      sys->set_planar(Plane{1});
+      return sys;
+    }));
+  }
+  SECTION("askew: in space, with redundant rows") {
+    check(Family(8, [](int k) { return askew_ladder(2, k); }));
+  }
+  SECTION("both cranks driven: rows that laws hold twice") {
+    check(Family(8, [](int k) { return driven_four_bar(k, 2); }));
+  }
+  SECTION("loops that cross, branches, a particle") {
+    Family family = random_family(
+        6,
+        [](inputs::RandomMechanism& m) {
+          m.link(0, -1, Mask::xyz);
+          m.link(1, 0, Mask::xyz);
+          m.link(1, 2, Mask::xyz | Mask::e1 | Mask::e2);
+          m.link(3, 1, Mask::xyz);
+          m.link(4, 3, Mask::x | Mask::y | Mask::e123);
+          m.link(5, 2, Mask::xyz);
+          m.link(5, 4, Mask::x | Mask::e3);  // a loop
+          m.link(-1, 5, Mask::y | Mask::z);  // over the ground, by the other's side
+          m.link(3, 0, Mask::e1);            // inside of it
+          m.link(6, 4, Mask::x | Mask::y);   // the particle: no joint of the tree
+        },
+        1);
+    const Differences worst = differences(family, 1e-4, anywhere);
+    CHECK(worst.n >= 7);
+    CHECK(worst.joint < 1e-10);
+    CHECK(worst.omega < 1e-10);
+  }
+}
+
+TEST_CASE("loops by plain x86-64, FMA and AVX-512 agree", "[unit][copies]") {
+  int compared = 0;
+  for (const Instructions set : {Instructions::plain, Instructions::fma, Instructions::avx512}) try {
+      Family family(8, [](int k) { return ladder(2, k); });
+      const Differences worst = differences(family, 1e-4, consistent, set);
+      CHECK(worst.n == 8);
+      CHECK(worst.joint < 1e-10);
+      ++compared;
+    } catch (const ModelError& absent) {
+      check_words(absent.what(), {"this machine has no"});
+    }
+  CHECK(compared >= 1);
+}
+
+TEST_CASE("in lanes loops are projected as alone", "[unit][copies]") {
+  const bool askew = GENERATE(false, true);
+  Family family(8, [&](int k) { return askew ? askew_ladder(2, k) : ladder(2, k); });
+  const std::unique_ptr<lanes::Batch> batch = batch_of(family);
+  Aligned<double> y(batch->n_numbers());
+  std::vector<State> states;
+  lanes::Flags8 wanted{};
+  for (std::size_t k = 0; k < 8; ++k) {
+    Dynamics dynamics = joint_dynamics(*family.systems[k]);
+    states.push_back(consistent(dynamics, 0));
+    states[k].q += (k == 3 ? 1e-4 : 1e-5) * VecX::Random(states[k].q.size());
+    states[k].v += 1e-3 * VecX::Random(states[k].v.size());
+    batch->put(static_cast<int>(k), states[k], y.data());
+    wanted[k] = k != 5;
+  }
+  std::array<lanes::Landing, lanes::kLanes> landed;
+  batch->project(y.data(), {}, wanted, landed);
+  for (std::size_t k = 0; k < 8; ++k) {
+    INFO("askew " << askew << ", copy " << k);
+    Dynamics dynamics = joint_dynamics(*family.systems[k]);
+    State own = family.systems[k]->start(), lane = own;
+    dynamics.to_formulation(own);
+    own.q = states[k].q, own.v = states[k].v, lane = own;
+    batch->get(static_cast<int>(k), y.data(), lane);
+    if (!wanted[k]) {
+      CHECK(largest(lane.q - own.q) == 0);
+      CHECK(largest(lane.v - own.v) == 0);
+      continue;
+    }
+    CHECK(landed[k].converged);
+    CHECK(landed[k].velocities_met);
+    CHECK(landed[k].before == Approx(dynamics.project(own).before).epsilon(1e-9));
+    CHECK(dynamics.violation(lane) < 1e-12);
+    CHECK(dynamics.violation_v(lane) <= 1.1 * dynamics.violation_v(own) + 1e-12);
+    CHECK(largest(lane.q - own.q) < 1e-10);
+    CHECK(largest(lane.v - own.v) < 1e-9);
+  }
+}
+
+namespace {
+
+struct Ends {
+  std::vector<State> states;
+  std::vector<CopyReport> reports;
+};
+Ends ends_of(Family& family, const std::vector<State>& starts, double t, CopiesOptions options, bool lanes) {
+  options.lanes = lanes;
+  Copies copies(family.pointers(), options);
+  CHECK(copies.formulation() == Formulation::joint);
+  Ends out;
+  out.states.resize(starts.size());
+  const std::vector<double> times{t};
+  out.reports = copies.run(starts, times,
+                           [&](int k, std::size_t, const State& s) { out.states[static_cast<std::size_t>(k)] = s; });
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("copies with loops run in lanes as they run alone", "[unit][copies]") {
+  const auto method = GENERATE(as<std::string>{}, "dop853", "dopri5", "rk4");
+  const auto what = GENERATE(as<std::string>{}, "row", "askew", "driven");
+  CAPTURE(method, what);
+  Family family(10, [&](int k) {
+    if (what == "driven") return driven_four_bar(k, 1);
+    return what == "askew" ? askew_ladder(2, 25 + k) : ladder(2, 25 + k);  // they hang, far from flat
+  });
+  const std::vector<State> starts = family.assembled();
+  CopiesOptions options;
+  options.formulation = Formulation::joint, options.integrator = method, options.tolerance = {1e-9, 1e-11};
+  options.step = method == "rk4" ? 1e-3 : 0;
+  const Ends lanes = ends_of(family, starts, 0.6, options, true), alone = ends_of(family, starts, 0.6, options, false);
+  for (std::size_t k = 0; k < starts.size(); ++k) {
+    INFO(k << ": " << lanes.reports[k].error);
+    REQUIRE(lanes.reports[k].finished);
+    CHECK_FALSE(lanes.reports[k].alone);
+    CHECK(lanes.reports[k].steps == alone.reports[k].steps);
+    CHECK(largest(lanes.states[k].q - alone.states[k].q) < 1e-9);
+    CHECK(largest(lanes.states[k].v - alone.states[k].v) < 1e-8);
+    Dynamics dynamics(*family.systems[k], std::make_unique<SchurSolver>());
+    CHECK(dynamics.violation(lanes.states[k]) < 1e-10);
+  }
+  CHECK(largest(lanes.states[0].q - lanes.states[7].q) > 1e-3);  // they are not all the same
+}
+
+TEST_CASE("a copy whose loops contradict is told by name, the others go on", "[unit][copies]") {
+  Family family(8, [](int k) { return driven_four_bar(k, 2, k == 2 ? 0.2 : 0.3); });
+  std::vector<State> starts = family.starts();
+  for (std::size_t k = 0; k < 8; ++k)
+    if (k != 2) Dynamics(*family.systems[k], std::make_unique<SchurSolver>()).project(starts[k]);
+  CopiesOptions options;
+  options.formulation = Formulation::joint;
+  const Ends ends = ends_of(family, starts, 0.5, options, true);
+  for (std::size_t k = 0; k < 8; ++k) {
+    CAPTURE(k, ends.reports[k].error);
+    CHECK(ends.reports[k].finished == (k != 2));
+  }
+  CHECK(ends.reports[2].alone);
+  check_words(ends.reports[2].error, {"foot"});
+}
+
+TEST_CASE("loops in lanes are taken in joint coordinates where these are the cheaper ones", "[unit][copies]") {
+  const auto taken = [](Family family, Formulation formulation = Formulation::automatic) {
+    CopiesOptions options;
+    options.formulation = formulation;
+    return Copies(family.pointers(), options).formulation();
+  };
+  CHECK(taken(Family(3, [](int k) { return ladder(2, k); })) == Formulation::joint);
+  // Six chains from one body to the ground: the rows of five of them pass through it.
+  const auto parallel = [](int k) {
+    inputs::RandomMechanism m(static_cast<std::uint64_t>(100 + k));
+    m.add_body();
+    for (int i = 1; i <= 6; ++i) {
+      m.add_body();
+      m.link(i, -1, Mask::xyz);
+      m.link(0, i, Mask::xyz);
+    }
+    return std::make_unique<System>(std::move(m.system));
+  };
+  CHECK(taken(Family(3, parallel)) == Formulation::omega);
+  CHECK(taken(Family(3, parallel), Formulation::joint) == Formulation::joint);
+  // Rows of a planar mechanism have no lanes in omega.
+  CHECK(taken(Family(3, [](int k) {
+          auto sys = ladder(1, k);
+          sys->set_planar(Plane{1});
+          return sys;
+        })) == Formulation::joint);
+}
+
+TEST_CASE("loops without lanes are refused by name", "[unit][copies]") {
+  inputs::RandomMechanism m(1);
+  m.add_body(), m.add_body();
+  m.link(0, -1, Mask::xyz), m.link(1, 0, Mask::xyz), m.link(-1, 1, Mask::x, oracle::kUP);
+  check_words(Copies::unsuited(m.system, Formulation::joint), {"link 2", "link 2.P", "translation law"});
+  Family family(2, [](int k) { return k == 0 ? ladder(1, 0) : askew_ladder(1, 0); });
+  CopiesOptions options;
+  options.formulation = Formulation::joint;
+  check_words(message_of<ModelError>([&] { Copies c(family.pointers(), options); }), {"not laid out alike"});
+}
+
+}  // namespace tree_lanes_loops_test
