@@ -17,9 +17,6 @@ namespace {
 // Why a tree has no lanes; "" if it has.
 std::string why_no_lanes(const TreeLayout& layout, const System& system) {
   if (layout.tree->n_v() == 0) return "no coordinate is free";
-  for (const TreeNode& n : layout.tree->nodes())
-    if (n.left != 0)
-      return "link '" + system.links()[static_cast<std::size_t>(n.link)]->name() + "' has rows that its joint does not hold";
   for (const auto& force : system.forces())
     if (system.plane() && !force->stays_in_plane(system.plane()))
       return "force '" + force->name() + "' does not say that it stays in the plane of the system";
