@@ -253,8 +253,8 @@ TEST_CASE("a link that is put in force takes up the velocity, far from its place
     run.add_event(event);
     run.run_until(0.5);
     CHECK(run.state().modes[0]);
-    CHECK(run.state().v.norm() < 1e-10);
-    CHECK(run.state().q[2] == Approx(2).epsilon(1e-10));
+    CHECK(run.state().slot_twist(0).v.norm() < 1e-10);
+    CHECK(run.state().slot_pose(0).x[2] == Approx(2).epsilon(1e-10));
   }
   SECTION("far from it") {
     event.at = 0.2;
