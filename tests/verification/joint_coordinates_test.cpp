@@ -23,14 +23,16 @@ using testing::accelerations, testing::Draw, testing::largest, testing::Quadrati
 
 namespace {
 
-std::vector<Mask> all_masks() {
-  std::vector<Mask> all;
-  for (unsigned m = 1; m < 64; ++m) all.push_back(Mask(m));
-  return all;
-}
-
 // One turn alone has no closed form, and stays a row.
 bool holds_one_turn(Mask mask) { return count_rows(mask & Mask::e123) == 1; }
+
+// All but those of a turn and nothing else, which are no joints of a tree.
+std::vector<Mask> all_masks() {
+  std::vector<Mask> all;
+  for (unsigned m = 1; m < 64; ++m)
+    if (count_rows(Mask(m)) > 1 || !holds_one_turn(Mask(m))) all.push_back(Mask(m));
+  return all;
+}
 
 /// Coordinates and rows of a tree of locks: what has a closed form is neither.
 void check_layout(const System& system) {
@@ -308,11 +310,11 @@ TEST_CASE("markers that move on their bodies: every mask, both ways round, accel
 }
 
 TEST_CASE("masks with one turn alone move as in omega, either way round", "[verification][joint]") {
-  for (unsigned m = 1; m < 64; ++m)
+  for (const Mask mask : all_masks())
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-      if (!holds_one_turn(Mask(m))) continue;
-      CAPTURE(to_string(Mask(m)), seed);
-      System system = tree(100 * m + seed, 2, [&](int) { return Mask(m); });
+      if (!holds_one_turn(mask)) continue;
+      CAPTURE(to_string(mask), seed);
+      System system = tree(100 * static_cast<std::uint64_t>(mask) + seed, 2, [&](int) { return mask; });
       Dynamics joint = joint_dynamics(system);
       State start = random_state(joint, seed);
       joint.to_slots(start);
@@ -330,6 +332,15 @@ TEST_CASE("masks with one turn alone move as in omega, either way round", "[veri
       CHECK(largest(a.v - b.v) < 1e-9 * std::max(1.0, largest(b.v)));
       for (int k = 0; k < system.n_slots(); ++k) CHECK((a.slot_pose(k).x - b.slot_pose(k).x).norm() < 1e-9);
     }
+}
+
+TEST_CASE("a lock of one turn and nothing else closes a loop, its body is free", "[verification][joint]") {
+  for (const Mask mask : {Mask::e1, Mask::e2, Mask::e3}) {
+    System system = tree(3, 1, [&](int) { return mask; });
+    system.setup();
+    check_layout(system);
+    CHECK(lay_out_tree(system, system.start().modes, Taken::all).tree->closures().size() == 1);
+  }
 }
 
 TEST_CASE("slots without a link move freely", "[verification][joint]") {

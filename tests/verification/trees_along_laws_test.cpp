@@ -153,7 +153,7 @@ TEST_CASE("rates of slots that laws alone move are the accelerations of omega", 
   }
 }
 
-TEST_CASE("steps along laws are as long as those that omega makes of the same motion", "[verification][joint]") {
+TEST_CASE("steps along laws are hardly shorter than those of omega, and not twice as long", "[verification][joint]") {
   const auto steps = [](auto method, double tolerance, Formulation formulation) {
     System system = arm();
     Dynamics dynamics = dynamics_of(system, formulation);
@@ -168,8 +168,10 @@ TEST_CASE("steps along laws are as long as those that omega makes of the same mo
                  d8 = steps(std::make_unique<Dop853>(), tolerance, Formulation::joint) /
                       steps(std::make_unique<Dop853>(), tolerance, Formulation::omega);
     CAPTURE(tolerance, d5, d8);
-    CHECK(std::abs(std::log(d5)) < 0.25);
-    CHECK(std::abs(std::log(d8)) < 0.25);
+    for (const double of_omega : {d5, d8}) {
+      CHECK(of_omega < 1.1);
+      CHECK(of_omega > 0.5);
+    }
   }
 }
 
@@ -193,7 +195,7 @@ TEST_CASE("the robot arm runs along its joints: positions, torques and works as 
     return run_scene(scene_path("robot_arm"), [&](RunSettings& s) {
       s.formulation = formulation, s.tolerance = {1e-12, 1e-14};
       for (const char* works : {"J1", "J3", "J6"})
-        s.record.push_back({std::string(works) + ".drive.work", "works of a test", {}});
+        s.record.push_back({std::string(works) + ".drive.work", std::string("work of ") + works, {}});
     });
   };
   const SceneRun joint = run(Formulation::automatic), omega = run(Formulation::omega);
@@ -326,7 +328,7 @@ TEST_CASE("who takes no mechanism that laws alone move runs it in omega", "[veri
   Dynamics dynamics = dynamics_of(system), by_name = dynamics_of(system, Formulation::joint);
   StepLoop loop(dynamics, std::make_unique<OfOthers>(), {.tolerance = {1e-6, 1e-8}}),
       refused(by_name, std::make_unique<OfOthers>());
-  loop.set_state(start_of(dynamics));
+  loop.set_state(start_of(dynamics)), refused.set_state(start_of(by_name));
   loop.run_until(0.2);
   CHECK(loop.state().coordinates == nullptr);
   CHECK(loop.report().steps > 3);

@@ -23,7 +23,7 @@ inline bool keep_present(unsigned absent, RowEntry& e) {
   return false;
 }
 
-/// Takes rows out of a table of a mechanism in space: `absent`, a bit for each row of an entry. Links that lose some are
+/// Takes rows out of a table of a mechanism in space, not in a plane by name: `absent`, a bit for each row of an entry. Links that lose some are
 /// gathered by themselves.
 inline void take_out(std::span<const unsigned> absent, RowTable& table) {
   std::vector<RowEntry> entries;

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "framework/dynamics/tree/closure_fronts.h"
 #include "framework/dynamics/tree/joint_tree.h"
 
@@ -11,6 +13,7 @@ namespace {
 
 constexpr double kLeastShare = 0.5;  // of all rows, held by the tree
 constexpr double kMostSquares = 15;  // of the numbers of rows at a node, for each row of all
+constexpr int kOthers = 2;           // joints that leave no rows, for each that does
 
 }  // namespace
 
@@ -26,6 +29,14 @@ std::string why_dearer(const JointTree& tree, const ClosureFronts& fronts, const
   if (all.n_rows - n_closing < kLeastShare * all.n_rows)
     return fmt::format("the rows of what closes loops, {} of {}, cost more along joints than in omega", n_closing,
                        all.n_rows);
+  const auto joints = [&](bool leaving) {
+    return std::ranges::count_if(tree.nodes(),
+                                 [&](const TreeNode& n) { return n.link >= 0 && (n.left != 0) == leaving; });
+  };
+  const auto leaving = joints(true), others = joints(false);
+  if (others < kOthers * leaving)
+    return fmt::format("joints that leave rows, {} beside {} others, cost more along joints than in omega", leaving,
+                       others);
   double squares = 0;
   for (const ClosureFront& front : fronts.all) squares += double(front.n) * front.n;
   if (squares > kMostSquares * all.n_rows)

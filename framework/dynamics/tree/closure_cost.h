@@ -14,7 +14,8 @@ class System;
 ///
 ///     the links of the tree hold less than half of all rows,
 ///     the squares of the numbers of rows that are open or end at a node, summed over the nodes and the ground's links,
-///     are more than 15 for each row of all, or
+///     are more than 15 for each row of all,
+///     more than half as many joints leave rows (of one turn alone, of functions) as leave none, or
 ///     rows may be redundant and integrated states read accelerations or reactions, which omega gives at every evaluation.
 ///
 /// Found by measuring fifty mechanisms (framework/docs/solvers.md, section 9).

@@ -1,5 +1,6 @@
 #include "framework/dynamics/tree/tree_layout.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "framework/dynamics/tree/absent_rows.h"
@@ -28,6 +29,7 @@ RowTable rows_beside(const JointTree& tree, const System& system, std::size_t n_
     if (n.left != 0) shown[static_cast<std::size_t>(n.link)] = true, left[static_cast<std::size_t>(n.link)] = n.left;
   RowTable table;
   system.lay_out(shown, table);
+  if (std::ranges::all_of(left, [](unsigned own) { return own == 0; })) return table;
   std::vector<unsigned> absent;
   for (const RowEntry& e : table.entries) {
     const unsigned own = left[static_cast<std::size_t>(e.link)];
