@@ -14,6 +14,19 @@
 namespace lockstep::lanes {
 namespace {
 
+// What makes joint coordinates the dearer ones in lanes, by a rule on counts beside why_dearer(); "" where they are not. They
+// are where the squares of the numbers of rows at a node, summed, are more than 6 for each row of all
+// (framework/docs/solvers.md, section 3).
+std::string why_dearer_in_lanes(const System& system, const TreeLayout& layout) {
+  constexpr double kMostSquares = 6;
+  RowTable all;
+  system.lay_out(system.start().modes, all);
+  double squares = 0;
+  for (const ClosureFront& front : layout.fronts.all) squares += double(front.n) * front.n;
+  if (squares <= kMostSquares * all.n_rows) return "";
+  return "the rows of what closes loops cost more along joints than in omega, in lanes";
+}
+
 // Why a tree has no lanes; "" if it has.
 std::string why_no_lanes(const TreeLayout& layout, const System& system) {
   if (layout.tree->n_v() == 0) return "no coordinate is free";
@@ -47,6 +60,7 @@ TreeBatch::Trees TreeBatch::trees_of(std::span<System* const> systems, Taken tak
   for (const System* system : systems) {
     TreeLayout layout = lay_out_tree(*system, system->start().modes, taken);
     why_not = layout.tree ? why_no_lanes(layout, *system) : layout.why_not;
+    if (why_not.empty() && taken == Taken::where_cheaper) why_not = why_dearer_in_lanes(*system, layout);
     if (why_not.empty() && !trees.empty() &&
         !(has_equal_joints(*trees.front().tree, *layout.tree) && are_alike(trees.front(), layout)))
       why_not = "the joints of two copies are not laid out alike";
