@@ -32,7 +32,8 @@ struct CopiesOptions {
   double step = 0;                    ///< fixed step: the step, s; else the first one, 0: the method's own guess
   double max_step = 0;                ///< s; 0: no limit
   Stabilization stabilization;        ///< project or none
-  /// The coordinates of the runs: joint coordinates (of trees), omega (all rows), or automatic: joint for trees.
+  /// The coordinates of the runs: joint coordinates, omega (all rows), or automatic: joint coordinates of trees, of loops
+  /// where these are the cheaper ones by counts, and of mechanisms that have no lanes in omega.
   Formulation formulation = Formulation::automatic;
   bool lanes = true;                  ///< false: every copy by the ordinary Dynamics and integrator, for comparison
   Instructions instructions = Instructions::best;  ///< others are for comparison
