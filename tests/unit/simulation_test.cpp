@@ -269,6 +269,7 @@ TEST_CASE("a link that is put in force takes up the velocity, far from its place
     CHECK(log.outputs.back() == 0.2);
   }
   SECTION("unknown") {
+    event.at = 0.2;
     event.activate = {"hok"};
     StepLoop run(dynamics, method_of("dopri5"));
     testing::check_words(message_of<ModelError>([&] { run.add_event(event); }), {"\"hok\"", "did you mean"});

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <lockstep/dynamics.h>
-#include <lockstep/integrators.h>
+#include <lockstep/integrator.h>
 
 namespace lockstep {
 
@@ -12,7 +12,7 @@ namespace lockstep {
 inline bool takes(const Integrator& method, const Coordinates* coordinates) {
   if (coordinates == nullptr) return true;
   const IntegratorInfo info = method.info();
-  const bool estimates = !info.adaptive || dynamic_cast<const EmbeddedRungeKutta*>(&method) != nullptr;
+  const bool estimates = !info.adaptive || method.scheme() != nullptr;
   return info.joint && (coordinates->n_v() > 0 || estimates);
 }
 
