@@ -2,17 +2,17 @@
 #pragma once
 
 #include <lockstep/dynamics.h>
-#include <lockstep/integrators.h>
+#include <lockstep/integrator.h>
 
 namespace lockstep {
 
 /// Whether a method takes states in these coordinates; null: the slots' own. Where these have none of their own, the rates
-/// are those of the slots (Dynamics::rates): a method whose steps are fixed takes them, and one whose formula estimates an
-/// error from its stages.
+/// are those of the slots (Dynamics::rates): a method whose steps are fixed takes them, and one whose coefficients are known,
+/// which estimate an error from its stages.
 inline bool takes(const Integrator& method, const Coordinates* coordinates) {
   if (coordinates == nullptr) return true;
   const IntegratorInfo info = method.info();
-  const bool estimates = !info.adaptive || dynamic_cast<const EmbeddedRungeKutta*>(&method) != nullptr;
+  const bool estimates = !info.adaptive || method.scheme() != nullptr;
   return info.joint && (coordinates->n_v() > 0 || estimates);
 }
 
