@@ -7,8 +7,8 @@
 namespace lockstep {
 
 /// Whether a method takes states in these coordinates; null: the slots' own. Where these have none of their own, the rates
-/// are those of the slots (Dynamics::rates): a method whose steps are fixed takes them, and one whose formula estimates an
-/// error from its stages.
+/// are those of the slots (Dynamics::rates): a method whose steps are fixed takes them, and one whose coefficients are known,
+/// which estimate an error from its stages.
 inline bool takes(const Integrator& method, const Coordinates* coordinates) {
   if (coordinates == nullptr) return true;
   const IntegratorInfo info = method.info();
