@@ -1,6 +1,8 @@
 // The report of a run: what the page holds, against the run itself.
 #include <lockstep/report.h>
 
+#include <unistd.h>
+
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -207,7 +209,7 @@ TEST_CASE("a report needs a run and a file that can be written", "[report]") {
   run.add_observer(report);
   run.run_until(0.1);
   check_words(message_of<FileError>([&] { report.write("/nowhere/at/all/x.html"); }), {"/nowhere/at/all/x.html"});
-  const fs::path file = fs::temp_directory_path() / "lockstep_report_test.html";
+  const fs::path file = fs::temp_directory_path() / ("lockstep_report_test_" + std::to_string(::getpid()) + ".html");
   report.write(file.string());
   std::ifstream in(file);
   std::ostringstream text;
