@@ -164,7 +164,7 @@ void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* repo
   t.recursion->outward(*t.coordinates, state, t.motions);
   const Inputs in = t.inputs(state);
   const bool driven = t.coordinates->n_v() == 0;
-  if (!driven || t.solves) system_.gather_forces(in, t.f);
+  system_.gather_forces(in, t.f);  // and says what is wrong with them, where they move nothing too
   const Solution* solved = nullptr;
   t.multipliers_known = true;
   if (driven)

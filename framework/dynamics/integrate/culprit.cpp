@@ -122,8 +122,7 @@ std::string who_varies(Dynamics& dynamics, const State& state, double after) {
     State then = state;
     StateRate rate;
     dynamics.rates(state, rate);
-    then.q += after * rate.q;
-    then.v += after * rate.v;
+    if (then.v.size() > 0) then.q += after * rate.q, then.v += after * rate.v;  // else laws alone say where all are
     then.s += after * rate.s;
     then.t += after;
     dynamics.normalize(then);

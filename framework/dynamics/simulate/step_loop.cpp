@@ -47,7 +47,7 @@ void check_formulation(Dynamics& dynamics, const State& state, const Integrator&
   const IntegratorInfo info = method.info();
   if (why.empty() && !info.joint) why = "the integrator " + info.name + " does not take them";
   if (why.empty() && !takes_formulation(method, dynamics, state))
-    why = "the integrator " + info.name + " takes no mechanism that laws alone move";
+    why = "the integrator " + info.name + " takes no mechanism that laws alone move there";
   if (!why.empty())
     throw ModelError("joint coordinates (formulation joint) are not possible: " + why +
                      "; take the formulation auto or omega");
@@ -240,7 +240,8 @@ void StepLoop::advance(double limit, double largest) {
   const std::string slow = with_culprit([&] { return parts_->clock.watch_pace(state_.t, report_.steps); });
   if (!slow.empty()) warn(slow + who());
   if (!dynamics_.has_current_coordinates(state_)) begin_method();  // the system was changed
-  if (state_.coordinates && state_.coordinates->take_off_turns(state_)) interval.begin(state_);
+  const bool passing = interval.report().manifold;  // a singular position, of which the method keeps what it knows
+  if (!passing && state_.coordinates && state_.coordinates->take_off_turns(state_)) interval.begin(state_);
   const double t0 = state_.t;
   const Clock::Target target = clock.next_target(t0, limit, events.next_instant(t0), largest, interval.has_dense());
   const double wanted = with_culprit([&] { return parts_->clock.step_towards(t0, target, largest); });

@@ -33,7 +33,10 @@ RowTable rows_beside(const JointTree& tree, const System& system, std::size_t n_
   std::vector<unsigned> absent;
   for (const RowEntry& e : table.entries) {
     const unsigned own = left[static_cast<std::size_t>(e.link)];
-    absent.push_back(own == 0 ? 0U : ~own);
+    unsigned gone = 0;  // by place in the entry
+    for (int k = 0; own != 0 && k < e.m; ++k)
+      if ((own >> e.own[static_cast<std::size_t>(k)] & 1U) == 0) gone |= 1U << k;
+    absent.push_back(gone);
   }
   take_out(absent, table);
   return table;

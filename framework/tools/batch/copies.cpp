@@ -158,7 +158,8 @@ std::string unsuited(std::span<System* const> systems, Formulation& formulation)
   formulation = Formulation::omega;
   for (const System* system : systems)
     if (why_no_rows = lanes::unsuited_rows(*system); !why_no_rows.empty()) break;
-  return why_no_rows.empty() || take_trees(Taken::all) ? "" : why_no_rows;  // dearer ones rather than none
+  if (why_no_rows.empty() || take_trees(Taken::all)) return "";  // dearer ones rather than none
+  return systems.front()->plane() && !why_no_trees.empty() ? why_no_trees : why_no_rows;
 }
 
 }  // namespace

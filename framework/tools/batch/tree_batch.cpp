@@ -29,7 +29,7 @@ std::string why_dearer_in_lanes(const System& system, const TreeLayout& layout) 
 
 // Why a tree has no lanes; "" if it has.
 std::string why_no_lanes(const TreeLayout& layout, const System& system) {
-  if (layout.tree->n_v() == 0) return "no coordinate is free";
+  if (layout.tree->n_v() == 0) return "laws alone move it, no coordinate is free; take the formulation auto or omega";
   for (const auto& force : system.forces())
     if (system.plane() && !force->stays_in_plane(system.plane()))
       return "force '" + force->name() + "' does not say that it stays in the plane of the system";
