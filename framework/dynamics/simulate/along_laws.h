@@ -7,13 +7,13 @@
 namespace lockstep {
 
 /// Whether a method takes states in these coordinates; null: the slots' own. Where these have none of their own, the rates
-/// are those of the slots (Dynamics::rates): a method whose steps are fixed takes them, and one whose coefficients are known,
-/// which estimate an error from its stages.
+/// are those of the slots (Dynamics::rates), which do not fit the state: a method whose coefficients are known takes them, and
+/// of the library's own one whose steps are fixed.
 inline bool takes(const Integrator& method, const Coordinates* coordinates) {
   if (coordinates == nullptr) return true;
   const IntegratorInfo info = method.info();
-  const bool estimates = !info.adaptive || method.scheme() != nullptr;
-  return info.joint && (coordinates->n_v() > 0 || estimates);
+  const bool along_laws = method.scheme() != nullptr || (!info.adaptive && method.origin() == "built in");
+  return info.joint && (coordinates->n_v() > 0 || along_laws);
 }
 
 /// Whether a method takes the coordinates that the formulation gives a state.

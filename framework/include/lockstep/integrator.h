@@ -19,8 +19,8 @@ struct IntegratorInfo {
   bool implicit = false,  ///< it solves nonlinear equations in each step
       adaptive = false;   ///< it chooses its steps by an estimate of its error
   int evaluations = 1;    ///< of the equations of motion per step; of an implicit method a rough number
-  /// It takes states in any coordinates (Dynamics::rates), joint coordinates among them; those without q and v only if its
-  /// steps are fixed or it has a scheme().
+  /// It takes states in any coordinates (Dynamics::rates), joint coordinates among them; those without q and v only if it
+  /// has a scheme(), or is one of the library with fixed steps.
   bool joint = false;
   bool passes_singular = false;  ///< it passes singular positions, near which accelerations are ill-conditioned
 };
