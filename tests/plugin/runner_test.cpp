@@ -286,6 +286,8 @@ TEST_CASE("wrong words are answered with the nearest right ones", "[runner]") {
     return r.text;
   };
   CHECK(contains(text_of("chek"), "unknown verb \"chek\"; did you mean \"check\"?"));
+  CHECK(contains(text_of("--plugin bump describe bump"),
+                 "option --plugin stands before the verb; write it behind: lockstep describe ... --plugin"));
   CHECK(contains(text_of("run '" + kFourBar + "' --untill 3"), "did you mean \"--until\"?"));
   CHECK(contains(text_of("run '" + kFourBar + "' more"), "one word too many"));
   const std::string free = scene_file("free", kArm + R"("run": {"until": 1})");

@@ -143,7 +143,7 @@ T JointFriction::coefficient(const T& s2) const {
 JointFriction::Pressing JointFriction::pressing(const Inputs& in, const Reactions& reactions) const {
   if (!reactions.in_force(*link_)) return {};
   Pressing r{true};
-  const Mat3 A = in_world(S_, in).A;
+  const Mat3 A = MarkerOn<double>{in.slot(S_.slot), S_.at(in.t)}.A();
   const LinkWrench wrench = reactions.on_body_of(P_, *link_, in);
   const Vec3 F = A.transpose() * wrench.force, M = A.transpose() * wrench.moment;
   const Options& o = options_;

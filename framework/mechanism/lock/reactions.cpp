@@ -24,7 +24,7 @@ LinkWrench Reactions::on_body_of(const MarkerFrame& at, const Lock& link, const 
   const RowEntry& e = rows_.entries[static_cast<std::size_t>(entry(link))];
   const RowView block = rows_.block(e);
   const double* lambda = lambda_.data() + e.first_row;
-  const Vec3 point = in_world(at, in).x;
+  const Vec3 point = MarkerOn<double>{in.slot(at.slot), at.at(in.t)}.x();
   if (const int i = e.slots.position(at.slot); i >= 0)
     return on_slot(link, block, e, lambda, i, part, in.slot(at.slot), point);
   LinkWrench sum;

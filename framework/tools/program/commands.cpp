@@ -54,8 +54,11 @@ int print_usage_error(const CLI::App& app, const CLI::ParseError& error) {
     for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
 
   std::string text = error.what();
-  if (word.rfind('-', 0) == 0)
-    text = "unknown option \"" + word + "\"" + text::suggestion(word.substr(0, word.find('=')), options);
+  const std::string name = word.substr(0, word.find('='));
+  if (!called.empty() && std::ranges::find(options, name) != options.end())
+    text = "option " + name + " stands before the verb; write it behind: lockstep " + verb.get_name() + " ... " + name;
+  else if (word.rfind('-', 0) == 0)
+    text = "unknown option \"" + word + "\"" + text::suggestion(name, options);
   else if (called.empty())
     text = word.empty() ? "a verb is missing; known: " + text::join(verbs, ", ")
                         : "unknown verb \"" + word + "\"" + text::suggestion(word, verbs);
