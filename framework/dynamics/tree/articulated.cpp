@@ -17,14 +17,10 @@ ArticulatedBodies::ArticulatedBodies(const JointTree& tree, const System& system
   const std::size_t n = tree.nodes().size();
   nodes_.assign(n, Node());
   dofs_.resize(static_cast<std::size_t>(tree.n_v()));
-  int size = 0;
   for (std::size_t k = 0; k < n; ++k) {
     const TreeNode& t = tree.nodes()[k];
     nodes_[k].m = system.slot(t.slot).mass, nodes_[k].J = system.slot(t.slot).J;
-    nodes_[k].D_1 = size;
-    size += t.n_v() * t.n_v();
   }
-  inverse_.resize(static_cast<std::size_t>(size));
 
   // Nodes stand depth first: from the last to the first, who waits longest is asked for last.
   std::vector<int> stack;  // nodes whose children have passed something on
@@ -108,24 +104,6 @@ void ArticulatedBodies::outward_moving(const TreeNode& n, const State& y, const 
   }
 }
 
-namespace {
-
-// The inverse of a positive definite matrix, by one sweep a row.
-template <int k>
-LOCKSTEP_INLINE void invert(double (&D)[k][k]) {
-  for (int p = 0; p < k; ++p) {
-    const double d = 1.0 / D[p][p];
-    for (int i = 0; i < k; ++i) {
-      if (i == p) continue;
-      const double f = D[i][p] * d;
-      for (int j = 0; j < k; ++j) D[i][j] = j == p ? -f : D[i][j] - f * D[p][j];
-    }
-    for (int j = 0; j < k; ++j) D[p][j] = j == p ? d : D[p][j] * d;
-  }
-}
-
-}  // namespace
-
 LOCKSTEP_INLINE void ArticulatedBodies::Inertia::add(const Inertia& b) {
   for (int k = 0; k < 3; ++k) M.c[k] += b.M.c[k], H.c[k] += b.H.c[k], H_t.c[k] += b.H_t.c[k], I.c[k] += b.I.c[k];
   pf += b.pf, pt += b.pt;
@@ -154,33 +132,20 @@ LOCKSTEP_INLINE ArticulatedBodies::Inertia ArticulatedBodies::inertia_of(const N
   return I;
 }
 
-// U = IA S, D = S' U, u = -S' p
+// U = IA S, D = S' U, u = -S' p, then IA <- IA - U D^-1 U', p <- p + U D^-1 u
 template <int k>
-LOCKSTEP_INLINE void ArticulatedBodies::eliminate(const TreeNode& n, const Node& b, const Inertia& I) {
+LOCKSTEP_INLINE void ArticulatedBodies::eliminate(const TreeNode& n, const Node& b, Inertia& I) {
   Dof* dof = dofs_.data() + n.first_v;
-  for (int i = 0; i < k; ++i) {
-    dof[i].Uf = I.M * dof[i].l + I.H * dof[i].n;
-    dof[i].Ut = I.H_t * dof[i].l + I.I * dof[i].n;
-    dof[i].u = -dot(dof[i].l, I.pf) - dot(dof[i].n, I.pt);
-  }
-  double D[k][k];
-  for (int i = 0; i < k; ++i)
-    for (int j = 0; j <= i; ++j) D[i][j] = D[j][i] = dot(dof[i].l, dof[j].Uf) + dot(dof[i].n, dof[j].Ut);
-  invert(D);
-  std::copy_n(&D[0][0], k * k, inverse_.data() + b.D_1);
-}
-
-// IA <- IA - U D^-1 U', p <- p + U D^-1 u
-template <int k>
-LOCKSTEP_INLINE void ArticulatedBodies::reduce(const TreeNode& n, const Node& b, Inertia& I) {
-  const Dof* dof = dofs_.data() + n.first_v;
-  const double* inverse = inverse_.data() + b.D_1;
-  for (int i = 0; i < k; ++i) {
-    Column Vf = dof[0].Uf * inverse[i], Vt = dof[0].Ut * inverse[i];  // column i of U D^-1
-    for (int j = 1; j < k; ++j) Vf += dof[j].Uf * inverse[k * j + i], Vt += dof[j].Ut * inverse[k * j + i];
-    subtract_dyad(I.M, Vf, dof[i].Uf), subtract_dyad(I.H, Vf, dof[i].Ut);
-    subtract_dyad(I.H_t, Vt, dof[i].Uf), subtract_dyad(I.I, Vt, dof[i].Ut);
-    I.pf += Vf * dof[i].u, I.pt += Vt * dof[i].u;
+  for (int i = 0; i < k; ++i, ++dof) {
+    dof->Uf = I.M * dof->l + I.H * dof->n;
+    dof->Ut = I.H_t * dof->l + I.I * dof->n;
+    dof->u = -dot(dof->l, I.pf) - dot(dof->n, I.pt);
+    dof->D_1 = 1.0 / (dot(dof->l, dof->Uf) + dot(dof->n, dof->Ut));
+    if (i + 1 == k && b.to < 0) return;
+    const Column Vf = dof->Uf * dof->D_1, Vt = dof->Ut * dof->D_1;
+    subtract_dyad(I.M, Vf, dof->Uf), subtract_dyad(I.H, Vf, dof->Ut);
+    subtract_dyad(I.H_t, Vt, dof->Uf), subtract_dyad(I.I, Vt, dof->Ut);
+    I.pf += Vf * dof->u, I.pt += Vt * dof->u;
   }
 }
 
@@ -201,17 +166,14 @@ LOCKSTEP_INLINE void shift(const N& b, I& IA) {
 
 }  // namespace
 
-// vd = D^-1 (u - U' a') - less, a' = (a_p + al_p x r + ca, al_p + cal); less: V' lambda of closures, null without
+// vd = D^-1 (u - U' a') - less, a' = (a_p + al_p x r + ca, al_p + cal), from the parent's side on; less: V' lambda of
+// closures, null without
 template <int k>
 LOCKSTEP_INLINE void ArticulatedBodies::solve(const TreeNode& n, Node& b, VecX& vd, const double* less) {
   const Dof* dof = dofs_.data() + n.first_v;
-  const double* inverse = inverse_.data() + b.D_1;
-  double left[k];
   SpatialTwist& own = b.found;
-  for (int i = 0; i < k; ++i) left[i] = dof[i].u - dot(dof[i].Uf, own.a) - dot(dof[i].Ut, own.al);
-  for (int i = 0; i < k; ++i) {
-    double x = less ? -less[i] : 0.0;
-    for (int j = 0; j < k; ++j) x += inverse[k * i + j] * left[j];
+  for (int i = k; i-- > 0;) {
+    const double x = dof[i].D_1 * (dof[i].u - dot(dof[i].Uf, own.a) - dot(dof[i].Ut, own.al)) - (less ? less[i] : 0.0);
     vd[n.first_v + i] = x;
     own.a += dof[i].l * x, own.al += dof[i].n * x;
   }
@@ -234,14 +196,13 @@ LOCKSTEP_INLINE double angular2(const SpatialTwist& a) { return dot(a.al, a.al);
 
 LOCKSTEP_INLINE ArticulatedBodies::Joint ArticulatedBodies::joint(const JointTree& tree, std::size_t k) const {
   const TreeNode& n = tree.nodes()[k];
-  return {nodes_[k], dofs_.data() + n.first_v, inverse_.data() + nodes_[k].D_1, n.n_v()};
+  return {nodes_[k], dofs_.data() + n.first_v, n.n_v()};
 }
 
 LOCKSTEP_INLINE void ArticulatedBodies::Joint::pass(SpatialWrench& K, double& l, double* kappa, double* V) const {
-  for (int x = 0; x < n_v; ++x) kappa[x] = dot(K.f, dof[x].l) + dot(K.t, dof[x].n);
   for (int x = 0; x < n_v; ++x) {
-    V[x] = 0;
-    for (int y = 0; y < n_v; ++y) V[x] += inverse[n_v * x + y] * kappa[y];
+    kappa[x] = dot(K.f, dof[x].l) + dot(K.t, dof[x].n);
+    V[x] = kappa[x] * dof[x].D_1;
     K.f -= dof[x].Uf * V[x], K.t -= dof[x].Ut * V[x], l += V[x] * dof[x].u;
   }
   l += dot(K.f, b.ca) + dot(K.t, b.cal);
@@ -250,10 +211,9 @@ LOCKSTEP_INLINE void ArticulatedBodies::Joint::pass(SpatialWrench& K, double& l,
 
 // u = -S' p, p <- p + U D^-1 u, then about the parent's mass centre
 LOCKSTEP_INLINE void ArticulatedBodies::Joint::pass_again(SpatialWrench& p, double* u) const {
-  for (int x = 0; x < n_v; ++x) u[x] = -dot(dof[x].l, p.f) - dot(dof[x].n, p.t);
   for (int x = 0; x < n_v; ++x) {
-    double y = 0;
-    for (int i = 0; i < n_v; ++i) y += inverse[n_v * x + i] * u[i];
+    u[x] = -dot(dof[x].l, p.f) - dot(dof[x].n, p.t);
+    const double y = dof[x].D_1 * u[x];
     p.f += dof[x].Uf * y, p.t += dof[x].Ut * y;
   }
   p.t += Skew(b.r) * p.f;
@@ -262,11 +222,8 @@ LOCKSTEP_INLINE void ArticulatedBodies::Joint::pass_again(SpatialWrench& p, doub
 LOCKSTEP_INLINE SpatialTwist ArticulatedBodies::Joint::solve_again(const SpatialTwist& p, const double* u,
                                                                    const double* less, double* dv) const {
   SpatialTwist own{p.a - Skew(b.r) * p.al, p.al};
-  double left[6];
-  for (int x = 0; x < n_v; ++x) left[x] = u[x] - dot(dof[x].Uf, own.a) - dot(dof[x].Ut, own.al);
-  for (int x = 0; x < n_v; ++x) {
-    dv[x] = less ? -less[x] : 0.0;
-    for (int i = 0; i < n_v; ++i) dv[x] += inverse[n_v * x + i] * left[i];
+  for (int x = n_v; x-- > 0;) {
+    dv[x] = dof[x].D_1 * (u[x] - dot(dof[x].Uf, own.a) - dot(dof[x].Ut, own.al)) - (less ? less[x] : 0.0);
     own.a += dof[x].l * dv[x], own.al += dof[x].n * dv[x];
   }
   return own;
@@ -301,8 +258,7 @@ LOCKSTEP_INLINE void ArticulatedBodies::accelerate_with(const JointTree& tree, s
     if (n.n_v() > 0)  // else a weld that was kept
       for_size<1, 6>(n.n_v(), [&](auto count) __attribute__((always_inline)) {
         eliminate<count>(n, b, I);
-        if (b.to >= 0) reduce<count>(n, b, I);
-        rows.pass_on(k, count, Joint{b, dofs_.data() + n.first_v, inverse_.data() + b.D_1, count});
+        rows.pass_on(k, count, Joint{b, dofs_.data() + n.first_v, count});
       });
     else
       rows.pass_on(k, 0, joint(tree, k));

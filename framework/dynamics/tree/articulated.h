@@ -48,22 +48,22 @@ class LOCKSTEP_API ArticulatedBodies {
     Vec3 w;          // world axes
     double m = 0;    // mass of the slot alone,
     Mat3 J;          // and its inertia, slot axes
-    int D_1 = 0;     // where D^-1 begins in inverse_
     // Inward, what children have passed on waits on a stack: the place of the node's own, -1 of a leaf; that of its
     // parent's, -1 of a root; whether it is the first there.
     int own = -1, to = -1;
     bool first = false;
   };
-  // A velocity coordinate: motion (l, n) of the slot per unit, U = IA (l, n).
+  // A velocity coordinate: motion (l, n) of the slot per unit, U = IA (l, n), D = (l, n) U. Coordinates of one joint are
+  // eliminated one after another, as if each were a joint of its own, the first at the slot: D is a number, and the
+  // errors of a bar that turns about its own axis are not those of the load at its end.
   struct alignas(kColumn) Dof {
     Column l, n, Uf, Ut;
-    double u;
+    double u, D_1;
   };
   // The passes of closures through a node's joint: LoopClosures.
   struct Joint {
     const Node& b;
     const Dof* dof;
-    const double* inverse;
     int n_v;
     void pass(SpatialWrench& K, double& l, double* kappa, double* V) const;
     void pass_again(SpatialWrench& p, double* u) const;
@@ -78,9 +78,7 @@ class LOCKSTEP_API ArticulatedBodies {
                                         Node&);
   Inertia inertia_of(const Node&, const Motion&, const double* f) const;
   template <int k>
-  void eliminate(const TreeNode&, const Node&, const Inertia&);
-  template <int k>
-  void reduce(const TreeNode&, const Node&, Inertia&);
+  void eliminate(const TreeNode&, const Node&, Inertia&);
   template <int k>
   void solve(const TreeNode&, Node&, VecX& vd, const double* less);
   SpatialTwist carried(const TreeNode&, const Node&) const;
@@ -91,7 +89,6 @@ class LOCKSTEP_API ArticulatedBodies {
   std::vector<Node> nodes_;
   std::vector<Dof> dofs_;
   std::vector<Inertia> waiting_;
-  std::vector<double> inverse_;  // D^-1 of all nodes, row by row
   std::vector<double> half_, cosine_, sine_;  // of the hinges' angles, by node
   std::vector<double> inverse_mass_;          // of the slots, by node, where there are closures;
   std::vector<Mat3> inverse_J_;       // slot axes
