@@ -180,6 +180,7 @@ void StepLoop::make_start() {
   system().check_size(state_);
   check_start(dynamics_, state_, options_.start_limit);
   check_formulation(dynamics_, state_, *method_);
+  dynamics_.forget_rows(state_);
   dynamics_.accept(state_);  // memory includes the speeds of the start
   interval.start(state_);
   clock.start(state_.t);
