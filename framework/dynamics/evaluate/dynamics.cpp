@@ -95,10 +95,7 @@ const Evaluation& Dynamics::gather(const State& state) {
   return e;
 }
 
-void Dynamics::forget_rows(const State& state) {
-  const bool may_have_joints =
-      options_.formulation == Formulation::joint || options_.formulation == Formulation::automatic;
-  if (!evaluation_ || !may_have_joints || !tree(state.modes).coordinates) return;
+void Dynamics::forget_rows() {
   solution_.reset();
   evaluation_ = nullptr;
   for (VecX* x : {&a_, &lambda_, &c_, &C_, &Cd_}) *x = VecX();

@@ -180,7 +180,6 @@ void StepLoop::make_start() {
   system().check_size(state_);
   check_start(dynamics_, state_, options_.start_limit);
   check_formulation(dynamics_, state_, *method_);
-  dynamics_.forget_rows(state_);
   dynamics_.accept(state_);  // memory includes the speeds of the start
   interval.start(state_);
   clock.start(state_.t);
@@ -197,6 +196,8 @@ void StepLoop::make_start() {
     user_code("observer", "", state_.t, [&] { o.start(sample); });
   }
   if (clock.output_due(state_.t)) output(sample);
+  to_coordinates(dynamics_, *method_, state_, &before_change);
+  if (state_.coordinates) dynamics_.forget_rows();  // only the start was asked for all of them
   begin_method();
   stale_ = false;
   if (state_.coordinates && !state_.coordinates->has_rows() &&
