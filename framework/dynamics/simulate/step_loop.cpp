@@ -197,7 +197,7 @@ void StepLoop::make_start() {
   }
   if (clock.output_due(state_.t)) output(sample);
   to_coordinates(dynamics_, *method_, state_, &before_change);
-  if (state_.coordinates) dynamics_.forget_rows();  // only the start was asked for all of them
+  dynamics_.forget_rows(state_);  // only the start was asked for all of them
   begin_method();
   stale_ = false;
   if (state_.coordinates && !state_.coordinates->has_rows() &&
