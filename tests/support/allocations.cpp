@@ -5,6 +5,10 @@
 #include <cstddef>
 #include <cstdlib>
 
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
+
 #if defined(__SANITIZE_ADDRESS__)
 #define LOCKSTEP_HEAP_IS_TAKEN 1
 #elif defined(__has_feature)
@@ -21,8 +25,13 @@ long allocations() { return count.load(std::memory_order_relaxed); }
 
 #if defined(LOCKSTEP_HEAP_IS_TAKEN) || !defined(__GLIBC__)
 bool allocations_are_counted() { return false; }
+double bytes_in_use() { return 0; }
 #else
 bool allocations_are_counted() { return true; }
+double bytes_in_use() {
+  const struct mallinfo2 heap = mallinfo2();
+  return static_cast<double>(heap.uordblks) + static_cast<double>(heap.hblkhd);
+}
 
 // The program's malloc stands before the C library's, for every shared library too; operator new comes here as well.
 #pragma GCC visibility push(default)  // our own are hidden otherwise, and the library would not see them

@@ -10,5 +10,8 @@ long allocations_of(F&& act) {
   return allocations() - before;
 }
 
+/// Bytes of the heap that are in use, with what the C library adds to each block; by its own books.
+double bytes_in_use();
+
 /// False where a sanitizer owns the heap: then nothing is counted.
 bool allocations_are_counted();

@@ -88,6 +88,50 @@ TEST_CASE("a name is given once, whatever it names", "[unit][system]") {
   CHECK(system.markers().size() == 2);
 }
 
+TEST_CASE("every one of many names is known, and taken", "[unit][system]") {
+  System system;
+  std::vector<Body*> bodies;
+  for (int k = 0; k < 500; ++k) {
+    const std::string name = "body" + std::to_string(k);
+    bodies.push_back(&system.add_body(name, kMass));
+    system.add<Revolute>("hinge" + std::to_string(k), *bodies.back(), system.ground(), pose_at(Vec3::Zero()));
+  }
+  System moved = std::move(system);
+  for (int k = 0; k < 500; ++k) {
+    const std::string n = std::to_string(k);
+    CHECK(&moved.body("body" + n) == bodies[static_cast<std::size_t>(k)]);
+    CHECK(moved.marker("hinge" + n + ".S").name == "hinge" + n + ".S");
+    CHECK(moved.link("hinge" + n).name() == "hinge" + n);
+    CHECK_THROWS_AS(moved.add_fixed("hinge" + n + ".P"), ModelError);
+  }
+  CHECK_THROWS_AS(moved.body("hinge7"), ModelError);  // a link
+}
+
+TEST_CASE("a body that was named anew is found by its name, and its old one is free", "[unit][system]") {
+  System system;
+  Body& b = system.add_body("crank", kMass);
+  b.name = "lever";
+  CHECK(&system.body("lever") == &b);
+  CHECK_THROWS_AS(system.body("crank"), ModelError);
+  Body& other = system.add_body("crank", kMass);
+  CHECK(&system.body("crank") == &other);
+}
+
+TEST_CASE("rows of like links are stored once, those of others are their own", "[unit][system]") {
+  System system;
+  Body &a = system.add_body("a", kMass), &b = system.add_body("b", kMass);
+  Lock& first = system.add<Revolute>("first", a, system.ground(), pose_at(Vec3::Zero()));
+  Lock& second = system.add<Revolute>("second", b, system.ground(), pose_at(Vec3::Zero()));
+  Lock& other = system.add<Prismatic>("other", b, a, pose_at(Vec3::Zero()));
+  system.setup();
+  CHECK(&first.row(0) == &second.row(0));
+  CHECK(&first.row(0) != &other.row(0));
+  CHECK(other.row_name(4) == "e3");
+  system.changed();
+  system.setup();
+  CHECK(&first.row(0) == &second.row(0));
+}
+
 TEST_CASE("names that are none are refused with the nearest", "[unit][system]") {
   System system;
   Body& b = system.add_body("crank", kMass);

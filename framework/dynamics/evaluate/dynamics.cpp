@@ -95,6 +95,13 @@ const Evaluation& Dynamics::gather(const State& state) {
   return e;
 }
 
+void Dynamics::forget_rows(const State& state) {
+  if (!state.coordinates) return;
+  solution_.reset();
+  evaluation_ = nullptr;
+  for (VecX* x : {&a_, &lambda_, &c_, &C_, &Cd_}) *x = VecX();
+}
+
 const Inputs& Dynamics::inputs(const State& state) {
   system_.setup();
   system_.check_size(state);

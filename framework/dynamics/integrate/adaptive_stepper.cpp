@@ -50,7 +50,6 @@ AdaptiveStepper::~AdaptiveStepper() = default;
 
 void AdaptiveStepper::begin(Dynamics& dynamics, const State& state) {
   start_ = end_ = landed_ = state;
-  f0_ = f1_ = sized_like(state);
   norm_.set_states(dynamics.system().n_error_controlled_states());
   norm_.scale(state, 1.0);
   if (control_) control_->begin();
@@ -146,7 +145,9 @@ void AdaptiveStepper::newton_failed(double h, const char* advice) const {
 }
 
 double AdaptiveStepper::first_step(Dynamics& dynamics, const State& state, double largest) {
-  return fixed() ? 0 : guess_first_step(dynamics, state, order_, largest, norm_, f0_, f1_, end_);
+  if (fixed()) return 0;
+  StateRate f0, f1;
+  return guess_first_step(dynamics, state, order_, largest, norm_, f0, f1, end_);
 }
 
 void AdaptiveStepper::save(Snapshot& out) const {

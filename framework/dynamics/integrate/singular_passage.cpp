@@ -156,7 +156,8 @@ void SingularPassage::begin(const Tableau& tableau, const State& state, const Dy
   inner_ = 0;
   for (int i = 0; i < tableau.n_stages; ++i)
     if (c[i] < c[last_] && c[i] > c[inner_]) inner_ = i;
-  both_sides_.begin(state);
+  if (!active_) return;
+  if (!state.coordinates) both_sides_.begin(state);  // else states in the slots' own coordinates are looked at
   rate_ = sized_like(state);
 }
 

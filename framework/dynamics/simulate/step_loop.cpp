@@ -196,6 +196,8 @@ void StepLoop::make_start() {
     user_code("observer", "", state_.t, [&] { o.start(sample); });
   }
   if (clock.output_due(state_.t)) output(sample);
+  to_coordinates(dynamics_, *method_, state_, &before_change);
+  dynamics_.forget_rows(state_);  // only the start was asked for all of them
   begin_method();
   stale_ = false;
   if (state_.coordinates && !state_.coordinates->has_rows() &&

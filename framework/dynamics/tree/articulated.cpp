@@ -83,7 +83,7 @@ LOCKSTEP_FLAT_CLONES void ArticulatedBodies::outward(const JointTree& tree, cons
     b.cal = column(cal), b.ca = column(ca);
     Dof* dof = dofs_.data() + n.first_v;
     for (int i = 0; i < n.n_slides; ++i, ++dof)
-      dof->l = column(slide_axes(n, p, own) * n.slide[static_cast<std::size_t>(i)]), dof->n = Column{};
+      dof->l = column(slide_axes(n, p, own) * n.slide(i)), dof->n = Column{};
     for (int i = 0; i < n.n_v() - n.n_slides; ++i, ++dof) {
       const Vec3 axis = c.turn_axes.col(i);
       dof->n = column(axis), dof->l = column(cross(axis, c.d2));

@@ -76,6 +76,8 @@ ClosureFronts::ClosureFronts(const JointTree& tree, const System& system, const 
   sort_open();
   link();
   add_sides(table, node_of);
+  for (std::vector<int>* numbers : {&rows, &above}) numbers->shrink_to_fit();
+  all.shrink_to_fit(), parents.shrink_to_fit(), sides.shrink_to_fit();
 }
 
 void ClosureFronts::add(const Rows& open, const Rows& closing, int n_v) {

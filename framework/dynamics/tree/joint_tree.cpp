@@ -235,6 +235,7 @@ void JointTree::grow(const System& system, const G& graph) {
     int slot, parent, link;  // the slot, its parent's node, the link between them
   };
   std::vector<Open> open;
+  nodes_.reserve(static_cast<std::size_t>(system.n_slots()));
   const auto hang_on = [&](int slot, int node, int by) {
     for (auto e = graph.of(slot).rbegin(); e != graph.of(slot).rend(); ++e)
       if (e->link != by) open.push_back({e->other, node, e->link});
@@ -293,10 +294,13 @@ void JointTree::add_node(const System& system, int slot, int parent, int link) {
   node.near_u = near.u0, node.near_q = near.q0, node.far_u = far.u0, node.far_q = far.q0;
   node.K0 = near.q0 * conjugate(far.q0);
   node.n_slides = free.n_slides, node.turn = free.turn;
-  for (std::size_t k = 0; k < 3; ++k) node.slide[k] = sign * free.slide[k];
-  if (node.turn == TreeTurn::ball) {
-    node.ball = sign * P.A0;
-  } else if (node.turn == TreeTurn::hinge) {
+  if (node.n_slides > 0 || node.turn == TreeTurn::ball) {
+    TreeAxes axes;
+    for (std::size_t k = 0; k < 3; ++k) axes.slide[k] = sign * free.slide[k];
+    if (node.turn == TreeTurn::ball) axes.ball = sign * P.A0;
+    node.axes = std::make_shared<const TreeAxes>(axes);
+  }
+  if (node.turn == TreeTurn::hinge) {
     node.hinge = free.hinge;
     node.axis = sign * (near.A0 * node.hinge);
     node.K1 = near.q0 * Quat::from(0.0, Vec3(sign * node.hinge)) * conjugate(far.q0);
@@ -481,7 +485,7 @@ void JointTree::read_off(const State& slots, const State* near, State& out) cons
     const Vec3 v_own = own.v + cross(w, Vec3(X - own.x)), v_parent = p.v + cross(wp, Vec3(X - p.x));
     const Vec3 rhod = S.A.transpose() * (v_own - v_parent);
     for (int k = 0; k < node.n_slides; ++k) {
-      const Vec3& e = node.slide[static_cast<std::size_t>(k)];
+      const Vec3& e = node.slide(k);
       q[k] = e.dot(rho), v[k] = e.dot(rhod);
     }
     // e = e_p near r far' or e_p near r' far'

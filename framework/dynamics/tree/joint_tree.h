@@ -28,6 +28,12 @@ struct MovingMarkers {
   MarkerFrame near, far;
 };
 
+/// The axes of a joint that slides or turns freely.
+struct TreeAxes {
+  std::array<Vec3, 3> slide{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  ///< directions of the translations, in the frame that carries S
+  Mat3 ball = Mat3::Identity();  ///< of a ball: axes of P in the frame that carries it, with the sign of the turn
+};
+
 /// A node of the tree: a slot, and the joint that carries it. Along `near` (the marker on the parent) and `far` (the
 /// marker on the slot), P and S in one order or the other: with r = q_S' q_2' q_1 q_P the turn of P seen from S and
 /// rho the translations of P along the axes of S,
@@ -58,11 +64,11 @@ struct TreeNode {
       far_u = Vec3::Zero();      ///< origin of far in the slot, m
   Quat K0, K1;                   ///< e = e_p (c K0 + s K1), c and s of half the angle; without an angle K0 alone
   Vec3 axis = Vec3::Zero();      ///< axis of a hinge, in the parent's axes, with the sign of the turn
-  std::array<Vec3, 3> slide{};   ///< directions of the translations, in the frame that carries S
-  Mat3 ball = Mat3::Identity();  ///< of a ball: axes of P in the frame that carries it, with the sign of the turn
+  std::shared_ptr<const TreeAxes> axes{};  ///< of translations and of a ball; null: there are none
   Vec3 hinge = Vec3::Zero();     ///< axis of a hinge, in the axes of P and of D
   Quat near_q, far_q;            ///< axes of near and far
 
+  const Vec3& slide(int k) const { return axes->slide[static_cast<std::size_t>(k)]; }
   bool has_laws() const { return imposed || moving; }
   int n_v() const { return n_slides + (turn == TreeTurn::none ? 0 : turn == TreeTurn::hinge ? 1 : 3); }
   int n_q() const { return n_slides + (turn == TreeTurn::none ? 0 : turn == TreeTurn::hinge ? 1 : 4); }

@@ -36,10 +36,13 @@ std::shared_ptr<const PlanarJoints> PlanarJoints::of(std::span<const TreeNode> t
     if (plane && n != plane.n) continue;
     const auto joints = std::make_shared<PlanarJoints>();
     joints->plane_ = Plane{n};
+    joints->nodes_.reserve(tree.size());
     std::vector<Standing> standing;
     bool all = true;
     for (std::size_t k = 0; k < tree.size() && all; ++k) all = joints->add(tree, k, standing);
-    if (all) return joints;
+    if (!all) continue;
+    joints->postures_.shrink_to_fit();
+    return joints;
   }
   return nullptr;
 }
@@ -66,7 +69,7 @@ bool PlanarJoints::add(std::span<const TreeNode> tree, std::size_t k, std::vecto
     n.sign = axis[plane_.n] > 0 ? 1.0 : -1.0;
   }
   for (int l = 0; l < t.n_slides; ++l) {
-    const Vec3 slide = carrier * t.slide[static_cast<std::size_t>(l)];
+    const Vec3 slide = carrier * t.slide(l);
     if (!are_perpendicular(slide, normal)) return false;
     n.slide[static_cast<std::size_t>(l)] = flat(slide);
   }

@@ -31,13 +31,13 @@ LOCKSTEP_INLINE Mat3 turn_axes(const TreeNode& n, const Imposed& now, const Moti
   if (n.turn == TreeTurn::hinge)
     B.col(0) = p.A * (n.imposed ? now.axis : n.axis);
   else if (n.turn == TreeTurn::ball)
-    B = (n.reversed ? p.A : own.A) * n.ball;
+    B = (n.reversed ? p.A : own.A) * n.axes->ball;
   return B;
 }
 /// A sum of the directions of the translations, by the numbers x.
 LOCKSTEP_INLINE Vec3 along_slides(const TreeNode& n, const double* x) {
   Vec3 sum = Vec3::Zero();
-  for (int k = 0; k < n.n_slides; ++k) sum += n.slide[static_cast<std::size_t>(k)] * x[k];
+  for (int k = 0; k < n.n_slides; ++k) sum += n.slide(k) * x[k];
   return sum;
 }
 /// The turn's velocities, or their variations, after those of the translations: of a hinge the first number.

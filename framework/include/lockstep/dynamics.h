@@ -347,6 +347,9 @@ class LOCKSTEP_API Dynamics {
   const Evaluation& gather(const State&);
   /// What links and forces see of this state, without rows; valid until the next call.
   const Inputs& inputs(const State&);
+  /// Gives back the memory of the last evaluation, gather() and evaluate(), where the formulation has joint coordinates
+  /// for the links in force at this state: there steps need rows of closures only. What is asked next is laid out anew.
+  void forget_rows(const State&);
   /// |C| over the rows in force, m (Evaluation::norm). Throws NonFiniteError.
   double violation(const State&);
   /// |Jh v + Ct| over the rows in force, m/s (Evaluation::norm). Throws NonFiniteError.

@@ -31,6 +31,16 @@ struct MarkerMotionT {
 /// On doubles.
 using MarkerMotion = MarkerMotionT<double>;
 
+/// The same of a marker at rest on its slot, which has no rates.
+template <class T>
+struct MarkerAtRestT {
+  Vec3T<T> u = Vec3T<T>::Zero();      ///< origin, slot axes, m
+  Mat3T<T> A = Mat3T<T>::Identity();  ///< marker axes -> slot axes
+  QuatT<T> q;                         ///< quaternion of A
+};
+/// On doubles.
+using MarkerAtRest = MarkerAtRestT<double>;
+
 /// Imposed translation p(t) of P, S axes (q_Delta of the paper).
 template <class T>
 struct ImposedTranslationT {
@@ -120,9 +130,16 @@ LOCKSTEP_INLINE auto marker(const MarkerMotionT<T>& m) {
   return Marker{vec::vector(m.u),        vec::matrix(m.A),     vec::quaternion(m.q), present<kSlides>(m.ud),
                 present<kSlides>(m.udd), present<kSpins>(m.w), present<kSpins>(m.a)};
 }
+/// A marker at rest.
+template <bool kSlides, bool kSpins, class T>
+LOCKSTEP_INLINE auto marker(const MarkerAtRestT<T>& m) {
+  static_assert(!kSlides && !kSpins, "a marker at rest has no rates");
+  return Marker{vec::vector(m.u), vec::matrix(m.A), vec::quaternion(m.q),
+                vec::None{},      vec::None{},      vec::None{},          vec::None{}};
+}
 /// A marker for the laws kWith (with::Bits); kSlides and kSpins are the bits of the laws on the marker.
-template <unsigned kWith, unsigned kSlides, unsigned kSpins, class T>
-LOCKSTEP_INLINE auto marker_for(const MarkerMotionT<T>& m) {
+template <unsigned kWith, unsigned kSlides, unsigned kSpins, class M>
+LOCKSTEP_INLINE auto marker_for(const M& m) {
   static_assert(!(kWith & with::parallel) || !(kWith & kSpins), "a marker that turns is not parallel to its body");
   if constexpr (kWith & with::parallel)
     return Marker{vec::vector(m.u), vec::Identity{}, vec::NoTurn{}};
@@ -156,10 +173,11 @@ LOCKSTEP_INLINE void for_rows(Mask rows, int first, F&& f) {
 }  // namespace kernel
 
 /// The translational rows, given to take(C, Ct, Qhat, row, rate): three vectors, row(vec::Unit<k>{}) the jacobian of
-/// row k, a kernel::Row, and rate() = d/dt C. What `take` does not use is not computed.
-template <unsigned kWith, class T, class Take>
-LOCKSTEP_INLINE void translation(const MotionT<T>& O1, const MotionT<T>& O2, const MarkerMotionT<T>& P,
-                                 const MarkerMotionT<T>& S, const ImposedTranslationT<T>& D, Take&& take) {
+/// row k, a kernel::Row, and rate() = d/dt C. What `take` does not use is not computed. M: MarkerMotionT, or
+/// MarkerAtRestT where kWith has no law of a marker.
+template <unsigned kWith, class T, class M, class Take>
+LOCKSTEP_INLINE void translation(const MotionT<T>& O1, const MotionT<T>& O2, const M& P, const M& S,
+                                 const ImposedTranslationT<T>& D, Take&& take) {
   const auto o1 = kernel::body(O1), o2 = kernel::body(O2);
   const auto p = kernel::marker_for<kWith, with::uP, with::nothing>(P);
   const auto s = kernel::marker_for<kWith, with::uS, with::qS>(S);
@@ -201,10 +219,11 @@ LOCKSTEP_INLINE void translation(const MotionT<T>& O1, const MotionT<T>& O2, con
 }
 
 /// The rotational rows, given to take(e, Ct, Qhat, row, rate): three quaternions, row(g) the jacobian of g.e for a
-/// quaternion g, a kernel::Row, and rate() = d/dt e. Row k has the k-th imaginary unit for g, the scalar row 1.
-template <unsigned kWith, class T, class Take>
-LOCKSTEP_INLINE void rotation(const MotionT<T>& O1, const MotionT<T>& O2, const MarkerMotionT<T>& P,
-                              const MarkerMotionT<T>& S, const ImposedRotationT<T>& D, Take&& take) {
+/// quaternion g, a kernel::Row, and rate() = d/dt e. Row k has the k-th imaginary unit for g, the scalar row 1. M: as
+/// for translation().
+template <unsigned kWith, class T, class M, class Take>
+LOCKSTEP_INLINE void rotation(const MotionT<T>& O1, const MotionT<T>& O2, const M& P, const M& S,
+                              const ImposedRotationT<T>& D, Take&& take) {
   const auto o1 = kernel::body(O1), o2 = kernel::body(O2);
   const auto p = kernel::marker_for<kWith, with::nothing, with::qP>(P);
   const auto s = kernel::marker_for<kWith, with::nothing, with::qS>(S);

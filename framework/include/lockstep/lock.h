@@ -3,7 +3,7 @@
 
 #include <array>
 #include <concepts>
-#include <optional>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -42,6 +42,7 @@ struct LinkRow {
   RowKind kind = RowKind::function;  ///< what it measures
   std::string name;                  ///< "x", "e1", "phi": for messages and channels; unique within the link
   int drive = -1;                    ///< number of the drive that it belongs to; -1: the joint itself
+  friend bool operator==(const LinkRow&, const LinkRow&) = default;  ///< the same in all three
 };
 
 /// What the code that gathers a link depends on. Links of equal dynamic type, pattern, row count and slot count make a
@@ -112,30 +113,32 @@ class LOCKSTEP_API Lock {
   bool active_at_start() const { return active_at_start_; }  ///< whether it is in force, or watched, at the start
   void set_active_at_start(bool active) { active_at_start_ = active; }  ///< default: it is
   /// Null for a link that pushes and pulls.
-  const Unilateral* unilateral() const { return unilateral_ ? &*unilateral_ : nullptr; }
+  const Unilateral* unilateral() const { return unilateral_.get(); }
   /// Makes the link one-sided, which must have exactly one row (checked by setup()). Throws ModelError: a number out of
   /// its range.
   void set_unilateral(const Unilateral&);
 
   const std::string& name() const { return name_; }  ///< name in the system
   /// Where its class comes from: "built in", a plugin's name, or "" for a class of the host's own.
-  const std::string& origin() const { return origin_; }
-  void set_origin(std::string origin) { origin_ = std::move(origin); }  ///< called by the registry
+  const std::string& origin() const;
+  void set_origin(std::string origin);  ///< called by the registry
 
   // -- after the system's setup
   /// Stores what plan_rows() reports; called by System::setup. Throws ModelError: no row, more than kMaxRows, or more
   /// than one of a unilateral link.
   void setup();
+  /// Called by System::setup: rows that equal those of another link, by kind, name and drive, are stored once.
+  void share_rows(const Lock& with);
   void set_indices(int number, int first_state, int first_memory);                     ///< called by System::setup
-  int row_count() const { return static_cast<int>(plan_.rows.size()); }                ///< number of rows, in space
-  const LinkRow& row(int k) const { return plan_.rows[static_cast<std::size_t>(k)]; }  ///< row k in space
+  int row_count() const { return rows_ ? static_cast<int>(rows_->size()) : 0; }        ///< number of rows, in space
+  const LinkRow& row(int k) const { return (*rows_)[static_cast<std::size_t>(k)]; }    ///< row k in space
   RowKind row_kind(int k) const { return row(k).kind; }                                ///< what row k measures
   const std::string& row_name(int k) const { return row(k).name; }                     ///< "x", "e1", "phi"
-  const SlotList& slots() const { return plan_.slots; }                                ///< moving slots that it touches
-  const LinkPattern& pattern() const { return plan_.pattern; }                         ///< what its group is found by
-  RowLayout layout() const { return plan_.layout; }  ///< how its jacobian in space is stored
+  const SlotList& slots() const { return slots_; }                                     ///< moving slots that it touches
+  const LinkPattern& pattern() const { return pattern_; }                              ///< what its group is found by
+  RowLayout layout() const { return layout_; }  ///< how its jacobian in space is stored
   /// Shape of its rows in space.
-  RowShape shape() const { return {row_count(), plan_.slots.n, plan_.layout, plan_.sign, {}}; }
+  RowShape shape() const { return {row_count(), slots_.n, layout_, sign_, {}}; }
   int number() const { return number_; }  ///< in the system: index in State::modes; -1 before setup
   int n_own_states() const { return stateful() ? stateful()->n_states() : 0; }        ///< numbers in State::s
   int n_own_memory() const { return remembering() ? remembering()->n_memory() : 0; }  ///< numbers in State::z
@@ -145,9 +148,15 @@ class LOCKSTEP_API Lock {
   int impact_memory() const { return first_memory_ + n_own_memory(); }
 
  private:
-  std::string name_, origin_;
-  RowPlan plan_;
-  std::optional<Unilateral> unilateral_;
+  // What the fewest links have is held by pointers: mechanisms have hundreds of thousands of links.
+  std::string name_;
+  std::unique_ptr<const std::string> origin_;  // null: ""
+  std::unique_ptr<const Unilateral> unilateral_;
+  std::shared_ptr<const std::vector<LinkRow>> rows_;  // null before setup()
+  double sign_ = 1;
+  SlotList slots_;
+  LinkPattern pattern_;
+  RowLayout layout_ = RowLayout::dense;
   bool active_at_start_ = true;
   int number_ = -1, first_state_ = 0, first_memory_ = 0;
 };
@@ -200,24 +209,24 @@ class LOCKSTEP_API MarkerLock : public Lock,
   void drive(Axis axis, LawPtr<MotionLaw> law) override;
   void drive_speed(Axis axis, LawPtr<MotionLaw> law) override;
 
-  bool turned() const override { return imposed_.turn != nullptr; }
+  bool turned() const override { return imposed().turn != nullptr; }
   bool has_laws() const override { return (laws_ & with::all_laws) != 0; }
-  const ImposedMotion& imposed() const override { return imposed_; }
+  const ImposedMotion& imposed() const override;
   Mask mask() const override { return mask_; }
   Mask rows() const override { return rows_; }
   /// with::Bits of its laws, and of parallel markers; after setup().
   unsigned laws() const { return laws_; }
   /// p and its rates at these inputs, by move() and the drives along axes.
-  ImposedTranslation imposed_translation(const Inputs& in) const { return imposed_.translation(in.t, own_states(in)); }
+  ImposedTranslation imposed_translation(const Inputs& in) const { return imposed().translation(in.t, own_states(in)); }
   /// q_D and its rates at these inputs, by turn() and the drive about an axis.
-  ImposedRotation imposed_rotation(const Inputs& in) const { return imposed_.rotation(in.t, own_states(in)); }
+  ImposedRotation imposed_rotation(const Inputs& in) const { return imposed().rotation(in.t, own_states(in)); }
   const Marker& p() const { return *p_; }  ///< marker on body 1
   const Marker& s() const { return *s_; }  ///< marker on body 2
 
   std::vector<std::pair<const Marker*, const Marker*>> pairs() const override { return {{p_, s_}}; }
   void gather(Group, const Inputs&, RowSpan out) const override;
   bool is_weld() const override {
-    return rows_ == Mask::all && imposed_.empty() && !p_->translation_law && !p_->rotation_law &&
+    return rows_ == Mask::all && imposed().empty() && !p_->translation_law && !p_->rotation_law &&
            !s_->translation_law && !s_->rotation_law;
   }
 
@@ -230,12 +239,12 @@ class LOCKSTEP_API MarkerLock : public Lock,
   Planar* planar() override { return this; }
   const TangentFormula* tangent_formula() const override { return this; }
 
-  int n_drives() const override { return static_cast<int>(imposed_.drives.size()); }
+  int n_drives() const override { return static_cast<int>(imposed().drives.size()); }
   Quantity drive(int d) const override;
   void breakpoints(double t0, double t1, std::vector<double>& out) const override;
   std::string diagnose(double t) const override;
 
-  int n_states() const override { return n_speeds_; }
+  int n_states() const override { return lawful_ ? lawful_->n_speeds : 0; }
   void start_states(std::span<double> s) const override;
   void state_rates(const Inputs&, std::span<double> sd) const override;
   void engage(const Inputs&, std::span<double> s) const override;
@@ -244,7 +253,7 @@ class LOCKSTEP_API MarkerLock : public Lock,
   /// By what its laws and those of its markers say of themselves; drives are in the plane. A derived class with rows of
   /// its own answers for them.
   bool stays_in_plane(Plane plane) const override { return row_count() == n_rows_ && laws_stay_in_plane(plane); }
-  RowLayout planar_layout() const override { return flat_.pair ? RowLayout::pair : RowLayout::planar; }
+  RowLayout planar_layout() const override { return flat_ && flat_->pair ? RowLayout::pair : RowLayout::planar; }
   void gather_plane(Group, const Inputs&, RowSpan out) const override;
   void tangent(const Inputs&, std::span<const double> lambda, TangentSum& out) const override;
 
@@ -260,8 +269,9 @@ class LOCKSTEP_API MarkerLock : public Lock,
   double coordinate(const Drive&, Pose rel, double t) const;  // of P against S, where q_D has turned it
   void refuse_when_set_up(const std::string& what) const;
   std::span<const double> own_states(const Inputs& in) const {
-    if (n_speeds_ == 0) return {};
-    return in.s.subspan(static_cast<std::size_t>(first_state()), static_cast<std::size_t>(n_speeds_));
+    const int n = n_states();
+    if (n == 0) return {};
+    return in.s.subspan(static_cast<std::size_t>(first_state()), static_cast<std::size_t>(n));
   }
   template <unsigned kWith>
   static void gather_translations(Group, const Inputs&, RowSpan out);
@@ -274,19 +284,16 @@ class LOCKSTEP_API MarkerLock : public Lock,
   template <class Law>
   void flat_turn(const Inputs&, const Law&, const RowBlock&) const;
 
-  Marker* p_;
-  Marker* s_;
-  Mask mask_, rows_;
-  ImposedMotion imposed_;
-  int n_speeds_ = 0;
-
-  // made by setup()
-  MarkerFrame P_, S_;
-  int side1_ = -1, side2_ = -1;  // positions of O1 and O2 in slots(); -1: the ground
-  int n_rows_ = 0;
-  std::array<int, 6> row_{};  // row k of the link is row row_[k] of the lock
-  unsigned laws_ = 0;         // with::Bits of the laws present
-  std::vector<double> speed_start_;
+  /// What laws need: of the lock itself, and of its markers. A lock without any has none of it.
+  struct Lawful {
+    ImposedMotion imposed;
+    int n_speeds = 0;
+    std::vector<double> speed_start;
+    MarkerFrame P, S;  ///< made by setup(), as the markers move on their slots
+  };
+  Lawful& lawful();
+  MarkerMotion P_at(double t) const;
+  MarkerMotion S_at(double t) const;
 
   /// The lock in the plane of a planar mechanism: vectors by their components along the plane's axes i and j.
   struct Flat {
@@ -299,7 +306,21 @@ class LOCKSTEP_API MarkerLock : public Lock,
     double S[2][2] = {};                       ///< axes[k] of S in its slot
     double sign = 1;                           ///< of the turn axis along the normal
     double q[2] = {1, 0};                      ///< q_S' q_P: scalar part, and along the turn axis
-  } flat_;
+  };
+
+  Marker* p_;
+  Marker* s_;
+  std::unique_ptr<Lawful> lawful_;  // null: no law acts on it
+  Mask mask_, rows_;
+
+  // made by setup()
+  signed char side1_ = -1, side2_ = -1;  // positions of O1 and O2 in slots(); -1: the ground
+  signed char n_rows_ = 0;
+  std::array<signed char, 6> row_{};  // row k of the link is row row_[k] of the lock
+  unsigned laws_ = 0;                 // with::Bits of the laws present
+  int slot1_ = kGround, slot2_ = kGround;  // of P and S
+  MarkerAtRest P_, S_;                // without the laws of the markers
+  std::unique_ptr<const Flat> flat_;  // null: in space
 };
 
 // Reactions: the multipliers of the links in force, as forces that depend on them read them.

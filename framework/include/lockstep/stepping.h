@@ -292,7 +292,6 @@ class LOCKSTEP_API AdaptiveStepper : public Integrator {
 
   int order_;
   std::unique_ptr<StepControl> control_;
-  StateRate f0_, f1_;  // scratch of the first step
 };
 
 

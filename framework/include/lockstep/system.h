@@ -1,13 +1,14 @@
 // The system: bodies, markers, links and forces, and how they are connected.
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <type_traits>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -271,11 +272,18 @@ class LOCKSTEP_API System {
   std::vector<std::unique_ptr<Force>> forces_;
   std::vector<std::unique_ptr<Auxiliary>> auxiliaries_;
   Body* ground_ = nullptr;
+  // A thing whose name is taken, by the hash of the name, which the thing keeps itself.
+  enum class Kind : unsigned char { none, body, marker, link, force };
   struct Named {
-    std::string_view kind;  // "body", "marker", "link", "force"
-    std::size_t number;     // among those of its kind
+    std::uint32_t hash = 0, kind : 3 = 0, number : 29 = 0;  // kind none: an empty place; number among those of its kind
   };
-  std::unordered_map<std::string, Named> names_;  // those that are taken
+  static std::string_view word_of(Kind);
+  const std::string& name_of(const Named&) const;
+  Named named_thing(std::string_view name) const;  // kind none: there is none
+  std::ptrdiff_t number_of(Kind, const std::string& name) const;  // among those of this kind; -1: none
+  void take_name(const std::string& name, Kind, std::size_t number);
+  std::vector<Named> names_;  // by hash: where a place is taken, the next ones are
+  std::size_t n_names_ = 0;
 
   bool ready_ = false;
   Plane plane_;

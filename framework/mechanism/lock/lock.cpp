@@ -26,11 +26,26 @@ void Lock::set_unilateral(const Unilateral& u) {
   if (!(u.rest_speed > 0) || !std::isfinite(u.rest_speed))
     refuse(*this, "is one-sided with rest_speed " + text::brief(u.rest_speed) +
                       "; it must be above zero, or bounces would never end");
-  unilateral_ = u;
+  unilateral_ = std::make_unique<const Unilateral>(u);
+}
+
+const std::string& Lock::origin() const {
+  static const std::string kNone;
+  return origin_ ? *origin_ : kNone;
+}
+
+void Lock::set_origin(std::string origin) {
+  origin_ = origin.empty() ? nullptr : std::make_unique<const std::string>(std::move(origin));
+}
+
+void Lock::share_rows(const Lock& with) {
+  if (rows_ && with.rows_ && rows_ != with.rows_ && *rows_ == *with.rows_) rows_ = with.rows_;
 }
 
 void Lock::setup() {
-  plan_ = plan_rows();
+  RowPlan plan = plan_rows();
+  if (!rows_ || *rows_ != plan.rows) rows_ = std::make_shared<const std::vector<LinkRow>>(std::move(plan.rows));
+  slots_ = plan.slots, pattern_ = plan.pattern, layout_ = plan.layout, sign_ = plan.sign;
   const std::string rows = std::to_string(row_count()) + " rows; ";
   if (row_count() < 1 || row_count() > kMaxRows)
     refuse(*this,

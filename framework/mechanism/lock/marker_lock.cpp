@@ -18,6 +18,29 @@ MarkerLock::MarkerLock(std::string name, Marker& p, Marker& s, Mask mask)
 }
 MarkerLock::~MarkerLock() = default;
 
+const ImposedMotion& MarkerLock::imposed() const {
+  static const ImposedMotion kNone;
+  return lawful_ ? lawful_->imposed : kNone;
+}
+
+MarkerLock::Lawful& MarkerLock::lawful() {
+  if (!lawful_) lawful_ = std::make_unique<Lawful>();
+  return *lawful_;
+}
+
+namespace {
+
+MarkerMotion at_rest(const MarkerAtRest& home) {
+  MarkerMotion m;
+  m.u = home.u, m.A = home.A, m.q = home.q;
+  return m;
+}
+
+}  // namespace
+
+MarkerMotion MarkerLock::P_at(double t) const { return lawful_ ? lawful_->P.at(t) : at_rest(P_); }
+MarkerMotion MarkerLock::S_at(double t) const { return lawful_ ? lawful_->S.at(t) : at_rest(S_); }
+
 void MarkerLock::refuse_when_set_up(const std::string& what) const {
   if (slots().n == 0) return;
   throw ModelError("link '" + name() + "': " + what +
@@ -30,7 +53,7 @@ void MarkerLock::move(LawPtr<TranslationLaw> law) {
   if (!overlaps(mask_, Mask::xyz))
     throw ModelError("link '" + name() + "': a translation law moves rows x y z, and the mask \"" + to_string(mask_) +
                      "\" holds none of them; drive a free axis instead");
-  imposed_.move = std::move(law);
+  lawful().imposed.move = std::move(law);
 }
 
 void MarkerLock::turn(LawPtr<RotationLaw> law) {
@@ -38,14 +61,14 @@ void MarkerLock::turn(LawPtr<RotationLaw> law) {
   if (!overlaps(mask_, Mask::e123))
     throw ModelError("link '" + name() + "': a rotation law turns rows e1 e2 e3, and the mask \"" + to_string(mask_) +
                      "\" holds none of them; drive a free axis instead");
-  imposed_.turn = std::move(law);
+  lawful().imposed.turn = std::move(law);
 }
 
 void MarkerLock::drive(Axis axis, LawPtr<MotionLaw> law) { add_drive({axis, std::move(law), false, 0}); }
 
 void MarkerLock::drive_speed(Axis axis, LawPtr<MotionLaw> law) {
-  add_drive({axis, std::move(law), true, n_speeds_});
-  ++n_speeds_;
+  add_drive({axis, std::move(law), true, n_states()});
+  ++lawful().n_speeds;
 }
 
 void MarkerLock::add_drive(Drive drive) {
@@ -62,71 +85,82 @@ void MarkerLock::add_drive(Drive drive) {
     throw ModelError(what + ": the other two turns are not both held (mask \"" + to_string(mask_) +
                      "\"), so the driven angle has no axis; hold them, or drive a revolute joint");
   rows_ = rows_ | bit;
-  imposed_.drives.push_back(std::move(drive));
+  lawful().imposed.drives.push_back(std::move(drive));
 }
 
 std::string MarkerLock::diagnose(double t) const {
-  for (const Drive& d : imposed_.drives)
+  for (const Drive& d : imposed().drives)
     if (std::string f = law_fault("the law of drive " + std::string(to_string(d.axis)), d.law, t); !f.empty()) return f;
-  if (std::string f = law_fault("the imposed translation law", imposed_.move, t); !f.empty()) return f;
-  if (std::string f = law_fault("the imposed rotation law", imposed_.turn, t); !f.empty()) return f;
+  if (std::string f = law_fault("the imposed translation law", imposed().move, t); !f.empty()) return f;
+  if (std::string f = law_fault("the imposed rotation law", imposed().turn, t); !f.empty()) return f;
   std::string at_p = marker_fault(*p_, t);
   return at_p.empty() ? marker_fault(*s_, t) : at_p;
 }
 
 Quantity MarkerLock::drive(int d) const {
-  const Axis axis = imposed_.drives[static_cast<std::size_t>(d)].axis;
+  const Axis axis = imposed().drives[static_cast<std::size_t>(d)].axis;
   return {std::string(to_string(axis)), is_rotation(axis) ? "rad" : "m"};
 }
 
 void MarkerLock::breakpoints(double t0, double t1, std::vector<double>& out) const {
   MarkerFrame(*p_).breakpoints(t0, t1, out);
   MarkerFrame(*s_).breakpoints(t0, t1, out);
-  if (imposed_.move) imposed_.move->breakpoints(t0, t1, out);
-  if (imposed_.turn) imposed_.turn->breakpoints(t0, t1, out);
-  for (const Drive& d : imposed_.drives) d.law->breakpoints(t0, t1, out);
+  const ImposedMotion& laws = imposed();
+  if (laws.move) laws.move->breakpoints(t0, t1, out);
+  if (laws.turn) laws.turn->breakpoints(t0, t1, out);
+  for (const Drive& d : laws.drives) d.law->breakpoints(t0, t1, out);
 }
 
 RowPlan MarkerLock::plan_rows() {
   if (overlaps(rows_, Mask::e123)) refuse_particles(name(), to_string(rows_ & Mask::e123), *p_, *s_);
-  P_ = MarkerFrame(*p_);
-  S_ = MarkerFrame(*s_);
+  const MarkerFrame P(*p_), S(*s_);
+  P_ = {P.u0, P.A0, P.q0}, S_ = {S.u0, S.A0, S.q0};
+  slot1_ = P.slot, slot2_ = S.slot;
+  flat_ = nullptr;
   RowPlan plan;
-  plan.slots.add(P_.slot);
-  plan.slots.add(S_.slot);
+  plan.slots.add(slot1_);
+  plan.slots.add(slot2_);
   if (plan.slots.n == 0)
     throw ModelError("link '" + name() + "': neither '" + p_->body->name + "' nor '" + s_->body->name +
                      "' can move; join at least one moving body");
-  side1_ = plan.slots.position(P_.slot);
-  side2_ = plan.slots.position(S_.slot);
+  side1_ = static_cast<signed char>(plan.slots.position(slot1_));
+  side2_ = static_cast<signed char>(plan.slots.position(slot2_));
 
+  const ImposedMotion& imposed = this->imposed();
   n_rows_ = 0;
+  plan.rows.reserve(static_cast<std::size_t>(count_rows(rows_)));
   for (int k = 0; k < 6; ++k) {
     if (!includes(rows_, row_bit(k))) continue;
-    row_[static_cast<std::size_t>(n_rows_++)] = k;
-    const auto driven = std::find_if(imposed_.drives.begin(), imposed_.drives.end(),
+    row_[static_cast<std::size_t>(n_rows_++)] = static_cast<signed char>(k);
+    const auto driven = std::find_if(imposed.drives.begin(), imposed.drives.end(),
                                      [k](const Drive& d) { return axis_index(d.axis) == k; });
     plan.rows.push_back({k < 3 ? RowKind::translation : RowKind::rotation, std::string(lockstep::row_name(k)),
-                         driven == imposed_.drives.end() ? -1 : static_cast<int>(driven - imposed_.drives.begin())});
+                         driven == imposed.drives.end() ? -1 : static_cast<int>(driven - imposed.drives.begin())});
   }
 
   laws_ = with::nothing;
-  if (P_.translation_law) laws_ |= with::uP;
-  if (P_.rotation_law) laws_ |= with::qP;
-  if (S_.translation_law) laws_ |= with::uS;
-  if (S_.rotation_law) laws_ |= with::qS;
-  if (imposed_.move) laws_ |= with::p;
-  if (imposed_.turn) laws_ |= with::qD;
-  for (const Drive& d : imposed_.drives) laws_ |= is_rotation(d.axis) ? with::qD : with::p;
-  if (P_.parallel() && S_.parallel()) laws_ |= with::parallel;
+  if (P.translation_law) laws_ |= with::uP;
+  if (P.rotation_law) laws_ |= with::qP;
+  if (S.translation_law) laws_ |= with::uS;
+  if (S.rotation_law) laws_ |= with::qS;
+  if (imposed.move) laws_ |= with::p;
+  if (imposed.turn) laws_ |= with::qD;
+  for (const Drive& d : imposed.drives) laws_ |= is_rotation(d.axis) ? with::qD : with::p;
+  if (P.parallel() && S.parallel()) laws_ |= with::parallel;
   const auto grounded = static_cast<unsigned char>((side1_ < 0 ? 1 : 0) | (side2_ < 0 ? 2 : 0));
   plan.pattern = {laws_, rows_, mask_, grounded};
   plan.layout = includes(rows_, Mask::xyz) ? RowLayout::triple : RowLayout::dense;
   plan.sign = side1_ >= 0 ? 1.0 : -1.0;
 
-  speed_start_.assign(static_cast<std::size_t>(n_speeds_), 0.0);
-  for (const Drive& d : imposed_.drives)
-    if (d.speed) speed_start_[static_cast<std::size_t>(d.state)] = coordinate(d, pose_at_start(*p_, *s_, P_, S_), 0.0);
+  if ((laws_ & with::all_laws) == 0) {
+    lawful_ = nullptr;
+    return plan;
+  }
+  Lawful& own = lawful();
+  own.P = P, own.S = S;
+  own.speed_start.assign(static_cast<std::size_t>(own.n_speeds), 0.0);
+  for (const Drive& d : own.imposed.drives)
+    if (d.speed) own.speed_start[static_cast<std::size_t>(d.state)] = coordinate(d, pose_at_start(*p_, *s_, P, S), 0.0);
   return plan;
 }
 
@@ -134,27 +168,26 @@ RowPlan MarkerLock::plan_rows() {
 double MarkerLock::coordinate(const Drive& d, Pose rel, double t) const {
   const int k = axis_index(d.axis) % 3;
   if (!is_rotation(d.axis)) return rel.x[k];
-  if (imposed_.turn) rel.q = conjugate(imposed_.turn->at(t).q) * rel.q;
+  if (imposed().turn) rel.q = conjugate(imposed().turn->at(t).q) * rel.q;
   return 2.0 * std::atan2(rel.q.vec()[k], rel.q.w);
 }
 
 void MarkerLock::engage(const Inputs& in, std::span<double> s) const {
-  const auto pose_of = [&](const MarkerFrame& f) {
-    const Motion& O = in.slot(f.slot);
-    const MarkerMotion m = f.at(in.t);
+  const auto pose_of = [&](int slot, const MarkerMotion& m) {
+    const Motion& O = in.slot(slot);
     return Pose{O.x, O.e} * Pose{m.u, m.q};
   };
-  const Pose rel = inverse(pose_of(S_)) * pose_of(P_);
-  for (const Drive& d : imposed_.drives)
+  const Pose rel = inverse(pose_of(slot2_, S_at(in.t))) * pose_of(slot1_, P_at(in.t));
+  for (const Drive& d : imposed().drives)
     if (d.speed) s[static_cast<std::size_t>(d.state)] = coordinate(d, rel, in.t);
 }
 
 void MarkerLock::start_states(std::span<double> s) const {
-  std::copy(speed_start_.begin(), speed_start_.end(), s.begin());
+  if (lawful_) std::copy(lawful_->speed_start.begin(), lawful_->speed_start.end(), s.begin());
 }
 
 void MarkerLock::state_rates(const Inputs& in, std::span<double> sd) const {
-  for (const Drive& d : imposed_.drives)
+  for (const Drive& d : imposed().drives)
     if (d.speed) sd[static_cast<std::size_t>(d.state)] = d.law->at(in.t).y;
 }
 
@@ -241,11 +274,11 @@ void MarkerLock::gather_translations(Group links, const Inputs& in, RowSpan out)
       }
     };
     if constexpr (kWith & with::p) D = lock.imposed_translation(in);
-    const Motion &O1 = in.slot(lock.P_.slot), &O2 = in.slot(lock.S_.slot);
+    const Motion &O1 = in.slot(lock.slot1_), &O2 = in.slot(lock.slot2_);
     if constexpr (kWith & (with::uP | with::uS | with::qS))
-      translation<kWith>(O1, O2, lock.P_.at(in.t), lock.S_.at(in.t), D, put);
+      translation<kWith>(O1, O2, lock.lawful_->P.at(in.t), lock.lawful_->S.at(in.t), D, put);
     else
-      translation<kWith>(O1, O2, lock.P_.home, lock.S_.home, D, put);
+      translation<kWith>(O1, O2, lock.P_, lock.S_, D, put);
   }
 }
 
@@ -270,11 +303,11 @@ void MarkerLock::gather_rotations(Group links, const Inputs& in, RowSpan out) {
           });
     };
     if constexpr (kWith & with::qD) D = lock.imposed_rotation(in);
-    const Motion &O1 = in.slot(lock.P_.slot), &O2 = in.slot(lock.S_.slot);
+    const Motion &O1 = in.slot(lock.slot1_), &O2 = in.slot(lock.slot2_);
     if constexpr (kWith & (with::qP | with::qS))
-      rotation<kWith>(O1, O2, lock.P_.at(in.t), lock.S_.at(in.t), D, put);
+      rotation<kWith>(O1, O2, lock.lawful_->P.at(in.t), lock.lawful_->S.at(in.t), D, put);
     else
-      rotation<kWith>(O1, O2, lock.P_.home, lock.S_.home, D, put);
+      rotation<kWith>(O1, O2, lock.P_, lock.S_, D, put);
   }
 }
 

@@ -27,34 +27,34 @@ int axis_along(const Mat3& A, int n) {
 }  // namespace
 
 bool MarkerLock::setup_plane(Plane plane) {
-  flat_ = {};
-  flat_.plane = plane;
-  if (P_.translation_law || P_.rotation_law || S_.translation_law || S_.rotation_law || row_count() != n_rows_)
-    return false;
-  const int a = axis_along(S_.A0, plane.n);
+  flat_ = nullptr;
+  if ((laws_ & (with::uP | with::qP | with::uS | with::qS)) != 0 || row_count() != n_rows_) return false;
+  const int a = axis_along(S_.A, plane.n);
   if (a < 0) return false;
-  Flat& f = flat_;
+  Flat f;
+  f.plane = plane;
   f.turn_axis = a;
   f.turn = includes(rows_, row_bit(3 + a));
-  f.sign = S_.A0(plane.n, a) > 0 ? 1 : -1;
-  if (f.turn && (axis_along(P_.A0, plane.n) != a || f.sign * P_.A0(plane.n, a) < 0)) return false;
+  f.sign = S_.A(plane.n, a) > 0 ? 1 : -1;
+  if (f.turn && (axis_along(P_.A, plane.n) != a || f.sign * P_.A(plane.n, a) < 0)) return false;
   for (int k = 0; k < 3; ++k)
     if (k != a && includes(rows_, row_bit(k))) f.axes[f.n_translations++] = k;
   f.pair = f.n_translations == 2;
   if (f.n_translations == 0 && !f.turn && (laws_ & (with::p | with::qD)))
     throw ModelError("link '" + name() + "' has laws but no row in the plane of the scene; set \"planar\" to \"off\"");
-  f.uP[0] = P_.u0[plane.i()], f.uP[1] = P_.u0[plane.j()];
-  f.uS[0] = S_.u0[plane.i()], f.uS[1] = S_.u0[plane.j()];
+  f.uP[0] = P_.u[plane.i()], f.uP[1] = P_.u[plane.j()];
+  f.uS[0] = S_.u[plane.i()], f.uS[1] = S_.u[plane.j()];
   for (int k = 0; k < f.n_translations; ++k)
-    f.S[k][0] = S_.A0(plane.i(), f.axes[k]), f.S[k][1] = S_.A0(plane.j(), f.axes[k]);
-  const Quat q = conjugate(S_.q0) * P_.q0;
+    f.S[k][0] = S_.A(plane.i(), f.axes[k]), f.S[k][1] = S_.A(plane.j(), f.axes[k]);
+  const Quat q = conjugate(S_.q) * P_.q;
   f.q[0] = q.w, f.q[1] = q.vec()[a];
+  flat_ = std::make_unique<const Flat>(f);
   return true;
 }
 
 bool MarkerLock::laws_stay_in_plane(Plane plane) const {
-  if (!P_.stays_in_plane(plane) || !S_.stays_in_plane(plane)) return false;
-  const Vec3 normal = S_.A0.row(plane.n);
+  if (lawful_ && (!lawful_->P.stays_in_plane(plane) || !lawful_->S.stays_in_plane(plane))) return false;
+  const Vec3 normal = S_.A.row(plane.n);
   const ImposedMotion& laws = imposed();
   if (laws.move && !laws.move->stays_in_plane(normal)) return false;
   if (laws.turn && !laws.turn->turns_about(normal)) return false;
@@ -63,7 +63,7 @@ bool MarkerLock::laws_stay_in_plane(Plane plane) const {
 
 // Throws if a law leaves the plane at this time.
 void MarkerLock::refuse_leaving_plane(const Inputs& in) const {
-  const int a = flat_.turn_axis;
+  const int a = flat_->turn_axis;
   if ((laws_ & with::p) && includes(rows_, row_bit(a)) && imposed_translation(in).p[a] != 0) leaves_plane(*this, in.t);
   if (!(laws_ & with::qD)) return;
   Vec3 other = imposed_rotation(in).q.vec();
@@ -73,9 +73,9 @@ void MarkerLock::refuse_leaving_plane(const Inputs& in) const {
 
 // In world axes; vectors by their components along i, j and the normal.
 LOCKSTEP_INLINE void MarkerLock::flat_translations(const Inputs& in, const RowBlock& block) const {
-  const Flat& f = flat_;
+  const Flat& f = *flat_;
   const int i = f.plane.i(), j = f.plane.j(), n = f.plane.n;
-  const Motion &O1 = in.slot(P_.slot), &O2 = in.slot(S_.slot);
+  const Motion &O1 = in.slot(slot1_), &O2 = in.slot(slot2_);
   const auto in_plane = [](double x, double y) __attribute__((always_inline)) { return Vector{x, y, Zero{}}; };
   const auto turned = [&](const Motion& O, const double* u) __attribute__((always_inline)) {
     return in_plane(O.A(i, i) * u[0] - O.A(j, i) * u[1], O.A(j, i) * u[0] + O.A(i, i) * u[1]);
@@ -118,14 +118,14 @@ LOCKSTEP_INLINE void MarkerLock::flat_translations(const Inputs& in, const RowBl
 // About the common turn axis of S and P, which points at the viewer of the plane.
 template <class Law>
 LOCKSTEP_INLINE void MarkerLock::flat_turn(const Inputs& in, const Law& D, const RowBlock& block) const {
-  const Flat& f = flat_;
+  const Flat& f = *flat_;
   const int row = f.n_translations, n = f.plane.n;
   const auto along = [](double z) __attribute__((always_inline)) { return Vector{Zero{}, Zero{}, z}; };
   const auto body = [&](const Motion& O) __attribute__((always_inline)) {
     return kernel::Body{vec::None{}, vec::Identity{}, vec::Quaternion{O.e.w, along(f.sign * O.e.vec()[n])}, vec::None{},
                         along(f.sign * O.w[n])};
   };
-  const auto B1 = body(in.slot(P_.slot)), B2 = body(in.slot(S_.slot));
+  const auto B1 = body(in.slot(slot1_)), B2 = body(in.slot(slot2_));
   const kernel::Marker P{vec::None{}, vec::Identity{}, vec::Quaternion{f.q[0], along(f.q[1])}};
   const kernel::Marker S{vec::None{}, vec::Identity{}, vec::NoTurn{}};
   const auto e = kernel::rotation_error(B1, B2, P, S, D);
@@ -144,7 +144,7 @@ LOCKSTEP_FLAT_CLONES void MarkerLock::gather_flat(Group links, const Inputs& in,
   for (std::size_t l = 0; l < links.size(); ++l) {
     const auto& lock = static_cast<const MarkerLock&>(*links[l]);
     const RowBlock block = out.lane(l);
-    const Flat& f = lock.flat_;
+    const Flat& f = *lock.flat_;
     if (lock.laws_ & (with::p | with::qD)) lock.refuse_leaving_plane(in);
     if (f.n_translations > 0) lock.flat_translations(in, block);
     if (!f.turn) continue;

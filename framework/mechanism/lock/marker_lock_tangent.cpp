@@ -9,10 +9,10 @@ void MarkerLock::tangent(const Inputs& in, std::span<const double> lambda, Tange
     const int j = row_[static_cast<std::size_t>(k)];
     (j < 3 ? lt[j] : lr[j - 3]) = lambda[static_cast<std::size_t>(k)];
   }
-  const MarkerMotion P = P_.at(in.t), S = S_.at(in.t);
-  if (overlaps(rows_, Mask::xyz)) add_translation_stiffness(in, P_.slot, S_.slot, P, S, lt, out);
+  const MarkerMotion P = P_at(in.t), S = S_at(in.t);
+  if (overlaps(rows_, Mask::xyz)) add_translation_stiffness(in, slot1_, slot2_, P, S, lt, out);
   if (overlaps(rows_, Mask::e123))
-    add_rotation_stiffness(in, P_.slot, S_.slot, P, S, imposed_rotation(in).q, Quat::from(0.0, lr), out);
+    add_rotation_stiffness(in, slot1_, slot2_, P, S, imposed_rotation(in).q, Quat::from(0.0, lr), out);
 }
 
 }  // namespace lockstep

@@ -56,6 +56,7 @@ void System::lay_out(const std::vector<bool>& modes, RowTable& table, bool all) 
   table.entries.clear();
   table.runs.clear();
   table.entry_of_link.assign(links_.size(), -1);
+  table.entries.reserve(static_cast<std::size_t>(std::ranges::count(modes, true)));
   int last = -2;
   for (int i = 0; i < static_cast<int>(ordered_.size()); ++i) {
     const Lock& link = *ordered_[static_cast<std::size_t>(i)];

@@ -15,6 +15,7 @@ void System::setup_slots() {
   slots_.clear();
   n_velocities_ = 0;
   setup_merge();
+  slots_.reserve(bodies_.size());
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     Body& b = bodies_[k];
     if (b.freedoms == Freedoms::particle && !b.fixed && !b.start.w.isZero(0))

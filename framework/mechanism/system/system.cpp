@@ -1,10 +1,13 @@
 #include <lockstep/system.h>
 
 #include <algorithm>
+#include <array>
+#include <functional>
 #include <map>
 #include <tuple>
 #include <typeindex>
 #include <unordered_set>
+#include <utility>
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
@@ -46,11 +49,10 @@ std::vector<std::string> names_of(const Range& range) {
   return names;
 }
 
-// By the number that `names` has for it; a thing that was named anew since is looked for.
-template <class Range, class Names>
-auto& find(const std::string& kind, Range& range, const Names& names, const std::string& name) {
-  if (const auto known = names.find(name); known != names.end() && known->second.kind == kind)
-    if (auto& item = range[known->second.number]; name_of(item) == name) return item;
+// By its number among the names, -1: none; a thing that was named anew is looked for.
+template <class Range>
+auto& find(const std::string& kind, Range& range, std::ptrdiff_t number, const std::string& name) {
+  if (number >= 0) return range[static_cast<std::size_t>(number)];
   for (auto& item : range)
     if (name_of(item) == name) return item;
   throw ModelError("unknown " + kind + " \"" + name + "\"" + text::suggestion(name, names_of(range)));
@@ -59,19 +61,21 @@ auto& find(const std::string& kind, Range& range, const Names& names, const std:
 // Markers and links of another System would be read as if they were of this one.
 template <class Bodies, class Links, class Forces>
 void check_markers(const Bodies& bodies, const Links& links, const Forces& forces) {
-  std::unordered_set<const Body*> own;
-  for (const Body& body : bodies) own.insert(&body);
+  std::vector<const Body*> own;
+  own.reserve(bodies.size());
+  for (const Body& body : bodies) own.push_back(&body);
+  std::ranges::sort(own);
   const auto check = [&](const auto& thing, const Marker* m) {
-    if (m == nullptr || m->body == nullptr || own.contains(m->body)) return;
+    if (m == nullptr || m->body == nullptr || std::ranges::binary_search(own, m->body)) return;
     throw ModelError(thing_of(thing).words() + ": marker '" + m->name + "' is on body '" + m->body->name +
                          "' of another System; make a marker of this one (add_marker)",
                      {.thing = thing_of(thing)});
   };
-  std::unordered_set<const Lock*> known;
-  for (const auto& link : links) {
-    known.insert(link.get());
+  for (const auto& link : links)
     for (const auto& [p, s] : link->pairs()) check(*link, p), check(*link, s);
-  }
+  std::unordered_set<const Lock*> known;
+  if (std::ranges::any_of(forces, [](const auto& force) { return force->reacting() != nullptr; }))
+    for (const auto& link : links) known.insert(link.get());
   for (const auto& force : forces) {
     for (const Marker* m : force->markers()) check(*force, m);
     if (force->reacting() == nullptr) continue;
@@ -107,7 +111,7 @@ Pose pose_at(const Vec3& x, const Vec3& z) {
 System::System(Options options) : options_(options) {
   Body& g = bodies_.emplace_back();
   g.name = "ground";
-  names_.emplace(g.name, Named{"body", 0});
+  take_name(g.name, Kind::body, 0);
   g.fixed = true;
   ground_ = &g;
 }
@@ -115,14 +119,79 @@ System::~System() = default;
 System::System(System&&) noexcept = default;
 System& System::operator=(System&&) noexcept = default;
 
+// --------------------------------------------------------------------------------------------------------------- names
+
+namespace {
+
+std::uint32_t hash_of(std::string_view name) {
+  const std::uint64_t h = std::hash<std::string_view>{}(name);
+  return static_cast<std::uint32_t>(h ^ h >> 32);
+}
+
+// The place at which a name of this hash is looked for first, of so many.
+std::size_t place_of(std::uint32_t hash, std::size_t places) {
+  return static_cast<std::size_t>(std::uint64_t{hash} * places >> 32);
+}
+
+}  // namespace
+
+std::string_view System::word_of(Kind kind) {
+  constexpr std::array kWords{"thing", "body", "marker", "link", "force"};
+  return kWords[static_cast<std::size_t>(kind)];
+}
+
+const std::string& System::name_of(const Named& n) const {
+  switch (static_cast<Kind>(n.kind)) {
+    case Kind::body:
+      return bodies_[n.number].name;
+    case Kind::marker:
+      return markers_[n.number].name;
+    case Kind::link:
+      return links_[n.number]->name();
+    default:
+      return forces_[n.number]->name();
+  }
+}
+
+// Of things that were named anew the new name is not known here.
+System::Named System::named_thing(std::string_view name) const {
+  const std::uint32_t hash = hash_of(name);
+  for (std::size_t at = place_of(hash, names_.size()); names_[at].kind != 0; at = at + 1 < names_.size() ? at + 1 : 0)
+    if (names_[at].hash == hash && name_of(names_[at]) == name) return names_[at];
+  return {};
+}
+
+// At most three quarters of the places are taken, and one more is always empty.
+void System::take_name(const std::string& name, Kind kind, std::size_t number) {
+  const auto put = [this](const Named& n) {
+    std::size_t at = place_of(n.hash, names_.size());
+    while (names_[at].kind != 0) at = at + 1 < names_.size() ? at + 1 : 0;
+    names_[at] = n;
+  };
+  if (4 * (n_names_ + 1) > 3 * names_.size()) {
+    const std::vector<Named> before = std::exchange(names_, std::vector<Named>(16 + names_.size() * 3 / 2));
+    for (const Named& n : before)
+      if (n.kind != 0) put(n);
+  }
+  Named n;
+  n.hash = hash_of(name), n.kind = static_cast<std::uint32_t>(kind) & 7U;
+  n.number = static_cast<std::uint32_t>(number) & 0x1fffffffU;
+  put(n);
+  ++n_names_;
+}
+
+std::ptrdiff_t System::number_of(Kind kind, const std::string& name) const {
+  const Named known = named_thing(name);
+  return static_cast<Kind>(known.kind) == kind ? static_cast<std::ptrdiff_t>(known.number) : -1;
+}
+
 void System::check_new_name(const std::string& kind, const std::string& name) const {
   if (name.empty()) throw ModelError("a " + kind + " without a name; give it one");
-  const auto taken = [&](const std::string& by) {
-    throw ModelError(kind + " '" + name + "': this name is already taken by a " + by +
-                     "; names are unique in a system, so that a channel name is unambiguous: choose another");
-  };
-  const auto found = names_.find(name);
-  if (found != names_.end()) taken(std::string(found->second.kind));
+  const Named taken = named_thing(name);
+  if (taken.kind == 0) return;
+  throw ModelError(kind + " '" + name + "': this name is already taken by a " +
+                   std::string(word_of(static_cast<Kind>(taken.kind))) +
+                   "; names are unique in a system, so that a channel name is unambiguous: choose another");
 }
 
 Body& System::add_body(const std::string& name, const MassProperties& mass, const Pose& home) {
@@ -132,7 +201,7 @@ Body& System::add_body(const std::string& name, const MassProperties& mass, cons
   ready_ = false;
   Body& b = bodies_.emplace_back();
   b.name = name, b.mass = mass, b.home = home;
-  names_.emplace(name, Named{"body", bodies_.size() - 1});
+  take_name(name, Kind::body, bodies_.size() - 1);
   return b;
 }
 
@@ -144,7 +213,7 @@ Body& System::add_particle(const std::string& name, double mass, const Vec3& x) 
   ready_ = false;
   Body& b = bodies_.emplace_back();
   b.name = name, b.mass.mass = mass, b.home.x = x, b.freedoms = Freedoms::particle;
-  names_.emplace(name, Named{"body", bodies_.size() - 1});
+  take_name(name, Kind::body, bodies_.size() - 1);
   return b;
 }
 
@@ -154,7 +223,7 @@ Body& System::add_fixed(const std::string& name, const Pose& home) {
   ready_ = false;
   Body& b = bodies_.emplace_back();
   b.name = name, b.home = home, b.fixed = true;
-  names_.emplace(name, Named{"body", bodies_.size() - 1});
+  take_name(name, Kind::body, bodies_.size() - 1);
   return b;
 }
 
@@ -162,7 +231,7 @@ Marker& System::add_marker(const std::string& name, Body& body, const Pose& loca
   check_new_name("marker", name);
   check_pose("marker '" + name + "'", local);
   ready_ = false;
-  names_.emplace(name, Named{"marker", markers_.size()});
+  take_name(name, Kind::marker, markers_.size());
   return markers_.emplace_back(Marker{name, &body, local});
 }
 
@@ -175,7 +244,7 @@ Lock& System::add(std::unique_ptr<Lock> link) {
   if (!link) throw ModelError("add: no link was given; make one first");
   check_new_name("link", link->name());
   ready_ = false;
-  names_.emplace(link->name(), Named{"link", links_.size()});
+  take_name(link->name(), Kind::link, links_.size());
   return *links_.emplace_back(std::move(link));
 }
 
@@ -183,7 +252,7 @@ Force& System::add(std::unique_ptr<Force> force) {
   if (!force) throw ModelError("add: no force was given; make one first");
   check_new_name("force", force->name());
   ready_ = false;
-  names_.emplace(force->name(), Named{"force", forces_.size()});
+  take_name(force->name(), Kind::force, forces_.size());
   return *forces_.emplace_back(std::move(force));
 }
 
@@ -193,14 +262,14 @@ Auxiliary& System::add(std::unique_ptr<Auxiliary> auxiliary) {
   return *auxiliaries_.emplace_back(std::move(auxiliary));
 }
 
-Body& System::body(const std::string& name) { return find("body", bodies_, names_, name); }
-Marker& System::marker(const std::string& name) { return find("marker", markers_, names_, name); }
-Lock& System::link(const std::string& name) { return *find("link", links_, names_, name); }
-Force& System::force(const std::string& name) { return *find("force", forces_, names_, name); }
-const Body& System::body(const std::string& name) const { return find("body", bodies_, names_, name); }
-const Marker& System::marker(const std::string& name) const { return find("marker", markers_, names_, name); }
-const Lock& System::link(const std::string& name) const { return *find("link", links_, names_, name); }
-const Force& System::force(const std::string& name) const { return *find("force", forces_, names_, name); }
+Body& System::body(const std::string& name) { return find("body", bodies_, number_of(Kind::body, name), name); }
+Marker& System::marker(const std::string& name) { return find("marker", markers_, number_of(Kind::marker, name), name); }
+Lock& System::link(const std::string& name) { return *find("link", links_, number_of(Kind::link, name), name); }
+Force& System::force(const std::string& name) { return *find("force", forces_, number_of(Kind::force, name), name); }
+const Body& System::body(const std::string& name) const { return find("body", bodies_, number_of(Kind::body, name), name); }
+const Marker& System::marker(const std::string& name) const { return find("marker", markers_, number_of(Kind::marker, name), name); }
+const Lock& System::link(const std::string& name) const { return *find("link", links_, number_of(Kind::link, name), name); }
+const Force& System::force(const std::string& name) const { return *find("force", forces_, number_of(Kind::force, name), name); }
 
 // --------------------------------------------------------------------------------------------------------------- setup
 
@@ -272,28 +341,31 @@ void System::setup_length() {
 }
 
 void System::setup_links() {
-  for (std::size_t l = 0; l < links_.size(); ++l) {
-    if (!merged_[l]) set_up(*links_[l]);
-  }
   // Links of equal type, pattern, rows and slots form a group; groups are in the order of their first members.
-  using Kind = std::tuple<std::type_index, LinkPattern, int, int>;
-  std::map<Kind, std::vector<const Lock*>> members;
-  std::vector<Kind> order;
+  using Likeness = std::tuple<std::type_index, LinkPattern, int, int>;
+  struct Alike {
+    std::size_t number;  // of the group
+    const Lock* first;
+  };
+  std::map<Likeness, Alike> known;
+  std::vector<std::size_t> of_link, first;  // groups of the links set up; where each group begins in ordered_
+  of_link.reserve(links_.size());
   for (std::size_t k = 0; k < links_.size(); ++k) {
-    const Lock& l = *links_[k];
     if (merged_[k]) continue;
-    const Kind kind{typeid(l), l.pattern(), l.row_count(), l.slots().n};
-    auto& group = members[kind];
-    if (group.empty()) order.push_back(kind);
-    group.push_back(&l);
+    Lock& l = *links_[k];
+    set_up(l);
+    const auto [it, is_new] = known.try_emplace({typeid(l), l.pattern(), l.row_count(), l.slots().n}, Alike{first.size(), &l});
+    if (is_new) first.push_back(0);
+    l.share_rows(*it->second.first);
+    of_link.push_back(it->second.number), ++first[it->second.number];
   }
-  ordered_.clear();
-  group_.clear();
-  for (std::size_t g = 0; g < order.size(); ++g)
-    for (const Lock* l : members[order[g]]) {
-      ordered_.push_back(l);
-      group_.push_back(static_cast<int>(g));
-    }
+  for (std::size_t begin = 0; std::size_t& n : first) begin += std::exchange(n, begin);
+  ordered_.resize(of_link.size()), group_.resize(of_link.size());
+  for (std::size_t k = 0, i = 0; k < links_.size(); ++k) {
+    if (merged_[k]) continue;
+    const std::size_t group = of_link[i++], at = first[group]++;
+    ordered_[at] = links_[k].get(), group_[at] = static_cast<int>(group);
+  }
 }
 
 void System::setup_forces() {

@@ -112,8 +112,9 @@ void TreeBatch::fill_joints() {
       put_number(joint_, n.joint + joint::m, l, slot.mass);
       put_numbers(joint_, n.joint + joint::J, l, packed(slot.J));
       if (!n.needs_more()) continue;
-      for (std::size_t i = 0; i < 3; ++i) put_numbers(more_, n.more + more::slide + 3 * i, l, t.slide[i]);
-      put_matrix(more_, n.more + more::ball, l, t.ball);
+      const TreeAxes axes = t.axes ? *t.axes : TreeAxes();
+      for (std::size_t i = 0; i < 3; ++i) put_numbers(more_, n.more + more::slide + 3 * i, l, axes.slide[i]);
+      put_matrix(more_, n.more + more::ball, l, axes.ball);
       put_numbers(more_, n.more + more::near_q, l, t.near_q.coefficients());
       put_numbers(more_, n.more + more::far_q, l, t.far_q.coefficients());
       put_numbers(more_, n.more + more::hinge, l, t.hinge);

@@ -30,7 +30,7 @@ std::vector<std::string> free_axes(const TreeNode& n, Plane plane) {
     return "";
   };
   for (int k = 0; k < n.n_slides; ++k) {
-    const Vec3& along = n.slide[static_cast<std::size_t>(k)];
+    const Vec3& along = n.slide(k);
     const std::string own = axis_of(S, along), world = axis_of(Mat3::Identity(), along);
     free.push_back(!own.empty() ? own : !world.empty() ? "the world's " + world : "across what is held");
   }
