@@ -5,9 +5,11 @@
 #include <vector>
 
 #include <lockstep/assembly.h>
+#include <lockstep/batch.h>
 #include <lockstep/forces.h>
 #include <lockstep/solvers.h>
 #include <lockstep/laws.h>
+#include "tests/support/catch.h"
 #include "tests/support/mechanism.h"
 
 namespace lockstep::test {
@@ -38,6 +40,23 @@ struct Family {
     return out;
   }
 };
+
+/// How runs of a family end.
+struct RunEnds {
+  std::vector<State> states;
+  std::vector<CopyReport> reports;
+};
+/// Runs that go along joints, to the time t.
+inline RunEnds ends_of(Family& family, const std::vector<State>& starts, double t, const CopiesOptions& options) {
+  Copies copies(family.pointers(), options);
+  CHECK(copies.formulation() == Formulation::joint);
+  RunEnds out;
+  out.states.resize(starts.size());
+  const std::vector<double> times{t};
+  out.reports = copies.run(starts, times,
+                           [&](int k, std::size_t, const State& s) { out.states[static_cast<std::size_t>(k)] = s; });
+  return out;
+}
 
 /// Eight random mechanisms by their links; alike but for all numbers.
 template <class Links>

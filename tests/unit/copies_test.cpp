@@ -5,6 +5,7 @@
 #include <lockstep/error.h>
 #include <lockstep/forces.h>
 #include <lockstep/integrators.h>
+#include <lockstep/joints.h>
 #include <lockstep/registry.h>
 #include <lockstep/step_loop.h>
 #include <lockstep/stepping.h>
@@ -12,6 +13,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/copies_of.h"
 #include "tests/support/messages.h"
+#include "tests/support/random_bodies.h"
 #include "tests/support/worst.h"
 
 namespace copies_test {
@@ -19,11 +21,10 @@ namespace copies_test {
 using namespace lockstep;
 using namespace lockstep::test;
 using lockstep::testing::check_words;
+using lockstep::testing::largest;
 using lockstep::testing::message_of;
 
 namespace {
-
-double largest(const VecX& a) { return a.size() > 0 ? a.lpNorm<Eigen::Infinity>() : 0.0; }
 
 // Largest difference of the rates from those of the ordinary evaluation, relative to the largest rate of their kind.
 double difference(Family& family, std::vector<State> states, Instructions set = Instructions::best) {
@@ -406,6 +407,13 @@ TEST_CASE("copies refuse by name what has no lanes", "[unit][copies]") {
     planar->set_planar(Plane{1});
     check_words(Copies::unsuited(*planar, Formulation::omega), {"planar"});
     CHECK(Copies::unsuited(*planar) == "");  // in joint coordinates
+  }
+  {
+    auto planar = chain(2, 0);
+    planar->add<Distance>("wire", planar->add_marker("tip", planar->body("rod 1"), {Vec3(0.5, 0, 0), Quat{}}),
+                          planar->add_marker("hook", planar->ground(), {Vec3(1, 0, 2), Quat{}}));
+    planar->set_planar(Plane{1});
+    check_words(Copies::unsuited(*planar), {"'wire'"});  // not that it is planar
   }
   {
     inputs::RandomMechanism m(1);

@@ -28,6 +28,7 @@
 #include "framework/tools/precision/work_precision_chart.h"
 #include "tests/support/catch.h"
 #include "tests/support/copies_of.h"
+#include "tests/support/load_cell.h"
 #include "tests/support/messages.h"
 
 namespace refused_calls_test {
@@ -252,23 +253,6 @@ TEST_CASE("a grid and a recorded run refuse what comes too late or is too much",
 
 namespace {
 
-/// Reads the reactions of a link, and does nothing.
-class Reader final : public Force, public Reacting {
- public:
-  Reader(std::string name, const Lock& link)
-      : Force(std::move(name)), Reacting(static_cast<const Force&>(*this)), link_(&link) {}
-  std::string_view type() const override { return "reader"; }
-  std::vector<const Marker*> markers() const override { return {}; }
-  void setup() override {}
-  void apply(const Inputs&, WrenchSum&) const override {}
-  const Reacting* reacting() const override { return this; }
-  std::vector<const Lock*> reads() const override { return {link_}; }
-  void react(const Inputs&, const Reactions&, WrenchSum&) const override {}
-
- private:
-  const Lock* link_;
-};
-
 /// A hinge that is driven by its speed.
 struct Driven {
   System system;
@@ -426,7 +410,7 @@ TEST_CASE("links, bodies and laws refuse numbers that cannot be", "[unit][refusa
        {"its name is not a plain line of text", "rewrite it"}},
       {"a link of another system",
        [&] {
-         system.add(std::make_unique<Reader>("reader", elsewhere));
+         system.add(std::make_unique<testing::LoadCell>("reader", elsewhere));
          system.setup();
        },
        {"reader", "link 'elsewhere', whose reactions it reads, is of another System"}},

@@ -10,6 +10,7 @@
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/copies_of.h"
+#include "tests/support/lane_loops.h"
 #include "tests/support/messages.h"
 #include "tests/support/worst.h"
 
@@ -17,97 +18,12 @@ namespace tree_lanes_loops_test {
 
 using namespace lockstep;
 using namespace lockstep::test;
+using lockstep::loops::joint_dynamics;
 using lockstep::testing::check_words;
+using lockstep::testing::largest;
 using lockstep::testing::message_of;
 
 namespace {
-
-double largest(const VecX& a) { return a.size() > 0 ? a.lpNorm<Eigen::Infinity>() : 0.0; }
-
-std::unique_ptr<lanes::Batch> batch_of(Family& family, Instructions set = Instructions::best) {
-  CopiesOptions options;
-  options.instructions = set, options.formulation = Formulation::joint;
-  const std::vector<System*> systems = family.pointers();
-  for (System* system : systems) system->setup();
-  std::unique_ptr<lanes::Batch> batch = lanes::Batch::of(systems, 0, options);
-  REQUIRE(dynamic_cast<lanes::TreeBatch*>(batch.get()) != nullptr);
-  return batch;
-}
-
-Dynamics joint_dynamics(System& system) {
-  return Dynamics(system, std::make_unique<SchurSolver>(), {Formulation::joint, {}});
-}
-
-/// Largest differences of the rates in lanes from those of each mechanism alone at the same coordinates, relative to the
-/// largest rate of their kind; and how many copies were compared.
-struct Differences {
-  double joint = 0, omega = 0;
-  int n = 0;
-};
-/// State k in joint coordinates: state_of(dynamics, k). Singular positions, where a pivot is below `least`, are left out.
-template <class StateOf>
-Differences differences(Family& family, double least, StateOf&& state_of, Instructions set = Instructions::best) {
-  const std::unique_ptr<lanes::Batch> batch = batch_of(family, set);
-  batch->watch_pivots();
-  Aligned<double> y(batch->n_numbers()), rate(batch->n_numbers());
-  std::vector<State> states;
-  lanes::Numbers8 t{};
-  for (std::size_t k = 0; k < family.systems.size(); ++k) {
-    Dynamics dynamics = joint_dynamics(*family.systems[k]);
-    states.push_back(state_of(dynamics, static_cast<int>(k)));
-    t[k] = states[k].t;
-    batch->put(static_cast<int>(k), states[k], y.data());
-  }
-  const lanes::Flags8 failed = batch->evaluate(y.data(), t, rate.data());
-  Differences worst;
-  for (std::size_t k = 0; k < family.systems.size(); ++k) {
-    if (!(batch->smallest_pivot(k) > least)) continue;
-    CHECK_FALSE(failed[k]);
-    ++worst.n;
-    Dynamics dynamics = joint_dynamics(*family.systems[k]);
-    State own = family.systems[k]->start();
-    dynamics.to_formulation(own);
-    own.t = states[k].t, own.q = states[k].q, own.v = states[k].v;
-    StateRate truth, found = sized_like(own), by_omega = found;
-    dynamics.rates(own, truth);
-    batch->get(static_cast<int>(k), rate.data(), found);
-    for (const auto part : {&StateRate::q, &StateRate::v, &StateRate::s})
-      keep_worst(worst.joint, largest(found.*part - truth.*part) / std::max(1.0, largest(truth.*part)));
-    keep_worst(worst.joint, std::abs(batch->largest_a(k) - truth.largest_a) / std::max(1.0, truth.largest_a));
-    keep_worst(worst.joint,
-               std::abs(batch->largest_alpha(k) - truth.largest_alpha) / std::max(1.0, truth.largest_alpha));
-    State slots = own;
-    dynamics.to_slots(slots);
-    Dynamics omega(*family.systems[k], std::make_unique<SchurSolver>(), {Formulation::omega, {}});
-    StateRate of_slots;
-    omega.rates(slots, of_slots);
-    dynamics.read_rates(own, of_slots, by_omega);
-    keep_worst(worst.omega, largest(found.v - by_omega.v) / std::max(1.0, largest(by_omega.v)));
-  }
-  return worst;
-}
-
-/// Away from the start, with any velocities.
-State anywhere(Dynamics& dynamics, int k) {
-  State s = dynamics.system().start();
-  dynamics.to_formulation(s);
-  s.t = 0.1 * k;
-  s.q += 0.4 * VecX::Random(s.q.size()), s.v.setRandom();
-  s.coordinates->normalize(s);
-  return s;
-}
-/// On the constraints.
-State consistent(Dynamics& dynamics, int k) {
-  State s = dynamics.system().start();
-  s.t = 0.1 * k;
-  assemble(dynamics, s);
-  dynamics.to_formulation(s);
-  s.q += 0.05 * VecX::Random(s.q.size()), s.v.setRandom();
-  s.coordinates->normalize(s);
-  dynamics.project(s);  // from 0.05 rad it needs more rounds than one projection has
-  CHECK(dynamics.project(s, 1e-12).converged);
-  return s;
-}
 
 /// A row of four-bars whose plane lies askew: in space, with redundant rows.
 std::unique_ptr<System> askew_ladder(int bays, int k) {
@@ -147,7 +63,7 @@ TEST_CASE("in lanes loops accelerate as alone: every mask, either way round", "[
       });
       ++taken;
       INFO("mask " << mask << ", reversed " << reversed);
-      const Differences worst = differences(family, 1e-4, anywhere);
+      const RateDifferences worst = differences(family, 1e-4, anywhere);
       CHECK(worst.joint < 1e-10);
       CHECK(worst.omega < 1e-10);
       compared += worst.n;
@@ -158,7 +74,7 @@ TEST_CASE("in lanes loops accelerate as alone: every mask, either way round", "[
 
 TEST_CASE("in lanes loops accelerate as alone: in a plane, askew, driven, crossing", "[unit][copies]") {
   const auto check = [](Family family) {
-    const Differences worst = differences(family, 1e-4, consistent);
+    const RateDifferences worst = differences(family, 1e-4, consistent);
     CHECK(worst.n == static_cast<int>(family.systems.size()));
     CHECK(worst.joint < 1e-10);
     CHECK(worst.omega < 1e-10);
@@ -195,7 +111,7 @@ TEST_CASE("in lanes loops accelerate as alone: in a plane, askew, driven, crossi
           m.link(6, 4, Mask::x | Mask::y);   // the particle: no joint of the tree
         },
         1);
-    const Differences worst = differences(family, 1e-4, anywhere);
+    const RateDifferences worst = differences(family, 1e-4, anywhere);
     CHECK(worst.n >= 7);
     CHECK(worst.joint < 1e-10);
     CHECK(worst.omega < 1e-10);
@@ -206,7 +122,7 @@ TEST_CASE("loops by plain x86-64, FMA and AVX-512 agree", "[unit][copies]") {
   int compared = 0;
   for (const Instructions set : {Instructions::plain, Instructions::fma, Instructions::avx512}) try {
       Family family(8, [](int k) { return ladder(2, k); });
-      const Differences worst = differences(family, 1e-4, consistent, set);
+      const RateDifferences worst = differences(family, 1e-4, consistent, set);
       CHECK(worst.n == 8);
       CHECK(worst.joint < 1e-10);
       ++compared;
@@ -255,26 +171,6 @@ TEST_CASE("in lanes loops are projected as alone", "[unit][copies]") {
   }
 }
 
-namespace {
-
-struct Ends {
-  std::vector<State> states;
-  std::vector<CopyReport> reports;
-};
-Ends ends_of(Family& family, const std::vector<State>& starts, double t, CopiesOptions options, bool lanes) {
-  options.lanes = lanes;
-  Copies copies(family.pointers(), options);
-  CHECK(copies.formulation() == Formulation::joint);
-  Ends out;
-  out.states.resize(starts.size());
-  const std::vector<double> times{t};
-  out.reports = copies.run(starts, times,
-                           [&](int k, std::size_t, const State& s) { out.states[static_cast<std::size_t>(k)] = s; });
-  return out;
-}
-
-}  // namespace
-
 TEST_CASE("copies with loops run in lanes as they run alone", "[unit][copies]") {
   const auto method = GENERATE(as<std::string>{}, "dop853", "dopri5", "rk4");
   const auto what = GENERATE(as<std::string>{}, "row", "askew", "driven");
@@ -287,7 +183,7 @@ TEST_CASE("copies with loops run in lanes as they run alone", "[unit][copies]") 
   CopiesOptions options;
   options.formulation = Formulation::joint, options.integrator = method, options.tolerance = {1e-9, 1e-11};
   options.step = method == "rk4" ? 1e-3 : 0;
-  const Ends lanes = ends_of(family, starts, 0.6, options, true), alone = ends_of(family, starts, 0.6, options, false);
+  const RunEnds lanes = ends_of(family, starts, 0.6, options, true), alone = ends_of(family, starts, 0.6, options, false);
   for (std::size_t k = 0; k < starts.size(); ++k) {
     INFO(k << ": " << lanes.reports[k].error);
     REQUIRE(lanes.reports[k].finished);
@@ -308,7 +204,7 @@ TEST_CASE("a copy whose loops contradict is told by name, the others go on", "[u
     if (k != 2) Dynamics(*family.systems[k], std::make_unique<SchurSolver>()).project(starts[k]);
   CopiesOptions options;
   options.formulation = Formulation::joint;
-  const Ends ends = ends_of(family, starts, 0.5, options, true);
+  const RunEnds ends = ends_of(family, starts, 0.5, options, true);
   for (std::size_t k = 0; k < 8; ++k) {
     CAPTURE(k, ends.reports[k].error);
     CHECK(ends.reports[k].finished == (k != 2));
@@ -352,11 +248,7 @@ TEST_CASE("loops in lanes are taken in joint coordinates where these are the che
         })) == Formulation::joint);
 }
 
-TEST_CASE("loops without lanes are refused by name", "[unit][copies]") {
-  inputs::RandomMechanism m(1);
-  m.add_body(), m.add_body();
-  m.link(0, -1, Mask::xyz), m.link(1, 0, Mask::xyz), m.link(-1, 1, Mask::x, oracle::kUP);
-  check_words(Copies::unsuited(m.system, Formulation::joint), {"link 2", "link 2.P", "translation law"});
+TEST_CASE("loops that are not laid out alike are refused", "[unit][copies]") {
   Family family(2, [](int k) { return k == 0 ? ladder(1, 0) : askew_ladder(1, 0); });
   CopiesOptions options;
   options.formulation = Formulation::joint;

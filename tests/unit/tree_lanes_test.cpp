@@ -12,6 +12,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/copies_of.h"
 #include "tests/support/messages.h"
+#include "tests/support/random_bodies.h"
 #include "tests/support/worst.h"
 
 namespace tree_lanes_test {
@@ -19,10 +20,9 @@ namespace tree_lanes_test {
 using namespace lockstep;
 using namespace lockstep::test;
 using lockstep::testing::check_words;
+using lockstep::testing::largest;
 
 namespace {
-
-double largest(const VecX& a) { return a.size() > 0 ? a.lpNorm<Eigen::Infinity>() : 0.0; }
 
 // Largest difference of the rates in lanes from those of the recursion at the same coordinates, which are away from the
 // start by `away`, relative to the largest rate of their kind. The motions of the slots too.
@@ -195,25 +195,14 @@ std::unique_ptr<System> cart(int k) {
   return sys;
 }
 
-struct Ends {
-  std::vector<State> states;
-  std::vector<CopyReport> reports;
-};
-Ends ends_of(Family& family, const std::vector<State>& starts, double t, const std::string& method, bool lanes,
+RunEnds ends_of(Family& family, const std::vector<State>& starts, double t, const std::string& method, bool lanes,
              double step = 0) {
   CopiesOptions options;
   options.integrator = method, options.tolerance = {1e-10, 1e-12}, options.step = step, options.lanes = lanes;
-  Copies copies(family.pointers(), options);
-  CHECK(copies.formulation() == Formulation::joint);
-  Ends out;
-  out.states.resize(starts.size());
-  const std::vector<double> times{t};
-  out.reports = copies.run(starts, times,
-                           [&](int k, std::size_t, const State& s) { out.states[static_cast<std::size_t>(k)] = s; });
-  return out;
+  return ends_of(family, starts, t, options);
 }
 
-Ends ends_of(Family& family, double t, const std::string& method, bool lanes, double step = 0) {
+RunEnds ends_of(Family& family, double t, const std::string& method, bool lanes, double step = 0) {
   return ends_of(family, family.starts(), t, method, lanes, step);
 }
 
@@ -252,7 +241,7 @@ TEST_CASE("copies in lanes cross a jump of velocity as a single run does", "[uni
   CAPTURE(method);
   const double step = method == "rk4" ? 1e-3 : 0;
   Family family(5, [](int k) { return cart(k); });
-  const Ends lanes = ends_of(family, 0.8, method, true, step), alone = ends_of(family, 0.8, method, false, step);
+  const RunEnds lanes = ends_of(family, 0.8, method, true, step), alone = ends_of(family, 0.8, method, false, step);
   for (std::size_t k = 0; k < 5; ++k) {
     INFO(k << ": " << lanes.reports[k].error);
     REQUIRE(lanes.reports[k].finished);
@@ -268,7 +257,7 @@ TEST_CASE("copies in lanes cross a jump of velocity as a single run does", "[uni
     CHECK(largest(lanes.states[k].v - truth.v) < (step > 0 ? 1e-5 : 1e-7));
   }
   // The jump itself: the pin moves at 2 m/s at once, and the rod, which hung still, by w = m l 2 m/s / (J + m l^2).
-  const Ends just = ends_of(family, 0.3 + 1e-9, "dop853", true);
+  const RunEnds just = ends_of(family, 0.3 + 1e-9, "dop853", true);
   CHECK(std::abs(just.states[0].v[10]) == Approx(0.5 * 2.0 / (0.1 + 0.25)).epsilon(1e-6));
 }
 
@@ -303,7 +292,7 @@ TEST_CASE("copies whose markers move by laws run in lanes as they run alone", "[
   const double step = method == "rk4" ? 1e-3 : 0;
   Family family(5, [](int k) { return crane(k); });
   const std::vector<State> starts = family.assembled();
-  const Ends lanes = ends_of(family, starts, 0.7, method, true, step),
+  const RunEnds lanes = ends_of(family, starts, 0.7, method, true, step),
              alone = ends_of(family, starts, 0.7, method, false, step);
   for (std::size_t k = 0; k < 5; ++k) {
     INFO(k << ": " << lanes.reports[k].error);
@@ -326,7 +315,7 @@ TEST_CASE("a copy whose force throws or is no number is told by name, the others
   const auto method = GENERATE(as<std::string>{}, "dop853", "rk4");
   CAPTURE(throws, method);
   Family family(8, [&](int k) { return two_pendulums(k, 0.2, throws); });
-  const Ends ends = ends_of(family, 0.5, method, true, method == "rk4" ? 1e-3 : 0);
+  const RunEnds ends = ends_of(family, 0.5, method, true, method == "rk4" ? 1e-3 : 0);
   for (std::size_t k = 0; k < 8; ++k) {
     CAPTURE(k, ends.reports[k].error);
     CHECK(ends.reports[k].finished == (k != 2));
@@ -387,7 +376,7 @@ TEST_CASE("errors of steps in lanes are those of ErrorNorm", "[unit][copies]") {
     norm.set(tolerance);
     norm.scale(from[k], still, h[k], to[k]);
     const double truth = norm.of(errors[k], to[k]);
-    CHECK(BodyWeights(tolerance, change[k]).of(by[k]) == Approx(truth).epsilon(1e-10));
+    CHECK(in_tolerances(by[k], weights_of(tolerance, change[k])) == Approx(truth).epsilon(1e-10));
   }
 }
 

@@ -9,12 +9,14 @@
 #include <lockstep/lockstep.h>
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
+#include "tests/support/load_cell.h"
 #include "tests/support/messages.h"
 #include "tests/support/worst.h"
 
 namespace friction_test {
 
 using namespace lockstep;
+using testing::LoadCell;
 
 namespace {
 
@@ -301,30 +303,6 @@ TEST_CASE("in a plane friction is the same, and what a plane leaves out is refus
   testing::check_words(testing::message_of<ModelError>([&] { offset.system.setup(); }),
                        {"guide.friction", "planar", "moments"});
 }
-
-namespace {
-
-/// A load cell: pushes nothing, but wants to know what a link carries.
-class LoadCell final : public Force, public Reacting {
- public:
-  LoadCell(std::string name, const Lock& link) : Force(std::move(name)), Reacting(static_cast<const Force&>(*this)), link_(&link) {}
-  std::string_view type() const override { return "load_cell"; }
-  std::vector<const Marker*> markers() const override { return {}; }
-  void setup() override {}
-  void apply(const Inputs&, WrenchSum&) const override {}
-  const Reacting* reacting() const override { return this; }
-  std::vector<const Lock*> reads() const override { return {link_}; }
-  void react(const Inputs&, const Reactions&, WrenchSum&) const override {}
-  std::vector<Quantity> quantities() const override { return {{"weight", "N"}}; }
-  double reacting_quantity(int, const Inputs& in, const Reactions& reactions) const override {
-    return reactions.on_body_of(MarkerFrame(*link_->pairs().front().first), *link_, in).force[2];
-  }
-
- private:
-  const Lock* link_;
-};
-
-}  // namespace
 
 TEST_CASE("a fixed link that a force reads is not merged into a body", "[verification][friction]") {
   System system({{0, 0, -kG}});

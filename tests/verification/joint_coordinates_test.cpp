@@ -12,12 +12,14 @@
 #include "framework/dynamics/tree/tree_layout.h"
 #include "tests/support/catch.h"
 #include "tests/support/configuration.h"
+#include "tests/support/loops.h"
 #include "tests/support/random_bodies.h"
 #include "tests/support/worst.h"
 
 namespace joint_coordinates_test {
 
 using namespace lockstep;
+using loops::joint_dynamics;
 using testing::accelerations, testing::Draw, testing::largest, testing::Quadratic, testing::random_inertia,
     testing::random_pose;
 
@@ -141,10 +143,6 @@ System random_tree(std::uint64_t seed, int n) {
     const Mask m = masks[static_cast<std::size_t>(draw.number(0, 0.999) * double(masks.size()))];
     return count_rows(m) == 6 ? Mask::xyz : m;
   });
-}
-
-Dynamics joint_dynamics(System& system) {
-  return Dynamics(system, std::make_unique<SchurSolver>(), {.formulation = Formulation::joint, .stabilization = {}});
 }
 
 /// A random state in joint coordinates, which satisfies every link.

@@ -341,7 +341,44 @@ TEST_CASE("who takes no mechanism that laws alone move runs it in omega", "[veri
     door.add<Revolute>(name, leaf, door.ground(), pose_at(Vec3(0, 0, name[0] == 'h')))
         .drive(Axis::rz, laws::sine({.amplitude = 0.5, .omega = 2}));
   Dynamics doubled = dynamics_of(door);
-  check_words(doubled.why_not_joint(door.start().modes), {"no coordinate is free, and what closes loops has rows"});
+  check_words(doubled.why_not_joint(door.start().modes), {"no coordinate is free, but link '", "' has rows"});
+}
+
+namespace {
+
+/// A push that fails from 0.3 s on.
+class Broken final : public Force {
+ public:
+  explicit Broken(bool throws) : Force("broken"), throws_(throws) {}
+  std::string_view type() const override { return "broken"; }
+  std::vector<const Marker*> markers() const override { return {}; }
+  void setup() override {}
+  void apply(const Inputs& in, WrenchSum& out) const override {
+    if (in.t < 0.3) return;
+    if (throws_) throw 42;
+    out.torque(1, Vec3(0, std::nan(""), 0));
+  }
+
+ private:
+  bool throws_;
+};
+
+}  // namespace
+
+TEST_CASE("a force that fails is told by name though laws alone move all", "[verification][joint]") {
+  const bool throws = GENERATE(false, true);
+  System system = arm();
+  system.add(std::make_unique<Broken>(throws));
+  Dynamics dynamics = dynamics_of(system);
+  StepLoop loop(dynamics, std::make_unique<Dopri5>());
+  loop.set_state(start_of(dynamics));
+  const auto run = [&] { loop.run_until(1.0); };
+  if (throws)
+    check_words(message_of<UserCodeError>(run), {"'broken'"});
+  else
+    check_words(message_of<Error>(run), {"'broken'", "not finite"});
+  CHECK(is_evaluated(loop.state()));
+  CHECK(loop.state().t <= 0.3);
 }
 
 }  // namespace trees_along_laws_test

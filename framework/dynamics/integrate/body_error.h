@@ -16,21 +16,20 @@ struct Change {
   }
 };
 
-/// What an error is held against, for each of these.
-struct BodyWeights {
-  double x = 1, r = 1, v = 1, w = 1;
-  BodyWeights() = default;
-  /// Of a step that changes the slots by this; not less than the rates at its start give.
-  BodyWeights(const Tolerance& tolerance, const Change& c) {
-    constexpr double kTiny = 1e-300;  // makes 0/0 zero, where nothing moves and there is no absolute tolerance
-    const double atol = tolerance.atol_x + kTiny, rtol = tolerance.relative;
-    x = atol + rtol * std::sqrt(c.x), r = atol + rtol * std::sqrt(c.r);
-    v = atol + rtol * std::sqrt(c.v), w = atol + rtol * std::sqrt(c.w);
-  }
-  /// The largest error in tolerances, 1 = just met.
-  double of(const Change& error) const {
-    return std::max({std::sqrt(error.x) / x, std::sqrt(error.r) / r, std::sqrt(error.v) / v, std::sqrt(error.w) / w});
-  }
-};
+/// Makes 0/0 zero, where nothing moves and there is no absolute tolerance.
+inline constexpr double kTiny = 1e-300;
+
+/// The weights of a step that changes the slots by this; not less than the rates at its start give.
+inline BodyWeights weights_of(const Tolerance& tolerance, const Change& c) {
+  const double atol = tolerance.atol_x + kTiny, rtol = tolerance.relative;
+  return {atol + rtol * std::sqrt(c.x), atol + rtol * std::sqrt(c.r), atol + rtol * std::sqrt(c.v),
+          atol + rtol * std::sqrt(c.w)};
+}
+
+/// The largest error in tolerances, 1 = just met.
+inline double in_tolerances(const Change& error, const BodyWeights& weights) {
+  return std::max({std::sqrt(error.x) / weights.x, std::sqrt(error.r) / weights.r, std::sqrt(error.v) / weights.v,
+                   std::sqrt(error.w) / weights.w});
+}
 
 }  // namespace lockstep

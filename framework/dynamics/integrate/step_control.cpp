@@ -10,8 +10,6 @@ namespace lockstep {
 
 namespace {
 
-constexpr double kTiny = 1e-300;  // makes 0/0 zero, where nothing moves and there is no absolute tolerance
-
 double squared(const double* v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
 double squared_difference(const double* a, const double* b) {
   const double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
@@ -85,10 +83,8 @@ void ErrorNorm::scale(const State& y0, const StateRate& k0, double h, const Stat
     if (!before_.are_of(y0)) before_.at(y0);        // else the step is attempted anew
     now_.at(y1);
   }
-  const Change c =
-      y0.coordinates ? change_of_motions(before_.motions, k0, h, now_.motions) : change_of_slots(y0, k0, h, y1);
-  const BodyWeights weights(tolerance_, c);
-  x_ = weights.x, r_ = weights.r, v_ = weights.v, w_ = weights.w;
+  weights_ = weights_of(tolerance_, y0.coordinates ? change_of_motions(before_.motions, k0, h, now_.motions)
+                                                   : change_of_slots(y0, k0, h, y1));
   const double atol = tolerance_.atol_x + kTiny, rtol = tolerance_.relative;
   s_.resize(n_s_);
   for (Eigen::Index i = 0; i < n_s_; ++i)
@@ -105,10 +101,7 @@ void ErrorNorm::scale(const State& y0, double length) {
     v = speed.linear, w = speed.angular;
   }
   const double atol = tolerance_.atol_x + kTiny, rtol = tolerance_.relative;
-  x_ = atol + rtol * length;
-  r_ = atol + rtol;
-  v_ = atol + rtol * std::sqrt(v);
-  w_ = atol + rtol * std::sqrt(w);
+  weights_ = {atol + rtol * length, atol + rtol, atol + rtol * std::sqrt(v), atol + rtol * std::sqrt(w)};
   s_ = (atol + rtol * (1 + y0.s.head(n_s_).array().abs())).matrix();
 }
 
@@ -137,9 +130,7 @@ double ErrorNorm::of(const StateRate& error, const State& y1) {
     c.take(0, 0, v.linear, v.angular);
     sum += v.sum;
   }
-  BodyWeights weights;
-  weights.x = x_, weights.r = r_, weights.v = v_, weights.w = w_;
-  double worst = weights.of(c);
+  double worst = in_tolerances(c, weights_);
   for (Eigen::Index i = 0; i < n_s_; ++i) worst = std::max(worst, std::abs(error.s[i]) / s_[i]);
   for (Eigen::Index i = 0; i < error.s.size(); ++i) sum += std::abs(error.s[i]);
   return std::isfinite(sum) ? worst : HUGE_VAL;

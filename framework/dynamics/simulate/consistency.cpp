@@ -86,13 +86,13 @@ void check_start(Dynamics& dynamics, const State& s, double limit) {
         fmt::format("the start at t = {:.9g} s violates the constraints by {:.3g} m (limit {:.3g} m), most of "
                     "all {}; assemble it first",
                     s.t, c, limit, largest_row(at, start_distances(at, C))));
-  const std::string fastest = largest_row(at, norms(at, Cd));
+  const VecX speeds = norms(at, Cd);
   const double cv = dynamics.violation_v(s);
   if (!(cv <= limit))
     throw AssemblyError(fmt::format(
         "the start velocities at t = {:.9g} s violate the constraints by {:.3g} m/s (limit {:.3g} m/s), most "
         "of all {}; assemble them first",
-        s.t, cv, limit, fastest));
+        s.t, cv, limit, largest_row(at, speeds)));
 }
 
 void engage_links(Dynamics& dynamics, State& state, const std::vector<std::string>& links) {

@@ -17,6 +17,12 @@ constexpr int kOthers = 2;           // joints that leave no rows, for each that
 
 }  // namespace
 
+double squares_of(const ClosureFronts& fronts) {
+  double squares = 0;
+  for (const ClosureFront& front : fronts.all) squares += double(front.n) * front.n;
+  return squares;
+}
+
 std::string why_dearer(const JointTree& tree, const ClosureFronts& fronts, const System& system,
                        const std::vector<bool>& modes) {
   for (const auto& own : system.auxiliaries())
@@ -37,9 +43,7 @@ std::string why_dearer(const JointTree& tree, const ClosureFronts& fronts, const
   if (others < kOthers * leaving)
     return fmt::format("joints that leave rows, {} beside {} others, cost more along joints than in omega", leaving,
                        others);
-  double squares = 0;
-  for (const ClosureFront& front : fronts.all) squares += double(front.n) * front.n;
-  if (squares > kMostSquares * all.n_rows)
+  if (const double squares = squares_of(fronts); squares > kMostSquares * all.n_rows)
     return fmt::format("many loops pass through one body: {:.0f} products of rows along joints for {} rows in omega",
                        squares, all.n_rows);
   return "";

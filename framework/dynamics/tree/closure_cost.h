@@ -10,11 +10,13 @@ struct ClosureFronts;
 class JointTree;
 class System;
 
+/// The squares of the numbers of rows that are open or end at a node, summed over the nodes and the ground's links.
+double squares_of(const ClosureFronts&);
+
 /// What makes joint coordinates the dearer ones, with these links in force; "" where they are not. They are where
 ///
 ///     the links of the tree hold less than half of all rows,
-///     the squares of the numbers of rows that are open or end at a node, summed over the nodes and the ground's links,
-///     are more than 15 for each row of all,
+///     squares_of() is more than 15 for each row of all,
 ///     more than half as many joints leave rows (of one turn alone, of functions) as leave none, or
 ///     rows may be redundant and integrated states read accelerations or reactions, which omega gives at every evaluation.
 ///

@@ -218,8 +218,14 @@ std::shared_ptr<const JointTree> JointTree::of(const System& system, const std::
   if (system.plane() && !tree->planar_)
     why_not = "a law does not say that it stays in the plane (stays_in_plane, turns_about)";
   else if (tree->n_v_ == 0 && tree->has_rows_)
-    why_not = "no coordinate is free, and what closes loops has rows";
+    why_not = "no coordinate is free, but link '" + tree->link_with_rows(system).name() + "' has rows";
   return why_not.empty() ? tree : nullptr;
+}
+
+// The first link that closes a loop, or whose joint leaves rows.
+const Lock& JointTree::link_with_rows(const System& system) const {
+  if (!closures_.empty()) return *system.links()[static_cast<std::size_t>(closures_.front())];
+  return *std::ranges::find_if(nodes_, [](const TreeNode& n) { return n.left != 0; })->lock;
 }
 
 // Depth first from the ground, then from every slot that no link has reached: it is free.
@@ -305,15 +311,11 @@ void JointTree::motions(const State& y, std::span<Motion> out) const {
 }
 
 LOCKSTEP_FLAT_CLONES void JointTree::carry_all(const State& y, std::span<Motion> out) const {
-  constexpr std::size_t kAtOnce = 64;
-  double half[kAtOnce] = {}, c[kAtOnce], s[kAtOnce];  // of the angles
+  SinCosAhead half;
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
-    const std::size_t i = k % kAtOnce;
-    if (i == 0) {
-      const std::size_t last = std::min(nodes_.size(), k + kAtOnce);
-      for (std::size_t x = k; x < last; ++x) half[x - k] = half_angle(nodes_[x], y.q.data() + nodes_[x].first_q);
-      sin_cos(half, (last - k + 7) / 8 * 8, s, c);  // packs of up to 8
-    }
+    half.see(k, nodes_.size(), [&](std::size_t i) __attribute__((always_inline)) {
+      return half_angle(nodes_[i], y.q.data() + nodes_[i].first_q);
+    });
     const TreeNode& node = nodes_[k];
     const Motion& p = out[motion_of(node.parent)];
     if (node.moving) {
@@ -322,7 +324,7 @@ LOCKSTEP_FLAT_CLONES void JointTree::carry_all(const State& y, std::span<Motion>
     }
     Imposed now;
     if (node.imposed) laws_at(node, y.t, y.s, now);
-    carry(node, now, y, {c[i], s[i]}, p, p.A * p.w, out[motion_of(node)]);
+    carry(node, now, y, {half.cosine(), half.sine()}, p, p.A * p.w, out[motion_of(node)]);
   }
 }
 

@@ -102,10 +102,12 @@ class LOCKSTEP_API JointTree final : public Coordinates {
 
   /// Number of a link that counts turns by the mean of the rates, where that misses the way of a pair by more than `most`,
   /// rad, in a step from one state to the other, at its end or inside it. -1: none.
-  int miscounts(const State& from, const State& to, double most) const;
+  int miscounts(const State& from, const State& to, double most = 2.0) const;
+  bool counts_turns() const { return !counted_.empty(); }
 
  private:
   void carry_all(const State&, std::span<Motion> out) const;
+  const Lock& link_with_rows(const System&) const;
   template <class G>
   void grow(const System&, const G& graph);
   std::string follow_turns(const System&);

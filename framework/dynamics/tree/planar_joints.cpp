@@ -1,7 +1,5 @@
 #include "framework/dynamics/tree/planar_joints.h"
 
-#include <algorithm>
-
 #include "framework/dynamics/tree/joint_tree.h"
 #include "framework/dynamics/tree/planar_motion.h"
 #include "framework/foundation/math/sin_cos.h"
@@ -99,15 +97,11 @@ PlanarImposed planar_laws_at(const TreeNode& node, const PlanarLaw& law, double 
 template <int k>
 LOCKSTEP_INLINE void PlanarJoints::motions_along(std::span<const TreeNode> tree, const State& y,
                                                  std::span<Motion> out) const {
-  constexpr std::size_t kAtOnce = 64;
-  double half[kAtOnce] = {}, c[kAtOnce], s[kAtOnce];  // of the angles
+  SinCosAhead half;
   for (std::size_t l = 0; l < nodes_.size(); ++l) {
-    const std::size_t i = l % kAtOnce;
-    if (i == 0) {
-      const std::size_t last = std::min(nodes_.size(), l + kAtOnce);
-      for (std::size_t x = l; x < last; ++x) half[x - l] = half_turn(nodes_[x], y.q.data() + nodes_[x].first_q);
-      sin_cos(half, (last - l + 7) / 8 * 8, s, c);  // packs of up to 8
-    }
+    half.see(l, nodes_.size(), [&](std::size_t i) __attribute__((always_inline)) {
+      return half_turn(nodes_[i], y.q.data() + nodes_[i].first_q);
+    });
     const PlanarNode& n = nodes_[l];
     PlanarFrame p, own;
     if (n.parent >= 0) {
@@ -116,7 +110,7 @@ LOCKSTEP_INLINE void PlanarJoints::motions_along(std::span<const TreeNode> tree,
     }
     PlanarImposed now;
     if (n.law >= 0) now = planar_laws_at(tree[l], law(n), y.t, y.s);
-    carry(n, n.law < 0 ? nullptr : &now, c[i], s[i], y.q.data() + n.first_q, y.v.data() + n.first_v, p, own);
+    carry(n, n.law < 0 ? nullptr : &now, half.cosine(), half.sine(), y.q.data() + n.first_q, y.v.data() + n.first_v, p, own);
     write_motion<k>(own, posture(n), out[static_cast<std::size_t>(n.slot + 1)]);
   }
 }

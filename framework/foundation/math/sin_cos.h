@@ -1,6 +1,7 @@
 // Sines and cosines of many angles at once. For files that are compiled for several instruction sets.
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstddef>
@@ -50,5 +51,26 @@ LOCKSTEP_INLINE void sin_cos(const double* __restrict x, std::size_t n, double* 
   for (std::size_t i = 0; i < n; ++i)
     if (!(std::abs(x[i]) <= kLargest)) s[i] = std::sin(x[i]), c[i] = std::cos(x[i]);
 }
+
+/// Sines and cosines of the angles of a loop, found 64 at once.
+class SinCosAhead {
+ public:
+  /// Before round k of n; angle(i): that of round i, rad.
+  template <class Angle>
+  LOCKSTEP_INLINE void see(std::size_t k, std::size_t n, Angle&& angle) {
+    at_ = k % kAtOnce;
+    if (at_ != 0) return;
+    const std::size_t count = std::min(kAtOnce, n - k);
+    for (std::size_t i = 0; i < count; ++i) x_[i] = angle(k + i);
+    sin_cos(x_, (count + 7) / 8 * 8, s_, c_);  // packs of up to 8
+  }
+  LOCKSTEP_INLINE double sine() const { return s_[at_]; }      ///< of this round
+  LOCKSTEP_INLINE double cosine() const { return c_[at_]; }    ///< likewise
+
+ private:
+  static constexpr std::size_t kAtOnce = 64;
+  double x_[kAtOnce] = {}, s_[kAtOnce], c_[kAtOnce];
+  std::size_t at_ = 0;
+};
 
 }  // namespace lockstep

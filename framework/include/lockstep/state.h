@@ -57,7 +57,8 @@ class LOCKSTEP_API Coordinates {
   /// Writes the motions of all slots to out[1], out[2], ...; out[0] is the ground, at rest, which the caller sets.
   virtual void motions(const State&, std::span<MotionT<double>> out) const = 0;
   virtual bool has_laws() const = 0;  ///< whether laws in time are part of the motions
-  /// Whether links beside them stay rows (closures of loops), from which states may drift. Default: none.
+  /// Whether rows stay beside them (of links that close loops, or that joints leave), from which states may drift.
+  /// Default: none.
   virtual bool has_rows() const { return false; }
   /// Motion of one slot >= 0; costs as much as all that carry it.
   virtual Motion motion(const State&, int slot) const = 0;
@@ -159,8 +160,8 @@ LOCKSTEP_API void kinematic_rate(const State&, VecX& qd);
 /// of their own, where laws alone move the slots, q and v are the rates of the slots' motions, world axes, 6 per slot:
 /// velocity of the mass centre and angular velocity, and their rates. By them a method measures the error of its step.
 struct StateRate {
-  VecX q,  ///< 7 per slot, m/s and 1/s
-      v,   ///< 6 per slot, m/s^2 (world) and rad/s^2 (slot axes)
+  VecX q,  ///< in the slots' own coordinates 7 per slot, m/s and 1/s
+      v,   ///< likewise 6 per slot, m/s^2 (world) and rad/s^2 (slot axes)
       s;   ///< rates of the integrated states
   double largest_a = 0;      ///< in other coordinates than the slots' own: largest acceleration of a slot, m/s^2
   double largest_alpha = 0;  ///< and the largest angular acceleration, rad/s^2

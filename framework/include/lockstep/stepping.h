@@ -136,6 +136,11 @@ LOCKSTEP_API void take_motion(State& in, State& out);
 
 // Error norm and step size control (framework/docs/solvers.md, section 7), and the limits of every adaptive step.
 
+/// What errors of a body are held against: of its position, m, orientation, rad, velocity, m/s, angular velocity, rad/s.
+struct BodyWeights {
+  double x = 1, r = 1, v = 1, w = 1;
+};
+
 /// Measures the error of a step in tolerances. There is one weight per quantity, the same for all bodies:
 ///
 ///     position  atol_x + rtol X,        rotation          atol_x + rtol R,
@@ -172,7 +177,7 @@ class LOCKSTEP_API ErrorNorm {
   };
 
   Tolerance tolerance_;
-  double x_ = 1, r_ = 1, v_ = 1, w_ = 1;  // weights
+  BodyWeights weights_;
   VecX s_;
   int n_s_ = 0;
   Moving before_, now_;  // at y0 and y1

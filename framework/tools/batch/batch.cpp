@@ -77,6 +77,20 @@ void Batch::see_motions(int lane) {
   for (int k = 0; k < system(lane).n_slots(); ++k) read_motion(lane, k, motions_[static_cast<std::size_t>(k + 1)]);
 }
 
+bool Batch::next_round(const Numbers8& C, std::array<PositionRounds, kLanes>& rounds, Flags8& going,
+                       std::array<Landing, kLanes>& landed) {
+  bool chord = true;
+  for (std::size_t l = 0; l < kL; ++l) {
+    if (!going[l]) continue;
+    going[l] = !rounds[l].ends(C[l]);
+    chord = chord && rounds[l].chord();
+    if (rounds[l].round() == 0) landed[l].before = rounds[l].residual();
+    landed[l].after = rounds[l].residual();
+    landed[l].converged = rounds[l].converged();
+  }
+  return chord;
+}
+
 void Batch::fill_wrench(const double* y, const Numbers8& t) {
   if (!has_forces_) return;
   for (int l = 0; l < kLanes; ++l) {

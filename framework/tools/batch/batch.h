@@ -14,6 +14,7 @@
 
 #include <lockstep/dynamics.h>
 #include <lockstep/memory.h>
+#include "framework/dynamics/evaluate/projection_rule.h"
 #include "framework/dynamics/integrate/body_error.h"
 #include "framework/tools/batch/lane_passes.h"
 
@@ -74,6 +75,9 @@ class LOCKSTEP_API Batch {
   virtual void accept(int) {}
   /// Angular velocity of the slot of a copy that turns fastest, at the start of the step y, rad/s.
   virtual double fastest_turn(int lane, const double* y) const = 0;
+  /// Whether links count turns; whether a step of a copy outruns them, as Dynamics::miscounts has it.
+  virtual bool counts_turns() const { return false; }
+  virtual bool miscounts(int, const State&, const State&) const { return false; }
   /// From now on evaluate() sees the pivots, in mechanisms with loops.
   virtual void watch_pivots() {}
   bool watches() const { return watches_; }
@@ -101,6 +105,10 @@ class LOCKSTEP_API Batch {
       lost_[static_cast<std::size_t>(lane)] = true;
     }
   }
+  /// Takes the residuals |C| before the next round of a projection: `going`, the lanes that need it. Returns whether the
+  /// last factor is good enough for all of them, which share it.
+  static bool next_round(const Numbers8& C, std::array<PositionRounds, kLanes>&, Flags8& going,
+                         std::array<Landing, kLanes>&);
   /// The integrated states of a copy, by the last inputs().
   const VecX& states_of(int lane) const { return states_[static_cast<std::size_t>(lane)]; }
   /// Sets the forces of all copies, which are scalar code and applied copy by copy; nothing where there are none.

@@ -13,6 +13,10 @@ const MarkerLock& lock_of(const System& system, const RowEntry& e) {
   return static_cast<const MarkerLock&>(*system.links()[static_cast<std::size_t>(e.link)]);
 }
 
+bool has_own_rows(const System& system, const RowEntry& e) {
+  return !unsuited_link(*system.links()[static_cast<std::size_t>(e.link)]).empty();
+}
+
 // A link with these of its rows, all of them along the axes of S.
 Link closing_link(const System& system, const RowEntry& e, Plan& plan) {
   const MarkerLock& lock = lock_of(system, e);
@@ -47,15 +51,18 @@ ClosurePlan make_closure_plan(const System& system, const TreeLayout& layout) {
   plan.slots.resize(plan.fronts.sides.size());
   std::vector<bool> seen(static_cast<std::size_t>(system.n_slots()), false);
   for (const RowEntry& e : layout.closures.entries) {
-    plan.rows.links.push_back(closing_link(system, e, plan.rows));
-    plan.links.push_back({static_cast<std::size_t>(e.first_row), e.m, KindBits(e.kind, e.m)});
-    const auto m = static_cast<std::size_t>(e.m);
+    const auto m = static_cast<std::size_t>(e.m), first_row = static_cast<std::size_t>(e.first_row);
+    if (has_own_rows(system, e))
+      plan.own.push_back({e.link, first_row, m, static_cast<std::size_t>(e.slots.n), e.own, plan.size_J});
+    else
+      plan.rows.links.push_back(closing_link(system, e, plan.rows));
+    plan.links.push_back({first_row, e.m, KindBits(e.kind, e.m)});
     for (std::size_t i = 0; i < static_cast<std::size_t>(e.slots.n); ++i) {
       schur::Side side;
       side.slot = e.slots[static_cast<int>(i)], side.J = plan.size_J;
       plan.rows.sides.push_back(side);
       for (std::size_t k = 0; k < m; ++k) {
-        const ClosureSource& source = plan.fronts.sources[static_cast<std::size_t>(e.first_row) + k];
+        const ClosureSource& source = plan.fronts.sources[first_row + k];
         const auto at = static_cast<std::size_t>(source.first_side) + i;
         const ClosureSide& of = plan.fronts.sides[at];
         plan.slots[at] = {plan.size_J + k, m, static_cast<std::size_t>(of.node), static_cast<std::size_t>(of.place)};
@@ -70,18 +77,13 @@ ClosurePlan make_closure_plan(const System& system, const TreeLayout& layout) {
   return plan;
 }
 
-std::string unsuited_closures(const System& system, const TreeLayout& layout) {
-  for (const RowEntry& e : layout.closures.entries)
-    if (std::string why = unsuited_link(*system.links()[static_cast<std::size_t>(e.link)]); !why.empty()) return why;
-  return "";
-}
-
-bool are_alike(const TreeLayout& a, const TreeLayout& b) {
+bool are_alike(const System& of_a, const TreeLayout& a, const System& of_b, const TreeLayout& b) {
   if (a.fronts.in_plane != b.fronts.in_plane) return false;
   if (a.fronts.in_plane && a.tree->planar()->plane().n != b.tree->planar()->plane().n) return false;
-  return std::ranges::equal(a.closures.entries, b.closures.entries, [](const RowEntry& x, const RowEntry& y) {
+  return std::ranges::equal(a.closures.entries, b.closures.entries, [&](const RowEntry& x, const RowEntry& y) {
     const auto m = static_cast<std::size_t>(x.m);
     return x.link == y.link && x.m == y.m && x.slots.n == y.slots.n &&
+           has_own_rows(of_a, x) == has_own_rows(of_b, y) &&
            std::equal(x.own.begin(), x.own.begin() + static_cast<std::ptrdiff_t>(m), y.own.begin());
   });
 }

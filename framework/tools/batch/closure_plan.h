@@ -2,8 +2,8 @@
 // packs of each row are. Private to the room.
 #pragma once
 
+#include <array>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "framework/dynamics/tree/tree_layout.h"
@@ -25,10 +25,19 @@ struct ClosureLink {
   KindBits kinds;
 };
 
+/// A link whose rows its own code writes, copy by copy: of functions, or with markers that laws move.
+struct OwnRows {
+  int link = 0;  ///< in the system
+  std::size_t first_row = 0, m = 0, n_sides = 0;
+  std::array<int, kMaxRows> own{};  ///< the link's own number of each row
+  std::size_t J = 0;                ///< of its first side; the others follow
+};
+
 /// What is equal in all copies.
 struct ClosurePlan {
   ClosureFronts fronts;
   Plan rows;  ///< `links` and where each side's J is; rows of a link along the axes of S, c and C from `x` on
+  std::vector<OwnRows> own;
   std::vector<ClosureLink> links;
   std::vector<ClosureSlot> slots;
   struct Seen {
@@ -44,10 +53,8 @@ struct ClosurePlan {
 
 /// The plan of copies whose rows are laid out like these.
 ClosurePlan make_closure_plan(const System&, const TreeLayout&);
-/// Why the rows that close the loops of a tree have no lanes; "" if they have.
-std::string unsuited_closures(const System&, const TreeLayout&);
-/// Whether the rows of two copies are laid out alike; their trees are.
-bool are_alike(const TreeLayout&, const TreeLayout&);
+/// Whether the rows of two copies, the trees of which are alike, are laid out alike.
+bool are_alike(const System&, const TreeLayout&, const System&, const TreeLayout&);
 
 /// The arrays of closures, in packs of eight. Per side: J, world axes | per place: K, l | per front: Lambda, V | per row |
 /// per node and velocity, of a correction.

@@ -88,6 +88,7 @@ class LaneRun {
   void park(int lane);
   void see_pivots(bool first);
   bool near_singular(int lane);
+  bool miscounts(int lane);
 
   Batch& batch_;
   const RunTask& task_;
@@ -297,14 +298,14 @@ void LaneRun::estimate_together(Numbers8& error, Numbers8& e3, Flags8& failed) {
     failed[l] = failed[l] || lost[l];
     const double a = h_[l] * first_a_[l], alpha = h_[l] * first_alpha_[l];
     change[l].take(0, 0, a * a, alpha * alpha);
-    weights[l] = {task_.options.tolerance, change[l]};
+    weights[l] = weights_of(task_.options.tolerance, change[l]);
   }
   const auto each = [&](const Weights& w, Numbers8& out) {
     combine_stages(w, nullptr, error_.data());
     batch_.weigh(error_.data(), by);
     for (std::size_t l = 0; l < kL; ++l) {
       const double sum = by[l].x + by[l].r + by[l].v + by[l].w;
-      out[l] = std::isfinite(sum) ? weights[l].of(by[l]) : HUGE_VAL;
+      out[l] = std::isfinite(sum) ? in_tolerances(by[l], weights[l]) : HUGE_VAL;
     }
   };
   each(error_w_, error);
@@ -362,10 +363,19 @@ void LaneRun::attempt() {
     const bool on =
         task_.options.stabilization.kind != Stabilization::Kind::project ||
         (fixed_ ? landed[i].converged : end_is_near(landed[i].converged, landed[i].before, batch_.system(l).length()));
-    on ? accept(l, error[i]) : reject(l, 0.5);
+    on && !miscounts(l) ? accept(l, error[i]) : reject(l, 0.5);
   }
   if (jumped_) batch_.start_from(y_.data(), t_);
   jumped_ = false;
+}
+
+// Whether links count turns that the step of a copy outruns.
+bool LaneRun::miscounts(int lane) {
+  if (!batch_.counts_turns()) return false;
+  const double t = t_[static_cast<std::size_t>(lane)];
+  read(lane, y_.data(), t, state_);
+  read(lane, end_.data(), t + h_[static_cast<std::size_t>(lane)], state_end_);
+  return batch_.miscounts(lane, state_, state_end_);
 }
 
 void LaneRun::accept(int lane, double error) {

@@ -90,16 +90,9 @@ bool RowBatch::project_positions(double* y, const Numbers8& t, const Flags8& wan
   Flags8 going = wanted;
   for (;;) {
     gather_rows(y, t);
-    pass_.norm(plan_, C_.data(), length_.data(), scratch_.data());
-    bool chord = true;
-    for (std::size_t l = 0; l < kL; ++l) {
-      if (!going[l]) continue;
-      going[l] = !rounds[l].ends(scratch_[l]);
-      chord = chord && rounds[l].chord();
-      if (rounds[l].round() == 0) landed[l].before = rounds[l].residual();
-      landed[l].after = rounds[l].residual();
-      landed[l].converged = rounds[l].converged();
-    }
+    alignas(64) Numbers8 C;
+    pass_.norm(plan_, C_.data(), length_.data(), C.data());
+    const bool chord = next_round(C, rounds, going, landed);
     if (!any(going)) return chord;
     solve_for(C_.data(), going, !chord);
     move(y);

@@ -8,6 +8,7 @@
 #include <lockstep/lock.h>
 #include "framework/dynamics/evaluate/slot_coordinates.h"
 #include "framework/dynamics/solvers/graph.h"
+#include "framework/dynamics/tree/closure_cost.h"
 #include "framework/dynamics/tree/moving_markers.h"
 #include "framework/dynamics/tree/tree_motion.h"
 
@@ -21,9 +22,7 @@ std::string why_dearer_in_lanes(const System& system, const TreeLayout& layout) 
   constexpr double kMostSquares = 6;
   RowTable all;
   system.lay_out(system.start().modes, all);
-  double squares = 0;
-  for (const ClosureFront& front : layout.fronts.all) squares += double(front.n) * front.n;
-  if (squares <= kMostSquares * all.n_rows) return "";
+  if (squares_of(layout.fronts) <= kMostSquares * all.n_rows) return "";
   return "the rows of what closes loops cost more along joints than in omega, in lanes";
 }
 
@@ -33,7 +32,7 @@ std::string why_no_lanes(const TreeLayout& layout, const System& system) {
   for (const auto& force : system.forces())
     if (system.plane() && !force->stays_in_plane(system.plane()))
       return "force '" + force->name() + "' does not say that it stays in the plane of the system";
-  return unsuited_closures(system, layout);
+  return "";
 }
 
 bool has_equal_joints(const JointTree& a, const JointTree& b) {
@@ -62,7 +61,7 @@ TreeBatch::Trees TreeBatch::trees_of(std::span<System* const> systems, Taken tak
     why_not = layout.tree ? why_no_lanes(layout, *system) : layout.why_not;
     if (why_not.empty() && taken == Taken::where_cheaper) why_not = why_dearer_in_lanes(*system, layout);
     if (why_not.empty() && !trees.empty() &&
-        !(has_equal_joints(*trees.front().tree, *layout.tree) && are_alike(trees.front(), layout)))
+        !(has_equal_joints(*trees.front().tree, *layout.tree) && are_alike(*systems.front(), trees.front(), *system, layout)))
       why_not = "the joints of two copies are not laid out alike";
     if (!why_not.empty()) return {};
     trees.push_back(std::move(layout));
@@ -182,11 +181,12 @@ void TreeBatch::move(const double* y, const Numbers8& t, bool with_positions) {
   passes().outward(plan_, z_);
 }
 
-void TreeBatch::fill_closure_laws(const double* y, const Numbers8& t) {
-  if (!closures_.has_laws()) return;
+void TreeBatch::fill_closures(const double* y, const Numbers8& t) {
+  if (!closures_.has_laws() && !closures_.has_own_rows()) return;
   for (int l = 0; l < kLanes; ++l) {
+    if (closures_.has_own_rows()) see_motions(l);
     const Inputs in = inputs(l, y, t[static_cast<std::size_t>(l)]);
-    guarded(l, [&] { closures_.fill_laws(system(l), l, in); });
+    guarded(l, [&] { closures_.fill(system(l), l, in); });
   }
 }
 
@@ -197,7 +197,7 @@ Flags8 TreeBatch::evaluate(const double* y, const Numbers8& t, double* rate) {
   if (closures_.empty()) {
     passes().accelerate_tree(plan_, z_, rate);
   } else {
-    fill_closure_laws(y, t);
+    fill_closures(y, t);
     failed = closures_.accelerate(plan_, z_, n_, rate);
     if (watches_) closures_.see_pivots();
   }
@@ -217,6 +217,10 @@ double TreeBatch::fastest_turn(int lane, const double*) const {
     most = std::max(most, w[0] * w[0] + w[kL] * w[kL] + w[2 * kL] * w[2 * kL]);
   }
   return std::sqrt(most);
+}
+
+bool TreeBatch::miscounts(int lane, const State& from, const State& to) const {
+  return tree(lane).miscounts(from, to) >= 0;
 }
 
 double TreeBatch::largest_a(std::size_t lane) const { return std::sqrt(largest_[lane]); }

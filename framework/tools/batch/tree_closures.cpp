@@ -80,9 +80,29 @@ void TreeClosures::fill_inverses(const Systems& systems, const Layouts& layouts)
   }
 }
 
-void TreeClosures::fill_laws(const System& system, int lane, const Inputs& in) {
+void TreeClosures::fill(const System& system, int lane, const Inputs& in) {
   for (const Link& link : plan_.rows.links)
     if (link.has_laws()) put_laws(lock_in(system, link), lane, link, in, law_);
+  fill_own_rows(system, lane, in);
+}
+
+void TreeClosures::fill_own_rows(const System& system, int lane, const Inputs& in) {
+  for (const OwnRows& rows : plan_.own) {
+    const Lock* const link = system.links()[static_cast<std::size_t>(rows.link)].get();
+    const RowShape shape = link->shape();
+    link->gather(Group(&link, 1), in, scratch_.spatial_span(shape));
+    const RowBlock block = scratch_.spatial(shape);
+    for (std::size_t k = 0; k < rows.m; ++k) {
+      const int own = rows.own[k];
+      put_number(C_, rows.first_row + k, lane, block.C(own));
+      put_number(Ct_, rows.first_row + k, lane, block.Ct(own));
+      put_number(c_, rows.first_row + k, lane, block.Qhat(own));
+      for (std::size_t i = 0; i < rows.n_sides; ++i) {
+        const std::array<double, 6> J = block.J(static_cast<int>(i), own);
+        for (std::size_t x = 0; x < 6; ++x) put_number(rows_J_, rows.J + (6 * i + x) * rows.m + k, lane, J[x]);
+      }
+    }
+  }
 }
 
 Numbers8 TreeClosures::norm(const Aligned<double>& x) {

@@ -15,8 +15,10 @@ class TreeClosures {
 
   bool empty() const { return plan_.empty(); }
   bool has_laws() const { return has_laws_; }
-  /// Sets the laws of the links of one copy. Throws what they throw.
-  void fill_laws(const System&, int lane, const Inputs&);
+  /// Whether links write rows of their own, which needs the motions of the copies.
+  bool has_own_rows() const { return !plan_.own.empty(); }
+  /// Sets the laws of the links of one copy, and the rows that they write. Throws what they throw.
+  void fill(const System&, int lane, const Inputs&);
 
   /// Accelerations at the motions that the tree has; true in the lanes whose rows are not met. The first n are looked at.
   Flags8 accelerate(const TreePlan&, const TreeNumbers&, int n, double* rate);
@@ -42,6 +44,7 @@ class TreeClosures {
   }
 
  private:
+  void fill_own_rows(const System&, int lane, const Inputs&);
   void fill_inverses(const Systems&, const Layouts&);
   void measure_floors();
   // Residuals of rows, relative to their scales: the largest, and that of rows that are not redundant.
@@ -55,6 +58,7 @@ class TreeClosures {
 
   ClosurePlan plan_;
   ClosureNumbers z_;
+  RowTable scratch_;  // of one link
   const Passes* pass_ = nullptr;
   bool has_laws_ = false, floors_known_ = false;
   Aligned<double> body_, frames_, law_, rows_J_, c_, C_, Ct_, inverse_, J_, K_, l_, Lambda_, V_, E_, diagonal_, scale_,

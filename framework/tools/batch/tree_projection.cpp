@@ -27,7 +27,7 @@ void TreeBatch::project(double* y, const Numbers8& t, const Flags8& wanted, std:
 // C and Cd of the rows at these states.
 void TreeBatch::gather(const double* y, const Numbers8& t) {
   move(y, t, true);
-  fill_closure_laws(y, t);
+  fill_closures(y, t);
   closures_.gather(z_);
 }
 
@@ -79,16 +79,7 @@ bool TreeBatch::project_positions(double* y, const Numbers8& t, const Flags8& wa
     rounds[l] = {1e-2 * tolerance, tolerance, system(static_cast<int>(l)).length(), x_max[l]};
   Flags8 going = wanted;
   for (;; gather(y, t)) {
-    const Numbers8 C = closures_.norm_C();
-    bool chord = true;
-    for (std::size_t l = 0; l < kL; ++l) {
-      if (!going[l]) continue;
-      going[l] = !rounds[l].ends(C[l]);
-      chord = chord && rounds[l].chord();
-      if (rounds[l].round() == 0) landed[l].before = rounds[l].residual();
-      landed[l].after = rounds[l].residual();
-      landed[l].converged = rounds[l].converged();
-    }
+    const bool chord = next_round(closures_.norm_C(), rounds, going, landed);
     if (!any(going)) return chord;
     if (!chord) closures_.factor(plan_, z_);
     advance(y, closures_.correct_C(plan_, z_, going));

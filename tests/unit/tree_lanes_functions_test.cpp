@@ -1,0 +1,109 @@
+// Copies with links that are no masks, or whose markers laws move, in lanes along joints: their rows are written copy by
+// copy. Against each mechanism alone in joint coordinates and in omega.
+#include <cmath>
+
+#include <lockstep/batch.h>
+#include <lockstep/body.h>
+#include <lockstep/couplings.h>
+#include <lockstep/forces.h>
+#include <lockstep/joints.h>
+#include <lockstep/laws.h>
+#include "tests/support/allocations.h"
+#include "tests/support/catch.h"
+#include "tests/support/copies_of.h"
+#include "tests/support/lane_loops.h"
+#include "tests/support/messages.h"
+
+namespace tree_lanes_functions_test {
+
+using namespace lockstep;
+using namespace lockstep::test;
+using lockstep::testing::check_words;
+
+namespace {
+
+/// A chain of three rods, whose tip a wire holds to the ground; its length is a law.
+std::unique_ptr<System> wired(int k, double twist) {
+  auto sys = chain(3, k, twist);
+  Marker &tip = sys->add_marker("tip", sys->body("rod 2"), {Vec3(0.5, 0, 0), Quat{}}),
+         &hook = sys->add_marker("hook", sys->ground(), {Vec3(1, 0, 2), Quat{}});
+  const double length = std::sqrt(8.0);
+  sys->add<Distance>("wire", tip, hook, laws::law([=](auto t) { return length + 0.1 * sin((2.0 + 0.1 * k) * t); }));
+  return sys;
+}
+
+/// Two wheels on an arm, which a gear couples, and a screw beside them.
+std::unique_ptr<System> geared(int k, double moment) {
+  auto sys = std::make_unique<System>(System::Options{Vec3(0.1 * k, 0, -9.81)});
+  const auto body = [&](const char* name, double x) -> Body& {
+    return sys->add_body(name, {1.0 + 0.1 * k, Vec3(0.02, 0, 0), Vec3(0.1, 0.2, 0.25).asDiagonal()}, {Vec3(x, 0, 0), {}});
+  };
+  Body &arm = body("arm", 0), &one = body("one", 0), &two = body("two", 1);
+  sys->add<Revolute>("shoulder", arm, sys->ground(), pose_at(Vec3(0, 0, 0), Vec3(0, 1, 0)));
+  auto& a = sys->add<Revolute>("a", one, arm, pose_at(Vec3(0, 0, 0)));
+  auto& b = sys->add<Revolute>("b", two, arm, pose_at(Vec3(1, 0, 0)));
+  sys->add(std::make_unique<Gear>(across("mesh", {a, b}), 2.0));
+  Body& nut = body("nut", 2);
+  sys->add<Screw>("screw", nut, sys->ground(), pose_at(Vec3(2, 0, 0)), 0.3 + 0.02 * k);
+  sys->add<TorqueMotor>("push", sys->add_marker("hub", one), sys->add_marker("stand", arm), {.torque = laws::constant(moment)});
+  return sys;
+}
+
+}  // namespace
+
+TEST_CASE("in lanes rows of functions and of moving markers are those of the links", "[unit][copies]") {
+  const auto check = [](Family family) {
+    const RateDifferences worst = differences(family, 1e-4, anywhere);
+    CHECK(worst.n >= static_cast<int>(family.systems.size()) - 1);
+    CHECK(worst.joint < 1e-10);
+    CHECK(worst.omega < 1e-10);
+  };
+  SECTION("a wire") {
+    check(Family(8, [](int k) { return wired(k, 0.7); }));
+  }
+  SECTION("a wire in a mechanism that is planar") {
+    check(Family(7, [](int k) {
+      auto sys = wired(k, 0);
+      sys->set_planar(Plane{1});
+      return sys;
+    }));
+  }
+  SECTION("a gear, and a screw, whose function its joint leaves") {
+    check(Family(8, [](int k) { return geared(k, 1); }));
+  }
+  SECTION("markers that move, on either body, beside locks of plain ones") {
+    check(random_family(5, [](inputs::RandomMechanism& m) {
+      m.link(0, -1, Mask::xyz), m.link(1, 0, Mask::xyz), m.link(2, 1, Mask::xyz | Mask::e1 | Mask::e2);
+      m.link(3, 2, Mask::xyz), m.link(4, 3, Mask::xyz);
+      m.link(-1, 1, Mask::x | Mask::z, oracle::kUP);
+      m.link(2, -1, Mask::y);
+      m.link(4, 0, Mask::x | Mask::e2, oracle::kUS | oracle::kQP);
+    }));
+  }
+}
+
+TEST_CASE("copies with functions run in lanes as they run alone", "[unit][copies]") {
+  const auto method = GENERATE(as<std::string>{}, "dop853", "dopri5", "rk4");
+  const bool gears = GENERATE(false, true);
+  CAPTURE(method, gears);
+  Family family(10, [&](int k) { return gears ? geared(k, 5.0 + k) : wired(k, 0.7); });
+  const std::vector<State> starts = family.assembled();
+  CopiesOptions options;
+  options.formulation = Formulation::joint, options.integrator = method, options.tolerance = {1e-9, 1e-11};
+  options.step = method == "rk4" ? 1e-3 : 0;
+  const RunEnds lanes = ends_of(family, starts, 0.8, options, true), alone = ends_of(family, starts, 0.8, options, false);
+  for (std::size_t k = 0; k < starts.size(); ++k) {
+    INFO(k << ": " << lanes.reports[k].error);
+    REQUIRE(lanes.reports[k].finished);
+    CHECK_FALSE(lanes.reports[k].alone);
+    CHECK(lanes.reports[k].steps == alone.reports[k].steps);
+    CHECK(largest(lanes.states[k].q - alone.states[k].q) < 1e-8);
+    CHECK(largest(lanes.states[k].v - alone.states[k].v) < 1e-7);
+    CHECK(largest(lanes.states[k].z - alone.states[k].z) < 1e-8);
+    Dynamics dynamics(*family.systems[k], std::make_unique<SchurSolver>());
+    CHECK(dynamics.violation(lanes.states[k]) < 1e-9);
+  }
+  CHECK(largest(lanes.states[0].q - lanes.states[7].q) > 1e-3);  // they are not all the same
+}
+
+}  // namespace tree_lanes_functions_test
