@@ -49,6 +49,23 @@ std::unique_ptr<System> geared(int k, double moment) {
   return sys;
 }
 
+/// Two wheels of 1 and 4 kg m^2, the second half as fast, and a moment on the first: w = W sin(20 t), W / 20 in each half
+/// swing.
+std::unique_ptr<System> shaken(int k) {
+  auto sys = std::make_unique<System>();
+  const auto wheel = [&](const char* name, double J, double x) -> Body& {
+    return sys->add_body(name, {1.0, Vec3::Zero(), Vec3(J, J, J).asDiagonal()}, {Vec3(x, 0, 0), {}});
+  };
+  Body &one = wheel("one", 1, 0), &two = wheel("two", 4, 1);
+  auto& a = sys->add<Revolute>("a", one, sys->ground(), pose_at(Vec3(0, 0, 0)));
+  auto& b = sys->add<Revolute>("b", two, sys->ground(), pose_at(Vec3(1, 0, 0)));
+  sys->add(std::make_unique<Gear>(across("mesh", {a, b}), 2.0));
+  const double rate = 500.0 + 20.0 * k;
+  sys->add<TorqueMotor>("shaker", sys->add_marker("hub", one), sys->add_marker("stand", sys->ground()),
+                        {.torque = laws::law([=](auto t) { return 2 * rate * 20.0 * cos(20.0 * t); })});
+  return sys;
+}
+
 }  // namespace
 
 TEST_CASE("in lanes rows of functions and of moving markers are those of the links", "[unit][copies]") {
@@ -104,6 +121,38 @@ TEST_CASE("copies with functions run in lanes as they run alone", "[unit][copies
     CHECK(dynamics.violation(lanes.states[k]) < 1e-9);
   }
   CHECK(largest(lanes.states[0].q - lanes.states[7].q) > 1e-3);  // they are not all the same
+}
+
+TEST_CASE("in lanes steps are no longer than the turns that links count allow", "[unit][copies]") {
+  const double relative = GENERATE(1e-1, 1e-3);
+  CAPTURE(relative);
+  Family family(8, shaken);
+  CopiesOptions options;
+  options.formulation = Formulation::joint, options.integrator = "dop853", options.tolerance = {relative, 1e-9};
+  const std::vector<State> starts = family.assembled();
+  const RunEnds lanes = ends_of(family, starts, 2.0, options, true),
+                alone = ends_of(family, starts, 2.0, options, false);
+  for (std::size_t k = 0; k < 8; ++k) {
+    INFO(k << ": " << lanes.reports[k].error);
+    REQUIRE(lanes.reports[k].finished);
+    CHECK_FALSE(lanes.reports[k].alone);
+    CHECK(lanes.reports[k].steps == alone.reports[k].steps);
+    CHECK(lanes.reports[k].rejected == alone.reports[k].rejected);
+    CHECK(largest(lanes.states[k].z - alone.states[k].z) < 1e-3 * relative);
+    CHECK(Dynamics(*family.systems[k], std::make_unique<SchurSolver>()).violation(lanes.states[k]) < 1e-9);
+  }
+}
+
+TEST_CASE("a fixed step in lanes that the turns of a link outrun is refused by the words of a single run",
+          "[unit][copies]") {
+  Family family(3, shaken);
+  CopiesOptions options;
+  options.formulation = Formulation::joint, options.integrator = "rk4", options.step = 0.2;
+  const RunEnds ends = ends_of(family, family.assembled(), 2.0, options, true);
+  for (const CopyReport& report : ends.reports) {
+    CHECK_FALSE(report.finished);
+    check_words(report.error, {"rk4", "link 'mesh' counts", "smaller step"});
+  }
 }
 
 }  // namespace tree_lanes_functions_test
