@@ -7,8 +7,8 @@
 #include <lockstep/assembly.h>
 #include <lockstep/batch.h>
 #include <lockstep/forces.h>
-#include <lockstep/solvers.h>
 #include <lockstep/laws.h>
+#include <lockstep/solvers.h>
 #include "tests/support/catch.h"
 #include "tests/support/mechanism.h"
 

@@ -14,7 +14,8 @@ namespace lockstep::testing {
 /// A load cell: pushes nothing, but wants to know what a link carries.
 class LoadCell final : public Force, public Reacting {
  public:
-  LoadCell(std::string name, const Lock& link) : Force(std::move(name)), Reacting(static_cast<const Force&>(*this)), link_(&link) {}
+  LoadCell(std::string name, const Lock& link)
+      : Force(std::move(name)), Reacting(static_cast<const Force&>(*this)), link_(&link) {}
   std::string_view type() const override { return "load_cell"; }
   std::vector<const Marker*> markers() const override { return {}; }
   void setup() override {}

@@ -183,7 +183,8 @@ TEST_CASE("copies with loops run in lanes as they run alone", "[unit][copies]") 
   CopiesOptions options;
   options.formulation = Formulation::joint, options.integrator = method, options.tolerance = {1e-9, 1e-11};
   options.step = method == "rk4" ? 1e-3 : 0;
-  const RunEnds lanes = ends_of(family, starts, 0.6, options, true), alone = ends_of(family, starts, 0.6, options, false);
+  const RunEnds lanes = ends_of(family, starts, 0.6, options, true),
+                alone = ends_of(family, starts, 0.6, options, false);
   for (std::size_t k = 0; k < starts.size(); ++k) {
     INFO(k << ": " << lanes.reports[k].error);
     REQUIRE(lanes.reports[k].finished);

@@ -196,7 +196,7 @@ std::unique_ptr<System> cart(int k) {
 }
 
 RunEnds ends_of(Family& family, const std::vector<State>& starts, double t, const std::string& method, bool lanes,
-             double step = 0) {
+                double step = 0) {
   CopiesOptions options;
   options.integrator = method, options.tolerance = {1e-10, 1e-12}, options.step = step, options.lanes = lanes;
   return ends_of(family, starts, t, options);
@@ -293,7 +293,7 @@ TEST_CASE("copies whose markers move by laws run in lanes as they run alone", "[
   Family family(5, [](int k) { return crane(k); });
   const std::vector<State> starts = family.assembled();
   const RunEnds lanes = ends_of(family, starts, 0.7, method, true, step),
-             alone = ends_of(family, starts, 0.7, method, false, step);
+                alone = ends_of(family, starts, 0.7, method, false, step);
   for (std::size_t k = 0; k < 5; ++k) {
     INFO(k << ": " << lanes.reports[k].error);
     REQUIRE(lanes.reports[k].finished);

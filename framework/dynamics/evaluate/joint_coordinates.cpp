@@ -192,8 +192,8 @@ void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* repo
     if (!out.s.allFinite()) diagnose_rates(system_, state.t, out.s);
   }
   ++work_.evaluations;
-  if (out.v.allFinite()) return;
-  gather(state);  // names the culprit
+  if (out.v.allFinite() && (!driven || t.f.allFinite())) return;  // what laws move does not feel its forces
+  gather(state);                                                  // names the culprit
   throw NonFiniteError("t = " + text::number(state.t) +
                            " s: the accelerations are not finite although every force is; the motion has blown up: "
                            "take a smaller step (--step) or tolerance",

@@ -313,9 +313,10 @@ void JointTree::motions(const State& y, std::span<Motion> out) const {
 LOCKSTEP_FLAT_CLONES void JointTree::carry_all(const State& y, std::span<Motion> out) const {
   SinCosAhead half;
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
-    half.see(k, nodes_.size(), [&](std::size_t i) __attribute__((always_inline)) {
-      return half_angle(nodes_[i], y.q.data() + nodes_[i].first_q);
-    });
+    half.see(
+        k, nodes_.size(), [&](std::size_t i) __attribute__((always_inline)) {
+          return half_angle(nodes_[i], y.q.data() + nodes_[i].first_q);
+        });
     const TreeNode& node = nodes_[k];
     const Motion& p = out[motion_of(node.parent)];
     if (node.moving) {

@@ -99,9 +99,10 @@ LOCKSTEP_INLINE void PlanarJoints::motions_along(std::span<const TreeNode> tree,
                                                  std::span<Motion> out) const {
   SinCosAhead half;
   for (std::size_t l = 0; l < nodes_.size(); ++l) {
-    half.see(l, nodes_.size(), [&](std::size_t i) __attribute__((always_inline)) {
-      return half_turn(nodes_[i], y.q.data() + nodes_[i].first_q);
-    });
+    half.see(
+        l, nodes_.size(), [&](std::size_t i) __attribute__((always_inline)) {
+          return half_turn(nodes_[i], y.q.data() + nodes_[i].first_q);
+        });
     const PlanarNode& n = nodes_[l];
     PlanarFrame p, own;
     if (n.parent >= 0) {
@@ -110,7 +111,8 @@ LOCKSTEP_INLINE void PlanarJoints::motions_along(std::span<const TreeNode> tree,
     }
     PlanarImposed now;
     if (n.law >= 0) now = planar_laws_at(tree[l], law(n), y.t, y.s);
-    carry(n, n.law < 0 ? nullptr : &now, half.cosine(), half.sine(), y.q.data() + n.first_q, y.v.data() + n.first_v, p, own);
+    carry(n, n.law < 0 ? nullptr : &now, half.cosine(), half.sine(), y.q.data() + n.first_q, y.v.data() + n.first_v, p,
+          own);
     write_motion<k>(own, posture(n), out[static_cast<std::size_t>(n.slot + 1)]);
   }
 }

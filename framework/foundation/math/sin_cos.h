@@ -64,8 +64,8 @@ class SinCosAhead {
     for (std::size_t i = 0; i < count; ++i) x_[i] = angle(k + i);
     sin_cos(x_, (count + 7) / 8 * 8, s_, c_);  // packs of up to 8
   }
-  LOCKSTEP_INLINE double sine() const { return s_[at_]; }      ///< of this round
-  LOCKSTEP_INLINE double cosine() const { return c_[at_]; }    ///< likewise
+  LOCKSTEP_INLINE double sine() const { return s_[at_]; }    ///< of this round
+  LOCKSTEP_INLINE double cosine() const { return c_[at_]; }  ///< likewise
 
  private:
   static constexpr std::size_t kAtOnce = 64;

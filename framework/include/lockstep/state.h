@@ -160,9 +160,9 @@ LOCKSTEP_API void kinematic_rate(const State&, VecX& qd);
 /// of their own, where laws alone move the slots, q and v are the rates of the slots' motions, world axes, 6 per slot:
 /// velocity of the mass centre and angular velocity, and their rates. By them a method measures the error of its step.
 struct StateRate {
-  VecX q,  ///< in the slots' own coordinates 7 per slot, m/s and 1/s
-      v,   ///< likewise 6 per slot, m/s^2 (world) and rad/s^2 (slot axes)
-      s;   ///< rates of the integrated states
+  VecX q,                    ///< in the slots' own coordinates 7 per slot, m/s and 1/s
+      v,                     ///< likewise 6 per slot, m/s^2 (world) and rad/s^2 (slot axes)
+      s;                     ///< rates of the integrated states
   double largest_a = 0;      ///< in other coordinates than the slots' own: largest acceleration of a slot, m/s^2
   double largest_alpha = 0;  ///< and the largest angular acceleration, rad/s^2
 };

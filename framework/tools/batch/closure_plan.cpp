@@ -82,8 +82,7 @@ bool are_alike(const System& of_a, const TreeLayout& a, const System& of_b, cons
   if (a.fronts.in_plane && a.tree->planar()->plane().n != b.tree->planar()->plane().n) return false;
   return std::ranges::equal(a.closures.entries, b.closures.entries, [&](const RowEntry& x, const RowEntry& y) {
     const auto m = static_cast<std::size_t>(x.m);
-    return x.link == y.link && x.m == y.m && x.slots.n == y.slots.n &&
-           has_own_rows(of_a, x) == has_own_rows(of_b, y) &&
+    return x.link == y.link && x.m == y.m && x.slots.n == y.slots.n && has_own_rows(of_a, x) == has_own_rows(of_b, y) &&
            std::equal(x.own.begin(), x.own.begin() + static_cast<std::ptrdiff_t>(m), y.own.begin());
   });
 }

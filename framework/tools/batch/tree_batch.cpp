@@ -61,7 +61,8 @@ TreeBatch::Trees TreeBatch::trees_of(std::span<System* const> systems, Taken tak
     why_not = layout.tree ? why_no_lanes(layout, *system) : layout.why_not;
     if (why_not.empty() && taken == Taken::where_cheaper) why_not = why_dearer_in_lanes(*system, layout);
     if (why_not.empty() && !trees.empty() &&
-        !(has_equal_joints(*trees.front().tree, *layout.tree) && are_alike(*systems.front(), trees.front(), *system, layout)))
+        !(has_equal_joints(*trees.front().tree, *layout.tree) &&
+          are_alike(*systems.front(), trees.front(), *system, layout)))
       why_not = "the joints of two copies are not laid out alike";
     if (!why_not.empty()) return {};
     trees.push_back(std::move(layout));
