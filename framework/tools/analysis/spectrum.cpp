@@ -45,6 +45,7 @@ Normal normal_of(const QuadraticProblem& p) {
 MatX back(const Normal& n, const MatX& z) { return n.L.transpose().triangularView<Eigen::Upper>().solve(z); }
 MatXc back(const Normal& n, const MatXc& z) {
   MatXc y(z.rows(), z.cols());
+  if (y.size() == 0) return y;  // its parts would be views of nothing
   y.real() = back(n, MatX(z.real())), y.imag() = back(n, MatX(z.imag()));
   return y;
 }
