@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <lockstep/memory.h>
+#include "framework/tools/simulation/checkpoint.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/program.h"
@@ -112,7 +114,32 @@ TEST_CASE("what a run, a sweep or a plugin's template cannot go on with is refus
           "{\"lockstep\": 1, \"include\": [{\"scene\": \"deep_" + std::to_string(k + 1) + ".json\"}]}");
   write("below.json", R"({"lockstep": 1, "bodies": [{"name": "a", "particle": 1, "position": [0, 0, -1]}], "links": [
     {"name": "S", "type": "stop", "p": "a", "s": "ground", "at_s": [0, 0, 0], "coordinate": "z", "low": 0}], "run": {"until": 1}})");
+  write("folder.json", R"({"lockstep": 1, "include": [{"scene": "."}]})");
+  write("sparse.so", "");
+  fs::resize_file(kRunnerFolder + "/sparse.so", (std::uintmax_t{1} << 30) + 1);
+  const auto checkpoint = [](const std::string& name, const std::string& kind, const std::string& word) {
+    Snapshot s;
+    s.put_text(kind);
+    if (kind == "run") s.put(1);
+    s.put_text(word), s.put_text(kRunnerFolder), s.put_text("");
+    s.put_bits(0), s.put_bits(0), s.put(0), s.put_part({});
+    write_checkpoint(kRunnerFolder + "/" + name, s);
+  };
+  checkpoint("host.saved", "simulation", "");
+  checkpoint("words.saved", "run", "--nonsense");
+  checkpoint("kind.csv.sweep", "run", "");
+  checkpoint("other.csv.sweep", "sweep", "sweep other.json");
   check_refusals({
+      {"check folder.json", 3, {"include[0].scene: \".\" is no file that holds a scene"}},
+      {"run @ --plugin ./sparse.so", 4, {"sparse.so' has 1073741825 bytes", "at most 2^30"}},
+      {"resume host.saved", 2, {"checkpoint 'host.saved' is of a simulation in C++", "Simulation::load"}},
+      {"resume words.saved", 2, {"the command line that a checkpoint holds cannot be read", "--nonsense"}},
+      {"sweep ends.json --vary run.tolerance=1e-6,1e-7 --resume --record kind.csv",
+       8,
+       {"the sweep of 'kind.csv.sweep' cannot be gone on with: the file is no sweep's", "leave out --resume"}},
+      {"sweep ends.json --vary run.tolerance=1e-6,1e-7 --resume --record other.csv",
+       8,
+       {"it was begun by `lockstep sweep other.json`", "leave out --resume to begin anew"}},
       {"modes ends.json --at 0.5", 3, {"the run ended at t = 0.2 s, by 'end'", "give an instant --at before it"}},
       {"check damped.json", 3, {"run.integrator.rho_infinity: it is 2", "between 0 (all damped) and 1 (nothing)"}},
       {"check includes.json", 3, {"include[0].scene: \"list.json\" holds no object"}},

@@ -182,6 +182,13 @@ TEST_CASE("a robot that is no tree, or has sizes that cannot be, is refused by n
   check_words(robot(picture("<box size='1 0 1'/>"), "1", joint), {"link 'b', visual, size: an edge is not above 0"});
   check_words(robot("", "1", ""), {"several links are the child of no joint: 'a' and 'b'"});
   check_words(robot("", "1", joint + back), {"its joints go in a circle"});
+  check_words(robot("", "1", joint + "<joint name='two' type='fixed'><parent link='a'/><child link='b'/></joint>"),
+              {"link 'b' is the child of two joints, 'j' and 'two'"});
+  check_words(robot("", "1", "<joint name='j' type='fixed'><child link='b'/></joint>"),
+              {"joint 'j': it has no <parent>"});
+  check_words(robot(picture("<box size='1 1 1 1'/>"), "1", joint), {"size: \"1 1 1 1\" has more than 3 numbers"});
+  check_words(robot("<inertial><mass value='2'/></inertial>", "1", joint),
+              {"link 'b': it has a mass and no <inertia>", "give it one"});
 }
 
 TEST_CASE("what links of a robot look like goes with their bodies", "[unit][scene]") {

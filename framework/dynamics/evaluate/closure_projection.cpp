@@ -57,7 +57,7 @@ double Dynamics::Tree::project_velocity(System& system, State& state, double goa
 // Starts from Cd at this state. A factor of a position before serves while each round leaves a tenth at most; with one of
 // this position the proximal term alone leaves something.
 double Dynamics::Tree::velocities(State& state, bool factored, double goal) {
-  goal = velocity_goal(goal, largest(&Motion::v));
+  goal = velocity_goal(goal, std::max(largest(&Motion::v), largest(&Motion::w)));
   const double first = closures().norm(Cd);
   double left = first;
   bool old = factored;

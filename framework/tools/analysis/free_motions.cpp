@@ -30,14 +30,14 @@ FreeSpace free_space(MatX Jt) {
   MatX Q = MatX::Identity(n, n);
   Q = qr.householderQ() * Q;
   out.N = Q.rightCols(n - out.rank);
+  out.circuits.resize(rows, rows - out.rank);
+  if (out.circuits.cols() == 0) return out;
   MatX circuits(rows, rows - out.rank);
-  if (circuits.cols() > 0) {
-    circuits.topRows(out.rank) = -qr.matrixR()
-                                      .topLeftCorner(out.rank, out.rank)
-                                      .triangularView<Eigen::Upper>()
-                                      .solve(MatX(qr.matrixR().topRightCorner(out.rank, rows - out.rank)));
-    circuits.bottomRows(rows - out.rank).setIdentity();
-  }
+  circuits.topRows(out.rank) = -qr.matrixR()
+                                    .topLeftCorner(out.rank, out.rank)
+                                    .triangularView<Eigen::Upper>()
+                                    .solve(MatX(qr.matrixR().topRightCorner(out.rank, rows - out.rank)));
+  circuits.bottomRows(rows - out.rank).setIdentity();
   out.circuits = sizes.cwiseInverse().asDiagonal() * MatX(qr.colsPermutation() * circuits);
   return out;
 }

@@ -42,9 +42,13 @@ Normal normal_of(const QuadraticProblem& p) {
   return n;
 }
 
-MatX back(const Normal& n, const MatX& z) { return n.L.transpose().triangularView<Eigen::Upper>().solve(z); }
+// Of none there are none: Eigen would look at numbers that are not there.
+MatX back(const Normal& n, const MatX& z) {
+  return z.size() == 0 ? z : MatX(n.L.transpose().triangularView<Eigen::Upper>().solve(z));
+}
 MatXc back(const Normal& n, const MatXc& z) {
   MatXc y(z.rows(), z.cols());
+  if (y.size() == 0) return y;
   y.real() = back(n, MatX(z.real())), y.imag() = back(n, MatX(z.imag()));
   return y;
 }

@@ -91,11 +91,11 @@ bool TreeBatch::project_positions(double* y, const Numbers8& t, const Flags8& wa
 // term alone leaves something. Copies whose velocities are not met then go on alone.
 void TreeBatch::project_velocities(double* y, const Numbers8& t, const Flags8& wanted, bool factored,
                                    std::array<Landing, kLanes>& landed) {
-  const Numbers8 v_max = largest_of(moving::v), first = closures_.norm_Cd();
+  const Numbers8 v_max = largest_of(moving::v), w_max = largest_of(moving::w), first = closures_.norm_Cd();
   Numbers8 left = first, goal;
   Flags8 going = wanted;
   for (std::size_t l = 0; l < kL; ++l) {
-    goal[l] = velocity_goal(1e-3 * stabilization_.tolerance, v_max[l]);
+    goal[l] = velocity_goal(1e-3 * stabilization_.tolerance, std::max(v_max[l], w_max[l]));
     going[l] = wanted[l] && !(left[l] <= goal[l]);
   }
   bool old = factored;

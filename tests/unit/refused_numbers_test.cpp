@@ -1,0 +1,102 @@
+// States and numbers that cannot be where they are met: what feeds a rate, who reads what, how many unknowns.
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <span>
+#include <utility>
+
+#include <lockstep/assembly.h>
+#include <lockstep/error.h>
+#include <lockstep/frame_laws.h>
+#include <lockstep/integrators.h>
+#include <lockstep/joints.h>
+#include <lockstep/kinematics.h>
+#include <lockstep/laws.h>
+#include <lockstep/solvers.h>
+#include <lockstep/splines.h>
+#include <lockstep/step_loop.h>
+#include "tests/support/catch.h"
+#include "tests/support/copies_of.h"
+#include "tests/support/messages.h"
+
+namespace refused_numbers_test {
+
+using namespace lockstep;
+using lockstep::testing::check_words, lockstep::testing::message_of;
+
+namespace {
+
+/// An integrated state whose rate is no number from 0.2 s on.
+class Fed final : public Auxiliary {
+ public:
+  Fed() : Auxiliary("charge") {}
+  int size() const override { return 1; }
+  bool reads_solution() const override { return false; }
+  void rates(const Evaluated& e, std::span<double> sd) const override {
+    sd[0] = e.in.t < 0.2 ? 1 : std::numeric_limits<double>::quiet_NaN();
+  }
+};
+
+}  // namespace
+
+TEST_CASE("an integrated state whose rate is no number is told by name", "[unit][refusals]") {
+  for (const Formulation formulation : {Formulation::joint, Formulation::omega}) {
+    const std::unique_ptr<System> system = test::chain(2, 0);
+    system->add(std::make_unique<Fed>());
+    Dynamics dynamics(*system, std::make_unique<SchurSolver>(), {.formulation = formulation, .stabilization = {}});
+    StepLoop loop(dynamics, std::make_unique<Dopri5>());
+    check_words(message_of<Error>([&] { loop.run_until(1); }),
+                {"the integrated state 'charge' has a rate that is not finite", "look at what feeds it"});
+    CHECK(loop.state().t <= 0.2);
+  }
+}
+
+TEST_CASE("a motion that laws are to determine has no integrated states besides", "[unit][refusals]") {
+  const std::unique_ptr<System> system = test::chain(1, 0);
+  static_cast<MarkerLock&>(*system->links()[0]).drive(Axis::rz, laws::sine({.amplitude = 0.5, .omega = 2}));
+  system->add(std::make_unique<Fed>());
+  Dynamics dynamics(*system, std::make_unique<SchurSolver>());
+  State start = system->start();
+  assemble(dynamics, start);
+  check_words(message_of<ModelError>([&] { DrivenMotion(dynamics, start); }),
+              {"not determined by laws", "'charge' is integrated over time", "needs a run; leave it out"});
+}
+
+TEST_CASE("a pose is not set in a state in joint coordinates", "[unit][refusals]") {
+  const std::unique_ptr<System> system = test::chain(2, 0);
+  Dynamics dynamics(*system, std::make_unique<SchurSolver>(), {.formulation = Formulation::joint, .stabilization = {}});
+  State state = system->start();
+  dynamics.to_formulation(state);
+  REQUIRE(state.coordinates);
+  const VecX before = state.q;
+  check_words(message_of<ModelError>([&] { state.set_slot_pose(0, {}); }),
+              {"a pose or twist cannot be set", "of the formulation 'joint'", "Dynamics::to_slots"});
+  check_words(message_of<ModelError>([&] { state.set_slot_twist(0, {}); }), {"a pose or twist cannot be set"});
+  CHECK(state.q == before);
+  dynamics.to_slots(state);
+  state.set_slot_pose(0, pose_at(Vec3(1, 2, 3)));
+  CHECK(state.q.head<3>() == Vec3(1, 2, 3));
+}
+
+TEST_CASE("weighted starts of very many bodies are refused by the number of unknowns", "[unit][refusals]") {
+  const std::unique_ptr<System> system = test::chain(251, 0);
+  Dynamics dynamics(*system, std::make_unique<SparseSolver>());
+  State start = system->start();
+  check_words(
+      message_of<ModelError>([&] { assemble(dynamics, start, {}, {.poses = {{.body = "rod 0", .weight = 2}}}); }),
+      {"1506 unknowns are more than 1500", "leave them out and give poses that fit"});
+}
+
+// 2.8 rad in 0.07 s after slow ones: before them the curve of the quaternions swings through zero.
+TEST_CASE("a spline of orientations that turn too far is refused with both instants", "[unit][refusals]") {
+  SplineRotation::Points points;
+  for (const auto& [t, angle] :
+       {std::pair(0.0, 0.0), std::pair(1.83, 2.28), std::pair(3.4, 3.71), std::pair(3.47, 6.51)})
+    points.emplace_back(t, axis_angle(Vec3(1, 0, 0), angle));
+  check_words(message_of<ParameterError>([&] { laws::spline_rotation(points); }),
+              {"spline_rotation", "points", "turn too far between 0 s and 1.83 s", "give orientations between them"});
+  points.back().first = 5;
+  CHECK(message_of<ParameterError>([&] { laws::spline_rotation(points); }) == "no error");
+}
+
+}  // namespace refused_numbers_test
