@@ -111,6 +111,7 @@ void Rattle::refuse_unsuited(Dynamics& dynamics, const State& state) const {
 }
 
 StepReport Rattle::step(Dynamics& dynamics, State& state, double h) {
+  dynamics.system().check_size(state);
   const bool quadratures = state.s.size() > 0;
   if (quadratures) dynamics.rate(state, rate0_);
   if (restored_ && goes_on_from(state)) factor_again(dynamics);

@@ -272,6 +272,38 @@ void loop_with(const StepLoopOptions& options) {
 
 }  // namespace
 
+TEST_CASE("a state of another size is refused by whoever takes one, not written past", "[unit][refusals]") {
+  Driven driven;
+  driven.system.setup();
+  const auto cut = GENERATE(0, 1, 2);
+  CAPTURE(cut);
+  State wrong = driven.system.start();
+  if (cut == 0) wrong.q.conservativeResize(3);
+  if (cut == 1) wrong.v.conservativeResize(2);
+  if (cut == 2) wrong = State{};
+  Dynamics dynamics = driven.dynamics(), joint = driven.dynamics(Formulation::joint);
+  const std::vector<std::string> words{"a state of", "does not fit"};
+  const auto refused = [&](const char* what, auto&& call) {
+    INFO(what);
+    State s = wrong;
+    check_words(message_of<ModelError>([&] { call(s); }), words);
+  };
+  refused("assemble", [&](State& s) { assemble(dynamics, s); });
+  refused("project", [&](State& s) { dynamics.project(s); });
+  refused("project_velocity", [&](State& s) { dynamics.project_velocity(s); });
+  if (cut < 2) refused("normalize", [&](State& s) { dynamics.normalize(s); });
+  if (cut < 2) refused("advance", [&](State& s) { dynamics.advance(s, 0.1, driven.system.start().v); });
+  if (cut < 2) refused("to_formulation", [&](State& s) { joint.to_formulation(s); });
+  refused("set_state", [&](State& s) { StepLoop(dynamics, std::make_unique<Dopri5>()).set_state(s); });
+  for (const char* name :
+       {"dopri5", "dop853", "rk4", "radau5", "rattle2", "generalized_alpha", "semi_implicit_euler"}) {
+    const std::unique_ptr<Integrator> method = make_integrator({name}, builtin_registry(), "test");
+    refused(name, [&](State& s) { method->begin(dynamics, s); });
+    method->begin(dynamics, driven.system.start());
+    refused(name, [&](State& s) { method->step(dynamics, s, 1e-3); });
+  }
+}
+
 TEST_CASE("a run refuses settings and states that cannot be", "[unit][refusals]") {
   Driven driven;
   Dynamics dynamics = driven.dynamics();

@@ -10,6 +10,7 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/evaluate/joint_coordinates.h"  // complete where a Dynamics is made
+#include "framework/dynamics/evaluate/slot_coordinates.h"
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
@@ -167,6 +168,7 @@ double Dynamics::violation_v(const State& state) {
 ProjectReport Dynamics::project(State& state) { return project(state, 1e-2 * options_.stabilization.tolerance); }
 
 ProjectReport Dynamics::project(State& state, double goal) {
+  check_state(system_, state);
   if (state.coordinates) return project_joint(state, goal);
   Evaluation& e = own(state);
   const ProjectReport report = projection_.project(e, factor_, state, goal);
@@ -195,6 +197,7 @@ ProjectReport Dynamics::project_joint(State& state, double goal) {
 }
 
 double Dynamics::project_velocity(State& state) {
+  check_state(system_, state);
   const double goal = 1e-3 * options_.stabilization.tolerance;
   if (!state.coordinates) return projection_.project_velocity(own(state), factor_, state, goal);
   if (!state.coordinates->has_rows()) return 0;

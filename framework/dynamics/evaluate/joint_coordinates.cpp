@@ -26,6 +26,17 @@ void write_rates(std::span<const Motion> motions, const VecX& a, StateRate& out)
   }
 }
 
+// The rates of those that laws move while others are free, likewise.
+void write_followed(std::span<const int> slots, std::span<const Motion> motions, const VecX& a, VecX& out) {
+  Eigen::Index at = 0;
+  for (const int slot : slots) {
+    const Motion& O = motions[static_cast<std::size_t>(slot + 1)];
+    out.segment<3>(at) = O.v, out.segment<3>(at + 3) = O.A * O.w;
+    out.segment<3>(at + 6) = a.segment<3>(6 * slot), out.segment<3>(at + 9) = O.A * a.segment<3>(6 * slot + 3);
+    at += 12;
+  }
+}
+
 }  // namespace
 
 Dynamics::~Dynamics() = default;
@@ -114,6 +125,7 @@ const Lock* Dynamics::miscounts(const State& from, const State& to, double most)
 void Dynamics::to_formulation(State& state, const State* near) {
   if (options_.formulation != Formulation::joint && options_.formulation != Formulation::automatic)
     return to_slots(state);
+  check_state(system_, state);
   const std::shared_ptr<const JointTree> wanted = tree(state.modes).coordinates;
   if (state.coordinates == wanted) return;
   to_slots(state);
@@ -130,6 +142,7 @@ bool Dynamics::has_current_coordinates(const State& state) {
 
 void to_slot_coordinates(const System& system, State& state) {
   if (!state.coordinates) return;
+  system.check_size(state);
   std::vector<Motion> motions;
   system.motions(state, motions);
   // Made beside: where memory ends, Eigen's resize leaves a vector that points to what it has freed.
@@ -178,6 +191,11 @@ void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* repo
     t.recursion->accelerations(*t.coordinates, t.motions, t.a), write_rates(t.motions, t.a, out);
   else
     t.coordinates->kinematic_rate(state, out.q);
+  if (const std::span<const int> slots = t.coordinates->followed();
+      out.followed.size() > 0 && out.followed.size() == 12 * static_cast<Eigen::Index>(slots.size())) {
+    t.recursion->accelerations(*t.coordinates, t.motions, t.a);
+    write_followed(slots, t.motions, t.a, out.followed);
+  }
   out.s.resize(state.s.size());
   if (state.s.size() > 0) {
     if (t.solves && (solved || !t.multipliers_known || (t.reads_all && t.coordinates->may_be_redundant()))) {

@@ -6,6 +6,12 @@
 
 namespace lockstep {
 
+/// Sets up the system if need be; throws ModelError where the state is of another one.
+inline void check_state(System& system, const State& state) {
+  system.setup();
+  system.check_size(state);
+}
+
 /// Takes a state to the slots' own coordinates, if it is in others: poses and velocities are kept.
 LOCKSTEP_API void to_slot_coordinates(const System&, State&);
 

@@ -49,6 +49,7 @@ AdaptiveStepper::AdaptiveStepper(int order, std::unique_ptr<StepControl> control
 AdaptiveStepper::~AdaptiveStepper() = default;
 
 void AdaptiveStepper::begin(Dynamics& dynamics, const State& state) {
+  dynamics.system().check_size(state);
   start_ = end_ = landed_ = state;
   norm_.set_states(dynamics.system().n_error_controlled_states());
   norm_.scale(state, 1.0);
@@ -56,6 +57,7 @@ void AdaptiveStepper::begin(Dynamics& dynamics, const State& state) {
 }
 
 StepReport AdaptiveStepper::step(Dynamics& dynamics, State& state, double h) {
+  dynamics.system().check_size(state);
   StepReport report;
   const double asked = h;
   int failures = 0;

@@ -101,7 +101,9 @@ bool Stages::evaluate(Dynamics& dynamics, const State& y, double h, int first, i
 
 void Stages::put(int i, const StateRate& k) {
   const auto at = static_cast<std::size_t>(i);
+  const Eigen::Index followed = k_[at].followed.size();
   k_[at] = k;
+  if (k.followed.size() != followed) k_[at].followed.setZero(followed);
   conditioning_[at] = {};
 }
 
@@ -122,6 +124,7 @@ void Stages::sum(double h, const Weights& w, StateRate& out) const {
   add_part(nullptr, k_.data(), &StateRate::q, h, w, out.q);
   add_part(nullptr, k_.data(), &StateRate::v, h, w, out.v);
   add_part(nullptr, k_.data(), &StateRate::s, h, w, out.s);
+  add_part(nullptr, k_.data(), &StateRate::followed, h, w, out.followed);
 }
 
 ProjectReport project_end(Dynamics& dynamics, State& y, StagesOn on) {
@@ -157,7 +160,9 @@ double combined_error(double e5, double e3) {
 
 StateRate sized_like(const State& y) {
   const Eigen::Index alone = y.coordinates && y.v.size() == 0 ? 6 * y.coordinates->n_slots() : 0;  // rates of the slots
-  return {VecX::Zero(y.q.size() + alone), VecX::Zero(y.v.size() + alone), VecX::Zero(y.s.size())};
+  const auto followed = y.coordinates ? static_cast<Eigen::Index>(y.coordinates->followed().size()) : 0;
+  return {VecX::Zero(y.q.size() + alone), VecX::Zero(y.v.size() + alone), VecX::Zero(y.s.size()),
+          VecX::Zero(12 * followed)};
 }
 
 void copy_motion(const State& in, State& out) {

@@ -118,6 +118,12 @@ double ErrorNorm::of(const StateRate& error, const State& y1) {
       c.take(x, r, v, w.squaredNorm());
       sum += x + r + v + w.squaredNorm();
     }
+    for (Eigen::Index k = 0; k < error.followed.size();
+         k += 12) {  // what laws move has an error as if it were integrated
+      const auto part = [&](Eigen::Index at) { return squared(error.followed.data() + k + at); };
+      c.take(part(0), part(3), part(6), part(9));
+      sum += part(0) + part(3) + part(6) + part(9);
+    }
   } else {
     const Eigen::Index n = y1.v.size() / 6;
     const double *d = error.q.data(), *q = y1.q.data();

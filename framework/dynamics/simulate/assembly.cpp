@@ -281,6 +281,7 @@ void find_positions(Dynamics& dynamics, State& work, const AssemblyOptions& opti
 
 void assemble_positions(Dynamics& dynamics, State& state, const AssemblyOptions& options) {
   AssemblyReport report;
+  dynamics.system().check_size(state);
   State work = state;
   Assembler assembler(dynamics, work, options);
   find_positions(dynamics, work, options, assembler, report);
@@ -290,6 +291,7 @@ void assemble_positions(Dynamics& dynamics, State& state, const AssemblyOptions&
 AssemblyReport assemble(Dynamics& dynamics, State& state, const std::vector<VelocityTarget>& targets,
                         const AssemblyOptions& options) {
   AssemblyReport report;
+  dynamics.system().check_size(state);
   State work = state;
   Assembler assembler(dynamics, work, options);
   find_positions(dynamics, work, options, assembler, report);

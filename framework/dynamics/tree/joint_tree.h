@@ -86,6 +86,7 @@ class LOCKSTEP_API JointTree final : public Coordinates {
   int n_v() const override { return n_v_; }
   int n_slots() const override { return static_cast<int>(nodes_.size()); }
   bool has_laws() const override { return has_laws_; }
+  std::span<const int> followed() const override { return followed_; }
   bool has_rows() const override { return has_rows_; }
   void motions(const State&, std::span<Motion> out) const override;
   Motion motion(const State&, int slot) const override;
@@ -139,6 +140,7 @@ class LOCKSTEP_API JointTree final : public Coordinates {
   std::vector<CountedTurn> counted_;
   std::shared_ptr<const PlanarJoints> planar_;
   int n_q_ = 0, n_v_ = 0;
+  std::vector<int> followed_;  // slots
   bool has_laws_ = false, has_rows_ = false, may_be_redundant_ = false;
 };
 

@@ -136,9 +136,12 @@ LOCKSTEP_API void take_motion(State& in, State& out);
 
 // Error norm and step size control (framework/docs/solvers.md, section 7), and the limits of every adaptive step.
 
-/// What errors of a body are held against: of its position, m, orientation, rad, velocity, m/s, angular velocity, rad/s.
+/// What errors of a body are held against.
 struct BodyWeights {
-  double x = 1, r = 1, v = 1, w = 1;
+  double x = 1,  ///< of its position, m
+      r = 1,     ///< of its orientation, rad
+      v = 1,     ///< of its velocity, m/s
+      w = 1;     ///< of its angular velocity, rad/s
 };
 
 /// Measures the error of a step in tolerances. There is one weight per quantity, the same for all bodies:

@@ -23,7 +23,22 @@ void get_state(State& state, const Snapshot& in) {
   in.get_all(state.modes), in.get_all(state.watched);
 }
 
+namespace {
+
+// Numbers of another count would be written past.
+void check(const State& state, const VecX& v, const char* what) {
+  const auto n_q = state.coordinates ? state.coordinates->n_q() : 7 * (state.q.size() / 7);
+  const auto n_v = state.coordinates ? state.coordinates->n_v() : 6 * (state.q.size() / 7);
+  if (state.q.size() != n_q || v.size() != n_v)
+    throw ModelError(std::string(what) + ": a state of " + std::to_string(state.q.size()) +
+                     " coordinates does not fit " + std::to_string(v.size()) +
+                     " velocities; begin from System::start()");
+}
+
+}  // namespace
+
 void advance_state(State& state, double h, const VecX& v) {
+  check(state, v, "advance_state");
   if (state.coordinates) return state.coordinates->advance(state, h, v);
   for (int k = 0; 6 * k < v.size(); ++k) {
     state.q.segment<3>(7 * k) += h * v.segment<3>(6 * k);
@@ -33,11 +48,13 @@ void advance_state(State& state, double h, const VecX& v) {
 }
 
 void normalize_state(State& state) {
+  check(state, state.v, "normalize_state");
   if (state.coordinates) return state.coordinates->normalize(state);
   for (int k = 0; 7 * k < state.q.size(); ++k) state.q.segment<4>(7 * k + 3).normalize();
 }
 
 void kinematic_rate(const State& state, VecX& qd) {
+  check(state, state.v, "kinematic_rate");
   if (state.coordinates) return state.coordinates->kinematic_rate(state, qd);
   qd.resize(state.q.size());
   for (int k = 0; 7 * k < state.q.size(); ++k) {

@@ -47,6 +47,7 @@ void Batch::put(int lane, const State& state, double* y) const {
   double* to = y + lane;
   for (const VecX* part : {&state.q, &state.v, &state.s})
     for (Eigen::Index i = 0; i < part->size(); ++i, to += kLanes) *to = (*part)[i];
+  for (std::size_t i = 0; i < n_followed_; ++i, to += kLanes) *to = 0;
 }
 void Batch::get(int lane, const double* y, State& state) const {
   const double* from = y + lane;
@@ -55,7 +56,7 @@ void Batch::get(int lane, const double* y, State& state) const {
 }
 void Batch::get(int lane, const double* rate, StateRate& out) const {
   const double* from = rate + lane;
-  for (VecX* part : {&out.q, &out.v, &out.s})
+  for (VecX* part : {&out.q, &out.v, &out.s, &out.followed})
     for (Eigen::Index i = 0; i < part->size(); ++i, from += kLanes) (*part)[i] = *from;
 }
 

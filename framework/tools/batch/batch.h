@@ -1,6 +1,7 @@
 // Batch: up to eight copies and their data, one copy per lane. Private to the room.
 //
-// Arrays of states and rates have n() packs: q, v, s as in State, in the batch's own coordinates. Unused lanes repeat the
+// Arrays of states and rates have n() packs: q, v, s and followed as in State and StateRate, in the batch's own coordinates
+// (the last means nothing in a state). Unused lanes repeat the
 // first copy.
 #pragma once
 
@@ -41,7 +42,7 @@ class LOCKSTEP_API Batch {
   int first() const { return first_; }
   const Passes& passes() const { return pass_; }
   System& system(int lane) const { return *systems_[static_cast<std::size_t>(lane)]; }
-  std::size_t n() const { return n_q_ + n_v_ + n_s_; }
+  std::size_t n() const { return n_q_ + n_v_ + n_s_ + n_followed_; }
   std::size_t n_numbers() const { return kLanes * n(); }
 
   /// Copies a state (q, v, s) to its lane of an array, and back.
@@ -119,7 +120,7 @@ class LOCKSTEP_API Batch {
   void state_rates(const double* y, const Numbers8& t, double* rate);
 
   int n_ = 0, first_ = 0;
-  std::size_t n_q_, n_v_, n_s_;
+  std::size_t n_q_, n_v_, n_s_, n_followed_ = 0;
   std::array<System*, kLanes> systems_{};
   Passes pass_;
   bool watches_ = false, has_forces_ = false;

@@ -91,6 +91,7 @@ TreeBatch::TreeBatch(std::span<System* const> systems, int first, const Trees& t
   z_.varied = size(varied_, varied::size * (n + 1)), size(start_, end::size * n), size(now_, end::size * n);
   if (has_forces_) z_.wrench = wrench_.data();
   closures_.begin(systems_, layouts, pass_);
+  n_followed_ = 12 * trees_.front()->followed().size();
   node_of_.resize(n);
   for (std::size_t k = 0; k < n; ++k) node_of_[static_cast<std::size_t>(plan_.nodes[k].slot)] = k;
   fill_joints();
@@ -193,7 +194,7 @@ void TreeBatch::fill_closures(const double* y, const Numbers8& t) {
 }
 
 Flags8 TreeBatch::evaluate(const double* y, const Numbers8& t, double* rate) {
-  move(y, t, reads_motions_ || !closures_.empty());
+  move(y, t, reads_motions_ || n_followed_ > 0 || !closures_.empty());
   fill_wrench(y, t);
   Flags8 failed{};
   if (closures_.empty()) {
@@ -204,9 +205,24 @@ Flags8 TreeBatch::evaluate(const double* y, const Numbers8& t, double* rate) {
     if (watches_) closures_.see_pivots();
   }
   state_rates(y, t, rate);
+  follow_laws(rate);
   for (std::size_t l = 0; l < kL; ++l)
     failed[l] = failed[l] || lost_[l] || !std::isfinite(largest_[l] + largest_[kL + l]);
   return failed;
+}
+
+// Rates of the slots that laws move, after q, v and s.
+void TreeBatch::follow_laws(double* rate) const {
+  if (n_followed_ == 0) return;
+  double* to = rate + kL * (n_q_ + n_v_ + n_s_);
+  for (std::size_t k = 0; k < plan_.nodes.size(); ++k) {
+    if (!plan_.nodes[k].has_law && !plan_.nodes[k].moving) continue;
+    const double* slot = moving_.data() + kL * moving::size * (k + 1);
+    for (const std::size_t part : {moving::v, moving::w, moving::a, moving::al}) {
+      std::copy_n(slot + kL * part, 3 * kL, to);
+      to += 3 * kL;
+    }
+  }
 }
 
 void TreeBatch::watch_pivots() { watches_ = !closures_.empty() && has_loops(*systems_[0], systems_[0]->start().modes); }
@@ -255,6 +271,15 @@ Flags8 TreeBatch::change_to(const double* y, const Numbers8& t, const Numbers8& 
 void TreeBatch::weigh(const double* error, std::array<Change, kLanes>& out) {
   passes().vary(plan_, z_, error, sizes_.data());
   read(out);
+  const double* slot = error + kL * (n_q_ + n_v_ + n_s_);
+  for (std::size_t k = 0; k < n_followed_; k += 12, slot += 12 * kL)
+    for (std::size_t l = 0; l < kL; ++l) {
+      const auto squared = [&](std::size_t at) {
+        const double *x = slot + kL * at + l, *y = x + kL, *z = y + kL;
+        return *x * *x + *y * *y + *z * *z;
+      };
+      out[l].take(squared(0), squared(3), squared(6), squared(9));
+    }
 }
 
 void TreeBatch::read(std::array<Change, kLanes>& out) const {

@@ -37,6 +37,7 @@ class LOCKSTEP_API TreeBatch final : public Batch {
   const JointTree& tree(int lane) const { return *trees_[static_cast<std::size_t>(lane)]; }
   void read_motion(int lane, int slot, Motion& out) const override;
   void fill_joints();
+  void follow_laws(double* rate) const;
   void fill_laws(const double* y, const Numbers8& t);
   void fill_laws_of(std::size_t node, int lane, double t);
   void fill_closures(const double* y, const Numbers8& t);

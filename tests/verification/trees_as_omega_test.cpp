@@ -1,0 +1,157 @@
+// Where joint coordinates could be the worse ones: joints of several coordinates with slender bars and heavy ends, and
+// bodies that laws move beside others that are free. Against omega and closed forms.
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <lockstep/batch.h>
+#include <lockstep/body.h>
+#include <lockstep/integrators.h>
+#include <lockstep/joints.h>
+#include <lockstep/laws.h>
+#include <lockstep/recorder.h>
+#include <lockstep/solvers.h>
+#include <lockstep/step_loop.h>
+#include "tests/support/catch.h"
+#include "tests/support/random_bodies.h"
+#include "tests/support/worst.h"
+
+namespace trees_as_omega_test {
+
+using namespace lockstep;
+using testing::accelerations, testing::largest;
+
+namespace {
+
+constexpr double kG = 9.81;
+
+Dynamics dynamics_of(System& system, Formulation formulation) {
+  return Dynamics(system, std::make_unique<SchurSolver>(), {.formulation = formulation, .stabilization = {}});
+}
+
+/// Rods of 1 kg and 1 m end to end along x, each on a ball; the last weighs `load`.
+System bars(int n, double load) {
+  System system({.gravity = Vec3(0, -kG, 0.3)});
+  Body* last = &system.ground();
+  for (int i = 0; i < n; ++i) {
+    const std::string k = std::to_string(i);
+    const double m = i + 1 < n ? 1.0 : load;
+    Body& rod = system.add_body("rod" + k, {m, Vec3::Zero(), (m * Vec3(1e-4, 1.0 / 12, 1.0 / 12)).asDiagonal()},
+                                {Vec3(i + 0.5, 0, 0), {}});
+    system.add<Spherical>("ball" + k, rod, *last, pose_at(Vec3(i, 0, 0), Vec3(0.3, 1, 0.2)));
+    last = &rod;
+  }
+  return system;
+}
+
+/// A pendulum of 1 kg and 1 m, and apart from it a hinge about the vertical that a law swings, 1 rad at 60 rad/s.
+System beside() {
+  System system({.gravity = Vec3(0, 0, -kG)});
+  Body& arm = system.add_body("arm", {2.0, Vec3::Zero(), Vec3(0.1, 0.2, 0.3).asDiagonal()}, {Vec3(3, 0, 0), {}});
+  Body& bob = system.add_body("bob", {1.0, Vec3::Zero(), Vec3(0.01, 0.1, 0.1).asDiagonal()}, {Vec3(1, 0, 0), {}});
+  system.add<Revolute>("pin", bob, system.ground(), pose_at(Vec3::Zero(), Vec3(0, 1, 0)));
+  system.add<Revolute>("hinge", arm, system.ground(), pose_at(Vec3(2.5, 0, 0)))
+      .drive(Axis::rz, laws::sine({.amplitude = 1, .omega = 60}));
+  return system;
+}
+
+template <class Method>
+SimulationReport run(System& system, Formulation formulation, Tolerance tolerance, double until,
+                     Recorder* recorder = nullptr) {
+  Dynamics dynamics = dynamics_of(system, formulation);
+  StepLoop loop(dynamics, std::make_unique<Method>(), {.tolerance = tolerance, .output = until / 20});
+  loop.set_state(system.start());
+  if (recorder) loop.add_observer(*recorder);
+  loop.run_until(until);
+  CHECK((loop.state().coordinates != nullptr) == (formulation != Formulation::omega));
+  return loop.report();
+}
+
+}  // namespace
+
+TEST_CASE("bars on balls turn about their own axes as exactly as in omega, whatever hangs on them",
+          "[verification][joint]") {
+  const auto [n, load] =
+      GENERATE(std::pair(1, 1.0), std::pair(3, 1.0), std::pair(10, 1.0), std::pair(30, 1.0), std::pair(4, 1000.0));
+  CAPTURE(n, load);
+  System system = bars(n, load);
+  Dynamics joint = dynamics_of(system, Formulation::joint), omega = dynamics_of(system, Formulation::omega);
+  State state = system.start();
+  joint.to_formulation(state);
+  testing::Draw draw(7);
+  for (Eigen::Index i = 0; i < state.q.size(); ++i) state.q[i] += draw.number(-0.3, 0.3);
+  state.coordinates->normalize(state);
+  for (Eigen::Index i = 0; i < state.v.size(); ++i) state.v[i] = draw.number(-1, 1);
+  StateRate rate;
+  joint.rates(state, rate);
+  const VecX a = accelerations(joint, state, rate);
+  joint.to_slots(state);
+  const VecX expected = accelerations(omega, state);
+  CHECK(largest(a - expected) < 1e-10 * largest(expected));
+}
+
+TEST_CASE("bars on balls take the steps that they take in omega", "[verification][joint]") {
+  const auto [n, load] = GENERATE(std::pair(4, 1000.0), std::pair(6, 1.0));
+  CAPTURE(n, load);
+  System system = bars(n, load);
+  const Tolerance tolerance{1e-10, 1e-12};
+  const SimulationReport joint = run<Dop853>(system, Formulation::joint, tolerance, 0.5),
+                         omega = run<Dop853>(system, Formulation::omega, tolerance, 0.5);
+  CHECK(joint.steps < 1.2 * omega.steps + 5);
+}
+
+TEST_CASE("what laws move beside what is free has the errors that it has in omega", "[verification][joint]") {
+  System system = beside();
+  const SimulationReport omega = run<Dopri5>(system, Formulation::omega, {1e-6, 1e-8}, 1);
+  Recorder recorder(system, {"hinge.drive.work"});
+  const SimulationReport joint = run<Dopri5>(system, Formulation::automatic, {1e-6, 1e-8}, 1, &recorder);
+  CHECK(joint.steps > 0.5 * omega.steps);
+  CHECK(joint.steps < 1.2 * omega.steps);
+  // 1/2 (J + m r^2) (theta'^2 - theta'_0^2) about the vertical: J = 0.3, m = 2, r = 0.5
+  const Table t = recorder.table();
+  double worst = 0;
+  for (std::size_t i = 0; i < t.n_rows(); ++i) {
+    const double rate = 60 * std::cos(60 * 0.05 * static_cast<double>(i));
+    keep_worst(worst, std::abs(t["hinge.drive.work"][i] - 0.5 * 0.8 * (rate * rate - 3600)));
+  }
+  CHECK(worst < 1e-4 * 1440);
+}
+
+TEST_CASE("a condition on what a law moves beside what is free is met when its closed form says so",
+          "[verification][joint]") {
+  System system = beside();
+  Dynamics dynamics = dynamics_of(system, Formulation::automatic);
+  StepLoop loop(dynamics, std::make_unique<Dopri5>());
+  loop.set_state(system.start());
+  const Channel angle = make_channel(system, "hinge.angle_z");
+  loop.add_event({.name = "high", .value = [&](const Sample& s) { return angle.value(s) - 0.99; }, .stop = true});
+  loop.run_until(1);
+  CHECK(loop.state().t == Approx(std::asin(0.99) / 60).epsilon(1e-6));
+}
+
+TEST_CASE("in lanes what laws move beside what is free takes the steps that it takes alone", "[verification][joint]") {
+  const auto method = GENERATE(as<std::string>{}, "dopri5", "dop853");
+  std::vector<std::unique_ptr<System>> systems;
+  std::vector<System*> pointers;
+  std::vector<State> starts;
+  for (int k = 0; k < 3; ++k) {
+    systems.push_back(std::make_unique<System>(beside()));
+    pointers.push_back(systems.back().get());
+    pointers.back()->setup();
+    starts.push_back(pointers.back()->start());
+  }
+  const auto steps = [&](bool lanes) {
+    CopiesOptions options;
+    options.formulation = Formulation::joint, options.integrator = method, options.tolerance = {1e-7, 1e-9};
+    options.lanes = lanes;
+    Copies copies(pointers, options);
+    return copies.run(starts, std::vector<double>{1.0}, [](int, std::size_t, const State&) {}).front().steps;
+  };
+  const long alone = steps(false);
+  CHECK(alone > 100);
+  CHECK(steps(true) == alone);
+}
+
+}  // namespace trees_as_omega_test
