@@ -1,12 +1,17 @@
 // What the command line refuses: the option or the name, its value, and what to write in its place.
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
+
 #include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
 
+#include <lockstep/error.h>
 #include <lockstep/memory.h>
 #include "framework/tools/simulation/checkpoint.h"
 #include "tests/support/catch.h"
+#include "tests/support/messages.h"
 #include "tests/support/paths.h"
 #include "tests/support/program.h"
 
@@ -197,6 +202,24 @@ TEST_CASE("files that cannot be written are refused with the file and the next m
       {"import robot.urdf --out /dev/null/scene.json", 8, {"file '/dev/null/scene.json' cannot be written", "(--out)"}},
       {"run @ --record /dev/null/here/table.csv", 8, {"folder '/dev/null/here' cannot be made", "name another"}},
   });
+}
+
+TEST_CASE("neither a checkpoint nor a report replaces what is no regular file", "[runner]") {
+  const std::string pipe = kRunnerFolder + "/pipe", device = kRunnerFolder + "/device";
+  fs::create_directories(kRunnerFolder);
+  fs::remove(pipe), fs::remove(device);
+  REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+  check_refusals({{"run @ --checkpoint pipe", 8, {"checkpoint 'pipe' would replace", "a pipe; name a file"}}});
+  check_words(message_of<FileError>([&] { write_checkpoint(pipe, {}); }), {"pipe' would replace", "name a file"});
+  CHECK(fs::is_fifo(pipe));
+  CHECK_FALSE(fs::exists(pipe + ".partial"));
+  fs::remove(pipe);
+  if (::mknod(device.c_str(), S_IFCHR | 0600, makedev(1, 3)) != 0) return;  // that of /dev/null; only root makes one
+  check_refusals({{"run @ --until 0.1 --no-picture --report device", 0, {}},
+                  {"run @ --until 0.1 --no-picture --checkpoint device", 8, {"checkpoint 'device' would replace"}}});
+  CHECK(fs::is_character_file(device));
+  CHECK_FALSE(fs::exists(device + ".partial"));
+  fs::remove(device);
 }
 
 }  // namespace runner_refusals_test

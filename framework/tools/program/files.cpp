@@ -160,6 +160,7 @@ void check_checkpoint(const std::string& checkpoint, const std::string& csv, con
     if (own == fs::path(taken).lexically_normal() || partial == fs::path(taken).lexically_normal())
       throw UsageError("--checkpoint: the checkpoint would replace '" + taken + "', a result; name another file");
   refuse_inputs({own, partial}, scene);
+  check_replaceable(checkpoint);
   check_writable(partial.string());
 }
 

@@ -68,17 +68,19 @@ nlohmann::ordered_json json_of(const ReportText& text) {
           {"machine", machine_words()}};
 }
 
-// The file appears when it is whole.
+// The file appears when it is whole. A device or a pipe is written to, and never replaced.
 void write_whole(const std::string& file, const std::string& page) {
-  const std::string partial = file + ".partial";
   std::error_code error;
+  const bool in_place = std::filesystem::exists(file, error) && !std::filesystem::is_regular_file(file, error);
+  const std::string partial = in_place ? file : file + ".partial";
+  error.clear();
   std::ofstream out(partial, std::ios::binary | std::ios::trunc);
   out << page;
   out.close();
-  if (out) std::filesystem::rename(partial, file, error);
+  if (out && !in_place) std::filesystem::rename(partial, file, error);
   if (out && !error) return;
   std::error_code ignored;
-  std::filesystem::remove(partial, ignored);
+  if (!in_place) std::filesystem::remove(partial, ignored);
   throw FileError("report '" + file + "' cannot be written" + (error ? ": " + error.message() : "") +
                   "; check the folder and the space left, or name another file");
 }

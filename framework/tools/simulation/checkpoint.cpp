@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
@@ -54,7 +55,14 @@ std::uint64_t hash_of(std::string_view bytes, std::uint64_t hash) {
   return hash;
 }
 
+void check_replaceable(const std::string& file) {
+  std::error_code none;
+  if (std::filesystem::exists(file, none) && !std::filesystem::is_regular_file(file, none))
+    refuse(file, "would replace a folder, a device or a pipe; name a file");
+}
+
 void write_checkpoint(const std::string& file, const Snapshot& snapshot) {
+  check_replaceable(file);
   Snapshot all;
   all.put_text(kVersion);
   const std::vector<double>&head = all.numbers(), &rest = snapshot.numbers();

@@ -18,6 +18,8 @@ namespace lockstep {
 /// FNV-1a, 64 bits, byte by byte; `hash`: of what came before.
 LOCKSTEP_API std::uint64_t hash_of(std::string_view bytes, std::uint64_t hash = 0xcbf29ce484222325u);
 
+/// Throws FileError where there is something that is no regular file, which a checkpoint would replace.
+LOCKSTEP_API void check_replaceable(const std::string& file);
 /// Writes a checkpoint to FILE.partial, which replaces FILE when it is whole and on the disk. Throws FileError.
 LOCKSTEP_API void write_checkpoint(const std::string& file, const Snapshot&);
 /// Reads a checkpoint. Throws FileError: there is none, it is cut or damaged, or of another version.
