@@ -55,9 +55,19 @@ LOCKSTEP_API void glibcxx_debug();  // -D_GLIBCXX_DEBUG changes the size of cont
 
 }  // namespace lockstep::built_with
 
+// Whether the compiler puts the checks of a sanitizer in: loaders pick variants before these can run. GCC defines a macro
+// for each, Clang has a feature.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define LOCKSTEP_SANITIZED 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) || __has_feature(memory_sanitizer)
+#define LOCKSTEP_SANITIZED 1
+#endif
+#endif
+
 // Before a function of the inner loop: it is compiled for plain x86-64, for AVX with FMA and for AVX-512, and the
 // loader picks the variant for the machine. Everything the function calls in its loops must be LOCKSTEP_INLINE.
-#if defined(__x86_64__) && defined(__linux__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if defined(__x86_64__) && defined(__linux__) && !defined(LOCKSTEP_SANITIZED)
 #define LOCKSTEP_CLONES [[gnu::target_clones("avx512f", "fma", "default")]]
 #else
 #define LOCKSTEP_CLONES
@@ -65,7 +75,7 @@ LOCKSTEP_API void glibcxx_debug();  // -D_GLIBCXX_DEBUG changes the size of cont
 
 // Before a function whose callees (Eigen's) leave inlining to the compiler: all calls are inlined. Not with sanitizers,
 // whose checks would make it a function of minutes of compiling.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef LOCKSTEP_SANITIZED
 #define LOCKSTEP_FLAT
 #else
 #define LOCKSTEP_FLAT [[gnu::flatten]]
@@ -74,7 +84,7 @@ LOCKSTEP_API void glibcxx_debug();  // -D_GLIBCXX_DEBUG changes the size of cont
 // LOCKSTEP_CLONES for functions whose callees (Eigen's) leave inlining to the compiler: all calls are inlined. Clang
 // cannot combine the two and compiles the plain function.
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__linux__) && \
-    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && defined(__OPTIMIZE__)
+    !defined(LOCKSTEP_SANITIZED) && defined(__OPTIMIZE__)
 #define LOCKSTEP_FLAT_CLONES LOCKSTEP_FLAT LOCKSTEP_CLONES
 #else
 #define LOCKSTEP_FLAT_CLONES
