@@ -323,7 +323,12 @@ class ProgramRun {
     }
     sim_.set_state(std::move(start));
     warn_of_settings(loaded_.scene, m_, args_, sim_);
-    if (judged()) warn_of_branches(dynamics_, sim_);
+    if (!judged()) return;
+    warn_of_branches(dynamics_, sim_);
+    constexpr int kFew =
+        300;  // unknown velocities: counting the freedoms of more costs time, that of a run at rest is lost
+    looked_at_freedoms_ = m_.system.n_velocities() <= kFew;
+    if (looked_at_freedoms_) warn_of_no_freedom(m_, dynamics_, sim_, kFew);
   }
 
   [[noreturn]] void fail(const std::exception_ptr& error, const std::exception_ptr& unwritten) {
@@ -345,6 +350,8 @@ class ProgramRun {
 
   // Words, files, pictures, report and certificate of a run that reached its end or was interrupted.
   void conclude(const EndedRun& end, const std::exception_ptr& unwritten) {
+    constexpr int kMost = 3000;  // unknown velocities
+    if (audit_ && !looked_at_freedoms_ && summary_.nothing_moved()) warn_of_no_freedom(m_, dynamics_, sim_, kMost);
     const std::string lines = audit_ ? end_words(end, summary_) : "";
     words_.say("{}", lines);
     if (unwritten) std::rethrow_exception(unwritten);
@@ -407,6 +414,7 @@ class ProgramRun {
   StepLoop sim_;
   Doubts doubts_;
   NearRows near_;
+  bool looked_at_freedoms_ = false;
 };
 
 }  // namespace

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include <lockstep/analysis.h>
+#include <lockstep/lock.h>
 #include <lockstep/step_loop.h>
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/analysis/branch_point.h"
@@ -26,6 +28,41 @@ std::vector<std::string> negative_stiffness(const Scene& scene) {
                                 *name->text(), plain_text(*k)));
   }
   return all;
+}
+
+// Whether what holds at a state may let go: one-sided links, and those that events release.
+bool may_let_go(const Mechanism& m) {
+  return std::ranges::any_of(m.system.links(), [](const auto& link) { return link->unilateral() != nullptr; }) ||
+         std::ranges::any_of(m.events, [](const EventRequest& e) { return !e.event.deactivate.empty(); });
+}
+
+// Whether laws move rows from t = 0 s to `until`: Ct, or C of bodies that stay where they are. Looked at here and there;
+// what a law throws is for the run to say.
+bool laws_move(Dynamics& dynamics, const State& state, double until) try {
+  constexpr double kMoves = 1e-9;  // m/s, and m
+  State at = state;
+  dynamics.to_slots(at);
+  at.v.setZero();
+  VecX C, Cd;
+  for (const double share : {0.0, 0.083, 0.237, 0.391, 0.562, 0.719, 0.868, 1.0}) {
+    at.t = share * until;
+    const Evaluation& e = dynamics.gather(at);
+    e.residuals(C, Cd);
+    if (!(e.norm(Cd) <= kMoves)) return true;
+    if (share == 0) continue;
+    if (!(e.norm(C) <= 1e-6)) return true;  // beyond what assembling leaves
+  }
+  return false;
+} catch (...) {
+  return true;
+}
+
+// The links in force with rows, merged ones too.
+std::vector<std::string> holding(const System& system, const State& state) {
+  std::vector<std::string> names;
+  for (const auto& link : system.links())
+    if (state.modes[static_cast<std::size_t>(link->number())] && link->row_count() > 0) names.push_back(link->name());
+  return names;
 }
 
 }  // namespace
@@ -73,6 +110,21 @@ void warn_of_branches(Dynamics& dynamics, StepLoop& sim) {
                         "along one",
                         off)
           : ". It goes on along its velocity"));
+}
+
+bool warn_of_no_freedom(const Mechanism& m, Dynamics& dynamics, StepLoop& sim, int most) {
+  const System& system = m.system;
+  if (system.n_velocities() == 0 || system.n_velocities() > most || may_let_go(m)) return false;
+  const MobilityReport mobile = mobility(dynamics, sim.state());
+  if (mobile.freedoms > 0 || laws_move(dynamics, sim.state(), m.run.until)) return false;
+  const std::vector<std::string> links = holding(system, sim.state());
+  sim.warn(fmt::format(
+      "no freedom is left: nothing can move; the links {} take all {} unknown velocities{}. Let one of them leave free "
+      "what should move (lockstep mobility)",
+      first_of(links), mobile.unknowns,
+      mobile.redundant > 0 ? fmt::format(", with {} row{} too many", mobile.redundant, mobile.redundant > 1 ? "s" : "")
+                           : ""));
+  return true;
 }
 
 std::vector<std::string> columns_not_unique(Dynamics& dynamics, const State& start, const RunSettings& run) {

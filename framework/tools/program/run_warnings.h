@@ -13,6 +13,9 @@ namespace lockstep {
 void warn_of_settings(const Scene&, const Mechanism&, const Arguments&, StepLoop&);
 /// Warns of a start in a singular position, where the rows alone do not say how the motion continues.
 void warn_of_branches(Dynamics&, StepLoop&);
+/// Warns of a mechanism without a freedom, that no law moves and no event releases, and says so; not of one with more
+/// unknown velocities than `most`, of which it costs too much to know.
+bool warn_of_no_freedom(const Mechanism&, Dynamics&, StepLoop&, int most);
 /// Whether a recorded column is a reaction.
 bool records_reactions(const RunSettings&);
 /// The recorded columns that hold reactions which are not unique at the start.
