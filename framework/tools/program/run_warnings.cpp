@@ -3,13 +3,19 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <memory>
 
 #include <lockstep/analysis.h>
+#include <lockstep/error.h>
+#include <lockstep/integrator.h>
 #include <lockstep/lock.h>
 #include <lockstep/step_loop.h>
+#include "framework/dynamics/simulate/along_laws.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/analysis/branch_point.h"
 #include "framework/tools/program/check_dependencies.h"
+#include "framework/tools/program/few_messages.h"
+#include "framework/tools/sweep/scene_run.h"
 
 namespace lockstep {
 namespace {
@@ -85,6 +91,33 @@ void warn_of_settings(const Scene& scene, const Mechanism& m, const Arguments& a
   const bool in_scene = args.integrator.empty() && settings != nullptr && settings->find("tolerance") != nullptr;
   if ((in_scene || !args.tolerance.empty()) && !sim.integrator().info().adaptive)
     say(fmt::format("tolerance: \"{}\" takes fixed steps and has no use for it", run.integrator.type));
+}
+
+std::string why_not_joint(const RunSettings& run, Dynamics& dynamics, const State& start, const Registry& registry) {
+  const std::unique_ptr<Integrator> method = make_integrator(run, registry);
+  const IntegratorInfo info = method->info();
+  std::string why = dynamics.why_not_joint(start.modes);
+  if (why.empty() && !info.joint) why = "integrator " + info.name + " does not take joint coordinates";
+  if (why.empty() && !takes_formulation(*method, dynamics, start))
+    why = "integrator " + info.name + " takes no mechanism that laws alone move";
+  return why;
+}
+
+// Of a mechanism of its own: what is decided of its rows, and said of its settings, is so for the run once more.
+void refuse_impossible_formulation(const RunSettings& run, const Loaded& loaded) {
+  if (run.formulation != Formulation::joint) return;
+  std::string why;
+  try {
+    const FewMessages none(0);
+    Mechanism m = build_mechanism(loaded.scene, loaded.registry);
+    Dynamics dynamics = make_dynamics(m, loaded.registry);
+    why = why_not_joint(m.run, dynamics, decided_start(dynamics, m), loaded.registry);
+  } catch (const Error&) {
+    return;
+  }
+  if (!why.empty())
+    throw ModelError("joint coordinates (formulation joint) are not possible: " + why +
+                     "; take the formulation auto or omega");
 }
 
 bool records_reactions(const RunSettings& run) {
