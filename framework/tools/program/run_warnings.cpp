@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <new>
 
 #include <lockstep/analysis.h>
 #include <lockstep/error.h>
@@ -45,7 +46,7 @@ bool may_let_go(const Mechanism& m) {
 // Whether laws move rows from t = 0 s to `until`: Ct, or C of bodies that stay where they are. Looked at here and there;
 // what a law throws is for the run to say.
 bool laws_move(Dynamics& dynamics, const State& state, double until) try {
-  constexpr double kMoves = 1e-9;  // m/s, and m
+  constexpr double kMoves = 1e-9, kOff = 1e-6;  // m/s; m, beyond what assembling leaves
   State at = state;
   dynamics.to_slots(at);
   at.v.setZero();
@@ -55,10 +56,11 @@ bool laws_move(Dynamics& dynamics, const State& state, double until) try {
     const Evaluation& e = dynamics.gather(at);
     e.residuals(C, Cd);
     if (!(e.norm(Cd) <= kMoves)) return true;
-    if (share == 0) continue;
-    if (!(e.norm(C) <= 1e-6)) return true;  // beyond what assembling leaves
+    if (!(e.norm(C) <= kOff)) return true;
   }
   return false;
+} catch (const std::bad_alloc&) {
+  throw;
 } catch (...) {
   return true;
 }
@@ -145,11 +147,11 @@ void warn_of_branches(Dynamics& dynamics, StepLoop& sim) {
           : ". It goes on along its velocity"));
 }
 
-bool warn_of_no_freedom(const Mechanism& m, Dynamics& dynamics, StepLoop& sim, int most) {
+void warn_of_no_freedom(const Mechanism& m, Dynamics& dynamics, StepLoop& sim, int most) {
   const System& system = m.system;
-  if (system.n_velocities() == 0 || system.n_velocities() > most || may_let_go(m)) return false;
+  if (system.n_velocities() == 0 || system.n_velocities() > most || may_let_go(m)) return;
   const MobilityReport mobile = mobility(dynamics, sim.state());
-  if (mobile.freedoms > 0 || laws_move(dynamics, sim.state(), m.run.until)) return false;
+  if (mobile.freedoms > 0 || laws_move(dynamics, sim.state(), m.run.until)) return;
   const std::vector<std::string> links = holding(system, sim.state());
   sim.warn(fmt::format(
       "no freedom is left: nothing can move; the links {} take all {} unknown velocities{}. Let one of them leave free "
@@ -157,7 +159,6 @@ bool warn_of_no_freedom(const Mechanism& m, Dynamics& dynamics, StepLoop& sim, i
       first_of(links), mobile.unknowns,
       mobile.redundant > 0 ? fmt::format(", with {} row{} too many", mobile.redundant, mobile.redundant > 1 ? "s" : "")
                            : ""));
-  return true;
 }
 
 std::vector<std::string> columns_not_unique(Dynamics& dynamics, const State& start, const RunSettings& run) {

@@ -19,9 +19,9 @@ std::string why_not_joint(const RunSettings&, Dynamics&, const State& start, con
 /// Refuses joint coordinates that are asked for by name and are not possible, before a run opens a file. Throws
 /// ModelError; what else is wrong with the scene is left for the run to say.
 void refuse_impossible_formulation(const RunSettings&, const Loaded&);
-/// Warns of a mechanism without a freedom, that no law moves and no event releases, and says so; not of one with more
-/// unknown velocities than `most`, of which it costs too much to know.
-bool warn_of_no_freedom(const Mechanism&, Dynamics&, StepLoop&, int most);
+/// Warns of a mechanism without a freedom, where no law moves it, no event releases a link and no link is one-sided; not
+/// of one with more unknown velocities than `most`, of which it costs too much to know.
+void warn_of_no_freedom(const Mechanism&, Dynamics&, StepLoop&, int most);
 /// Whether a recorded column is a reaction.
 bool records_reactions(const RunSettings&);
 /// The recorded columns that hold reactions which are not unique at the start.
