@@ -138,6 +138,33 @@ TEST_CASE("a start in a singular position is told with its branches", "[runner]"
   CHECK(j["branches"].size() == 2);
 }
 
+TEST_CASE("a mechanism without a freedom is told, unless a law moves it or an event lets it go", "[runner]") {
+  const std::string said = "no freedom is left: nothing can move; the links A and L take all 3 unknown velocities";
+  const auto run = [](const std::string& length, const std::string& more) {
+    return call("run '" +
+                scene_file("held.json", R"("gravity": [0, -9.81, 0], )" + kArm + R"("links": [{)" + kHinge +
+                                            R"(}, {"name": "L", "type": "distance", "p": "arm", "s": "ground",
+      "at_p": [1, 0, 0], "at_s": [1, 1, 0], "length": )" +
+                                            length + "}], " + more + R"("run": {"until": 0.1, "output": 0.05})") +
+                "' --no-picture --record held.csv");
+  };
+  const Called held = run("1", "");
+  INFO(held.text);
+  CHECK(held.exit == 0);
+  CHECK(contains(held.text, said));
+  const Called law = run(R"({"type": "harmonic_rise", "y0": 1, "rise": 0.1, "duration": 0.05, "t0": 0.02})", "");
+  INFO(law.text);
+  CHECK(law.exit == 0);
+  CHECK_FALSE(contains(law.text, "no freedom is left"));
+  const Called event = run("1", R"("events": [{"name": "cut", "at": 0.05, "deactivate": ["L"]}], )");
+  INFO(event.text);
+  CHECK(event.exit == 0);
+  CHECK_FALSE(contains(event.text, "no freedom is left"));
+  CHECK_FALSE(
+      contains(call("run '" + std::string(paths::kScenes) + "/four_bar.json' --no-picture --record held.csv").text,
+               "no freedom is left"));
+}
+
 TEST_CASE("check tells free motions in words", "[runner]") {
   const Called r = call("check '" + std::string(paths::kScenes) + "/nfourbar_2.json'");
   INFO(r.text);

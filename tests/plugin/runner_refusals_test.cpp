@@ -119,6 +119,8 @@ TEST_CASE("what a run, a sweep or a plugin's template cannot go on with is refus
           "{\"lockstep\": 1, \"include\": [{\"scene\": \"deep_" + std::to_string(k + 1) + ".json\"}]}");
   write("below.json", R"({"lockstep": 1, "bodies": [{"name": "a", "particle": 1, "position": [0, 0, -1]}], "links": [
     {"name": "S", "type": "stop", "p": "a", "s": "ground", "at_s": [0, 0, 0], "coordinate": "z", "low": 0}], "run": {"until": 1}})");
+  write("inside.json", R"({"lockstep": 1, "bodies": [{"name": "a", "particle": 1, "position": [0, 0, -1]}], "links": [
+    {"name": "S", "type": "point_on_plane", "p": "a", "s": "ground", "at_s": [0, 0, 0], "unilateral": {}}], "run": {"until": 1}})");
   write("folder.json", R"({"lockstep": 1, "include": [{"scene": "."}]})");
   write("sparse.so", "");
   fs::resize_file(kRunnerFolder + "/sparse.so", (std::uintmax_t{1} << 30) + 1);
@@ -151,7 +153,12 @@ TEST_CASE("what a run, a sweep or a plugin's template cannot go on with is refus
       {"check deep_0.json", 3, {"scenes are included deeper than 16 within one another"}},
       {"run below.json",
        5,
-       {"the start has the one-sided link 'S' (row phi) on its forbidden side: C = -1", "reverse the side"}},
+       {"the start has the one-sided link 'S' (row phi) on its forbidden side: C = -1", "widen the range",
+        "or start within it"}},
+      {"run inside.json",
+       5,
+       {"the start has the one-sided link 'S' (row",
+        "move its bodies apart, or reverse the side (\"side\": \"below\")"}},
       {"atlas @ --vary run.tolerance=1e-6,1e-5 --vary run.until=1,2 --integrators rk4 --budget 2s",
        2,
        {"no method can run this scene", "\"rk4\" takes fixed steps and no step is given"}},

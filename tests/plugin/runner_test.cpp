@@ -137,6 +137,51 @@ TEST_CASE("joint coordinates: proposed where scene and method take them, run wit
   CHECK(contains(r.text, "conserved"));
 }
 
+TEST_CASE("the formulation that a run takes is said, and check says where stages are evaluated, and why", "[runner]") {
+  const std::string chain = std::string(paths::kScenes) + "/chain_10.json";
+  const auto used = [&](const std::string& words) {
+    const std::string line = "run " + words + " --until 0.05 --no-picture --record used.csv";
+    const nlohmann::json j = nlohmann::json::parse(call(line + " --json").text);
+    const std::string name = j["method"]["formulation_used"];
+    INFO(words);
+    CHECK(contains(call(line).text, ", formulation " + name + ", "));
+    return name;
+  };
+  CHECK(used("'" + chain + "'") == "joint");
+  CHECK(used("'" + chain + "' --formulation omega") == "omega");
+  CHECK(used("'" + chain + "' --planar off --formulation quaternion") == "quaternion");
+  CHECK(used("'" + chain + "' --integrator radau5") == "omega");  // "auto" is what is asked for
+  const auto stages = [](const std::string& scene, const std::string& settings) {
+    nlohmann::json own = nlohmann::json::parse(std::ifstream(scene));
+    own["run"].update(nlohmann::json::parse("{" + settings + "}"));
+    std::ofstream(kRunnerFolder + "/stages.json") << own;
+    const Called r = call("check '" + kRunnerFolder + "/stages.json' --json");
+    INFO(r.text);
+    return nlohmann::json::parse(r.text)["stages"].get<std::string>();
+  };
+  CHECK(stages(chain, "") == "plain: no rows are left");
+  CHECK(stages(chain, R"("formulation": "omega")") == "plain: no loop is closed, so that no position is singular");
+  CHECK(contains(stages(kFourBar, ""), "on the constraints near singular positions"));
+  CHECK(stages(kFourBar, R"("stabilization": "baumgarte")") == "plain: nothing is projected onto the constraints");
+  CHECK(stages(kFourBar, R"("integrator": {"type": "dopri5", "stages": "plain"})") == "plain, as asked for");
+  CHECK(stages(kFourBar, R"("integrator": "radau5")").empty());
+  CHECK(contains(call("check '" + kFourBar + "'").text, "  stages              plain, and on the constraints"));
+  const std::string arm = scene_file("one", kArm + R"("links": [{)" + kHinge + R"(}], "run": {"until": 0.2})");
+  CHECK(contains(call("check '" + arm + "'").text, ": 1 unknown velocity, no rows"));
+}
+
+TEST_CASE("joint coordinates that are not possible are refused before a file is opened", "[runner]") {
+  const std::string table = kRunnerFolder + "/door_joint.csv";
+  const Called r = call("run '" + std::string(paths::kSource) +
+                        "/tests/stability/scenes/door.json' --formulation joint --no-picture --record door_joint.csv");
+  INFO(r.text);
+  CHECK(r.exit != 0);
+  CHECK(contains(r.text, "joint coordinates (formulation joint) are not possible: rows of link 'high'"));
+  CHECK_FALSE(contains(r.text, "the run ended"));
+  CHECK_FALSE(std::filesystem::exists(table));
+  CHECK_FALSE(std::filesystem::exists(table + ".partial"));
+}
+
 TEST_CASE("every verb has help with an example", "[runner]") {
   for (const char* verb :
        {"",        "run",     "check",  "list",      "describe",   "schema", "assemble", "statics", "kinematics",
@@ -331,6 +376,23 @@ TEST_CASE("what is said without effect gives a warning, what is nothing is not s
   CHECK(call("run '" + idle + "' --record idle.csv --quiet").text.empty());
 }
 
+TEST_CASE("a gear between a turn and a joint that holds its own is told", "[runner]") {
+  const auto check = [](const std::string& joint) {
+    return call("check '" + scene_file("held_gear", R"("bodies": [{"name": "one", "sphere": {"mass": 1, "radius": 0.1}},
+      {"name": "two", "sphere": {"mass": 1, "radius": 0.1}, "position": [1, 0, 0]}],
+    "links": [{"name": "A", "type": "revolute", "p": "one", "s": "ground", "at": [0, 0, 0]},
+      {"name": "B", "type": ")" + joint + R"(", "p": "two", "s": "ground", "at": [1, 0, 0]},
+      {"name": "G", "type": "gear", "ratio": 2, "pairs": ["A", "B"]}], "run": {"until": 1})") +
+                "'")
+        .text;
+  };
+  const std::string held = check("prismatic");
+  INFO(held);
+  CHECK(contains(held, "pairs[1]: link 'B' (prismatic) holds the turn about its z, so that the gear holds"));
+  CHECK_FALSE(contains(held, "link 'A' (revolute) holds"));
+  for (const char* joint : {"revolute", "cylindrical"}) CHECK_FALSE(contains(check(joint), "holds the turn"));
+}
+
 TEST_CASE("settings that cannot be meant are refused or said", "[runner]") {
   const std::string links = kArm + R"("links": [{)" + kHinge + "}], ";
   const auto run = [&](const std::string& settings, const std::string& more = "", const std::string& options = "") {
@@ -346,7 +408,11 @@ TEST_CASE("settings that cannot be meant are refused or said", "[runner]") {
     "orientation": [1, 1, 0, 0]}], "run": {"until": 1})") +
            "' --record turned.csv");
   CHECK(turned.exit == 0);
-  CHECK(contains(turned.text, "body 'a', orientation: the quaternion has length 1.41; its direction is taken, [0.707"));
+  const std::string length = "body 'a', orientation: the quaternion has length 1.41; its direction is taken, [0.707";
+  CHECK(contains(turned.text, length));
+  const std::string checked = call("check '" + kRunnerFolder + "/turned.json'").text;  // builds it several times
+  CHECK(contains(checked, length));
+  CHECK(checked.find(length) == checked.rfind(length));
   CHECK(contains(run(R"("output": 5)").text, "run.output: 5 s is longer than the run of 1 s"));
   CHECK(contains(run(R"("output": 0.5)", R"("forces": [{"name": "k", "type": "spring_damper", "p": "arm", "s": "ground",
     "at_p": [1,0,0], "at_s": [1,1,0], "stiffness": "-5 N/mm", "free_length": 1}], )")

@@ -288,6 +288,42 @@ TEST_CASE("assembly warns of what was hardly meant, and of whom no velocity is g
     CHECK_FALSE(says(report.warnings.front(), {"'crank'"}));
     CHECK(says(report.text(), {"kinetic energy"}));
   }
+  SECTION("half of a body's velocity is given") {  // a rod on a hinge at its end: J = m l^2/12 + m l^2/4
+    System own;
+    Body& arm = own.add_body("arm", shapes::rod(1.0, {0, 0, 0}, {1, 0, 0}));
+    own.add<Revolute>("A", arm, own.ground(), pose_at({0, 0, 0}));
+    Dynamics one(own, solver(true));
+    const Vec3 omega = rotation(arm.home.q).transpose() * Vec3(0, 0, 1);
+    SECTION("the angular one") {
+      arm.start = {Vec3::Zero(), omega};
+      State state = own.start();
+      const AssemblyReport report = assemble(one, state);
+      CHECK(report.kinetic_after == Approx(report.kinetic_before / 4).epsilon(1e-3));
+      REQUIRE(report.warnings.size() == 1);
+      CHECK(says(report.warnings.front(), {"no \"velocity\" of the frame's origin is given for 'arm'", "\"start\""}));
+      CHECK_FALSE(says(report.warnings.front(), {"no such motion is free"}));
+    }
+    SECTION("that of the origin") {
+      arm.start = {Vec3(0, 0.5, 0), Vec3::Zero()};
+      State state = own.start();
+      const AssemblyReport report = assemble(one, state);
+      CHECK(report.kinetic_after == Approx(0.75 * report.kinetic_before).epsilon(1e-3));
+      REQUIRE(report.warnings.size() == 1);
+      CHECK(says(report.warnings.front(), {"no angular one (\"omega_world\") is given for 'arm'"}));
+    }
+    SECTION("both") {
+      arm.start = {Vec3(0, 0.5, 0), omega};
+      State state = own.start();
+      CHECK(assemble(one, state).warnings.empty());
+    }
+    SECTION("one about an axis that is not free") {
+      arm.start = {Vec3::Zero(), rotation(arm.home.q).transpose() * Vec3(0, 1, 0)};
+      State state = own.start();
+      const AssemblyReport report = assemble(one, state);
+      REQUIRE(report.warnings.size() == 1);
+      CHECK(says(report.warnings.front(), {"no such motion is free"}));
+    }
+  }
   SECTION("a body far from where it was put") {
     State state = sys.start();
     state.q.segment<3>(7 * sys.body("bar").slot) += Vec3(0.6, 0, 0);

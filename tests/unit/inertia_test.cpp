@@ -180,7 +180,9 @@ TEST_CASE("the triangle rule holds with equality", "[unit][model]") {
   CHECK(problem_of(with_J(1e-6, 1, 1 + 1e-6)) == "no error");  // a thin one
   CHECK(problem_of(shapes::moved(with_J(1, 2, 3), {Vec3::Zero(), some_turn()})) == "no error");
   const std::string problem = problem_of(with_J(1, 2, 3.001));
-  check_words(problem, {"body 'crank': ", "triangle rule", "1, 2, 3 kg m^2", "matrix entries"});
+  check_words(problem, {"body 'crank': ", "triangle rule", "1, 2, 3.001 kg m^2", "matrix entries"});
+  check_words(problem_of(with_J(1, 1, 2.0000001)), {"triangle rule", "1, 1, 2.0000001 kg m^2"});
+  check_words(problem_of(with_J(1, 1, 5)), {"triangle rule", "(principal moments 1, 1, 5 kg m^2)"});
   CHECK(problem_of(with_J(1, 2, 3 * (1 + 1e-9))) != "no error");
 }
 

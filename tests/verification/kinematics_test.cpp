@@ -125,6 +125,59 @@ TEST_CASE("kinematics: too few drives are named with coordinates that would do, 
   CHECK(too_many.text().find("A.rz and D.rz") != std::string::npos);
 }
 
+// The hinges of a locked triangle turn by the rounding of the basis, some 1e-17: that is no motion.
+TEST_CASE("kinematics: what is locked is not named as what moves, in any order of bodies and links",
+          "[verification][kinematics]") {
+  const bool locked_first = GENERATE(true, false);
+  CAPTURE(locked_first);
+  const Vec3 apex(0.4, 1, 0);
+  const auto triangle = [&](System& sys) {
+    Body& t1 = sys.add_body("t1", shapes::rod(1.0, Vec3::Zero(), Vec3(1, 0, 0)));
+    Body& t2 = sys.add_body("t2", shapes::rod(1.0, Vec3(1, 0, 0), apex));
+    sys.add<Revolute>("J1", t1, sys.ground(), pose_at(Vec3::Zero()));
+    sys.add<Revolute>("J2", t2, t1, pose_at(Vec3(1, 0, 0)));
+    sys.add<Revolute>("J3", t2, sys.ground(), pose_at(apex));
+  };
+  SECTION("a triangle of rods with a pendulum") {
+    System sys;
+    if (locked_first) triangle(sys);
+    Body& pend = sys.add_body("pend", shapes::rod(1.0, apex, Vec3(1.4, 1.2, 0)));
+    if (!locked_first) triangle(sys);
+    sys.add<Revolute>("J4", pend, sys.body("t2"), pose_at(apex));
+    Dynamics dynamics(sys, std::make_unique<SchurSolver>());
+    State start = sys.start();
+    assemble(dynamics, start);
+    const DriveReport report = driven_by(dynamics, start);
+    CHECK(report.freedoms == 1);
+    CHECK(report.to_drive == std::vector<std::string>{"J4.rz"});
+    REQUIRE(report.free.size() == 1);
+    CHECK(report.free.front().starts_with("'pend' turns about "));
+    CHECK(report.free.front().find("follow") == std::string::npos);
+  }
+  SECTION("a rod that a distance holds, and a slider") {
+    System sys;
+    const auto held = [&] {
+      Body& a = sys.add_body("a", shapes::rod(1.0, Vec3::Zero(), Vec3(1, 0, 0)));
+      sys.add<Revolute>("A", a, sys.ground(), pose_at(Vec3::Zero()));
+      sys.add<Distance>("L", sys.add_marker_at("tip", a, pose_at(Vec3(1, 0, 0))),
+                        sys.add_marker("far", sys.ground(), pose_at(Vec3(1.5, 1, 0))), std::sqrt(1.25));
+    };
+    if (locked_first) held();
+    Body& b = sys.add_body("b", shapes::rod(1.0, Vec3(0, 1, 0), Vec3(1, 1, 0)));
+    sys.add<Prismatic>("B", b, sys.ground(), pose_at(Vec3(0, 1, 0), Vec3(1, 0, 0)));
+    if (!locked_first) held();
+    Dynamics dynamics(sys, std::make_unique<SchurSolver>());
+    State start = sys.start();
+    assemble(dynamics, start);
+    const DriveReport report = driven_by(dynamics, start);
+    CHECK(report.freedoms == 1);
+    CHECK(report.to_drive == std::vector<std::string>{"B.z"});
+    REQUIRE(report.free.size() == 1);
+    CHECK(report.free.front().starts_with("'b' moves along "));
+    CHECK(report.free.front().find("follow") == std::string::npos);
+  }
+}
+
 // A crank that is to turn past where rod and rocker are in line.
 TEST_CASE("kinematics: where the mechanism does not reach, the time and the row are named",
           "[verification][kinematics]") {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <lockstep/lock.h>
+#include <lockstep/log.h>
 #include <lockstep/text.h>
 #include "framework/description/registry/law_units.h"
 #include "framework/description/scene/builder.h"
@@ -34,6 +35,26 @@ Quat axes_of(const Params& p) {
     p.refuse("orientation", "\"axis\" is given as well; remove one of the two");
   if (p.has("axis")) return pose_at(Vec3::Zero(), p.vector3("axis")).q;
   return p.has("orientation") ? p.orientation("orientation") : Quat{};
+}
+
+// A gear or belt between two turns of which one is held holds the other: of a pair that is the markers of a joint, its
+// mask tells. Laws that impose the turn, or turn a marker, let it turn.
+void warn_of_held_turns(const Params& p, const std::string& type, const System& system) {
+  if ((type != "gear" && type != "belt") || !p.has("pairs")) return;
+  const Value::List& items = *p.value("pairs").list();
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    const std::string* word = items[i].text();
+    if (word == nullptr) continue;
+    const Lock& link = system.link(*word);
+    const Jointed* joint = link.jointed();
+    if (joint == nullptr || !includes(joint->mask(), row_of(Axis::rz)) || joint->turned()) continue;
+    const auto [P, S] = link.pairs().front();
+    if (P->rotation_law != nullptr || S->rotation_law != nullptr) continue;
+    const std::string place = items[i].where.text();
+    log_warning((place.empty() ? "" : place + ": ") + part_of(p.owner(), "pairs[" + std::to_string(i) + "]") +
+                ": link '" + *word + "' (" + std::string(link.type()) + ") holds the turn about its z, so that the " +
+                type + " holds that of the other pair too; name a joint that turns about z");
+  }
 }
 
 }  // namespace
@@ -152,6 +173,7 @@ void Builder::link(const Value& object, const std::string& owner) {
     made->set_active_at_start(p.boolean("active"));
     unilateral(p, *made);
     Lock& added = out_.system.add(std::move(made));
+    warn_of_held_turns(p, parts.type, out_.system);
     laws(p, added);
     drives(p, added);
     start_speeds(p, added);

@@ -85,11 +85,16 @@ void ContactManager::check_side(std::size_t i, const State& state, const std::st
   const double length = dynamics_.system().length();
   const double depth = -g.c * length_per_unit(contact.link->row_kind(0), length);
   if (!(depth > limit_)) return;
+  const std::string advice =
+      contact.link->type() == "stop"  // its side is that of its limit
+          ? std::string("its range leaves this position out: widen the range (\"low\", \"high\"), or start within it")
+          : fmt::format("move its bodies apart, or reverse the side (\"side\": \"{}\")",
+                        contact.sign > 0 ? "below" : "above");
   throw AssemblyError(
       fmt::format("{} has the one-sided link '{}' (row {}) on its forbidden side: C = {:.6g}, and C {} 0 is free "
-                  "(limit {:.3g} m); move its bodies apart, or reverse the side (\"side\": \"{}\")",
+                  "(limit {:.3g} m); {}",
                   cause, contact.link->name(), contact.link->row_name(0), contact.sign * g.c,
-                  contact.sign > 0 ? ">=" : "<=", limit_, contact.sign > 0 ? "below" : "above"));
+                  contact.sign > 0 ? ">=" : "<=", limit_, advice));
 }
 
 void ContactManager::note(const State& state, bool moved) {

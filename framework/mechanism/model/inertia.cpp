@@ -1,7 +1,13 @@
 #include <lockstep/body.h>
 
+#include <spdlog/fmt/fmt.h>
+
 #include <Eigen/Eigenvalues>
+#include <array>
 #include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <string>
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
@@ -48,6 +54,21 @@ double rod_length(double mass, const Vec3& from, const Vec3& to) {
   return length;
 }
 
+// "principal moments 1, 1, 2.0000001 kg m^2": three digits, or as many as tell that the two smaller do not add up to the
+// largest where they do not.
+std::string principal_moments(const Vec3& I) {
+  std::array<std::string, 3> words;
+  for (int digits = 3; digits <= std::numeric_limits<double>::max_digits10; ++digits) {
+    std::array<double, 3> shown{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      words[k] = fmt::format("{:.{}g}", I[static_cast<Eigen::Index>(k)], digits);
+      shown[k] = std::strtod(words[k].c_str(), nullptr);
+    }
+    if (!(I[0] + I[1] < I[2]) || shown[0] + shown[1] < shown[2]) break;
+  }
+  return fmt::format("principal moments {}, {}, {} kg m^2", words[0], words[1], words[2]);
+}
+
 }  // namespace
 
 void check_mass(const MassProperties& p, const std::string& owner) {
@@ -63,8 +84,7 @@ void check_mass(const MassProperties& p, const std::string& owner) {
                      text::brief(skewness) + " kg m^2; give the products as matrix entries, J_xy = J_yx");
 
   const Vec3 I = Eigen::SelfAdjointEigenSolver<Mat3>(p.J, Eigen::EigenvaluesOnly).eigenvalues();  // ascending
-  const std::string principal =
-      "principal moments " + text::brief(I[0]) + ", " + text::brief(I[1]) + ", " + text::brief(I[2]) + " kg m^2";
+  const std::string principal = principal_moments(I);
   if (!(I[0] > 1e-14 * I[2]))
     throw ModelError(who + "the inertia is not positive definite (" + principal +
                      "); give a moment about every axis; a body without any is a particle");

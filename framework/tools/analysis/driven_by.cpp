@@ -20,6 +20,7 @@ namespace lockstep {
 namespace {
 
 constexpr int kMostCounted = 1200;  // unknowns
+constexpr double kMoves = 1e-6;     // m, of free motions of size 1 m: less is the rounding of their basis
 
 /// A coordinate of a link that its mask leaves free.
 struct FreeCoordinate {
@@ -123,9 +124,11 @@ DriveReport driven_by(Dynamics& dynamics, const State& state) {
   const std::vector<FreeCoordinate> coordinates = free_coordinates(system, state);
   const MatX rates = rates_in(coordinates, dynamics, state, unknowns, N);
   // The first coordinates that are independent, in the order of the links; by each of them alone the mechanism moves.
+  // Those that no motion changes are locked.
   MatX chosen(0, N.cols());
   std::vector<int> leaders;
   for (std::size_t i = 0; i < coordinates.size() && chosen.rows() < N.cols(); ++i) {
+    if (!(rates.row(static_cast<Eigen::Index>(i)).norm() > kMoves)) continue;
     MatX more(chosen.rows() + 1, N.cols());
     more << chosen, rates.row(static_cast<Eigen::Index>(i));
     if (Eigen::ColPivHouseholderQR<MatX>(more.transpose()).setThreshold(1e-6).rank() < more.rows()) continue;

@@ -14,13 +14,15 @@
 #include <lockstep/lock.h>
 #include <lockstep/text.h>
 #include <lockstep/uniqueness.h>
-#include "framework/dynamics/simulate/along_laws.h"
+#include "framework/dynamics/solvers/graph.h"
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/check_tree.h"
 #include "framework/tools/program/commands.h"
 #include "framework/tools/program/document.h"
+#include "framework/tools/program/few_messages.h"
 #include "framework/tools/program/frames_taken.h"
 #include "framework/tools/program/mobility_findings.h"
+#include "framework/tools/program/run_warnings.h"
 #include "framework/tools/program/terminal.h"
 #include "framework/tools/sweep/scene_run.h"
 
@@ -88,15 +90,28 @@ std::vector<LeftOut> left_out(const Mechanism& m) {
   return all;
 }
 
-/// What keeps a run of the mechanism as it stands from joint coordinates; "" if nothing does.
-std::string why_not_joint(const Mechanism& m, Dynamics& dynamics, const State& start, const Registry& registry) {
-  const std::unique_ptr<Integrator> method = make_integrator(m.run, registry);
-  const IntegratorInfo info = method->info();
-  std::string why = dynamics.why_not_joint(start.modes);
-  if (why.empty() && !info.joint) why = "integrator " + info.name + " does not take joint coordinates";
-  if (why.empty() && !takes_formulation(*method, dynamics, start))
-    why = "integrator " + info.name + " takes no mechanism that laws alone move";
-  return why;
+/// The value of a key of the scene's integrator; "" where it is not given.
+std::string integrator_key(const RunSettings& run, const char* key) {
+  const Value* value = run.integrator.keys.object() != nullptr ? run.integrator.keys.find(key) : nullptr;
+  return value == nullptr ? "" : plain_text(*value);
+}
+
+/// Where the stages of an explicit method that may go onto the constraints are evaluated, and why; "" of other methods.
+/// `rows`: whether the run has rows.
+std::string stages_of(const Mechanism& m, const State& start, const Registry& registry, bool rows) {
+  const auto* type = registry.integrators.find(m.run.integrator.type);
+  if (type == nullptr || type->origin != "built in" ||
+      std::ranges::none_of(type->info.keys, [](const Key& key) { return key.name == "stages"; }))
+    return "";
+  const std::string asked = integrator_key(m.run, "stages");
+  if (asked == "plain") return "plain, as asked for";
+  if (!rows) return "plain: no rows are left";
+  if (asked == "manifold") return "on the constraints in every step, as asked for";
+  if (!make_integrator(m.run, registry)->info().adaptive) return "plain: the steps are fixed";
+  if (m.run.stabilization.kind != Stabilization::Kind::project)
+    return "plain: nothing is projected onto the constraints";
+  if (!has_loops(m.system, start.modes)) return "plain: no loop is closed, so that no position is singular";
+  return "plain, and on the constraints near singular positions, or where rows are redundant there only";
 }
 
 /// What a channel belongs to, "body 'crank'": the object with the longest name that the channel begins with.
@@ -288,7 +303,7 @@ struct Findings {
   double violation = 0, violation_v = 0;  // of the start as it was typed
   std::vector<LeftOut> left_out;
   std::vector<std::string> proposals;
-  std::string formulation;
+  std::string formulation, stages;
   TreeReport tree;
   Names columns, taken;
 };
@@ -296,6 +311,7 @@ struct Findings {
 std::vector<std::string> all_proposals(const Arguments& args, const Loaded& loaded, const Mechanism& m,
                                        const MobilityReport& r, bool is_tree) {
   if (args.full) return {};
+  const FewMessages none(0);                     // each builds the scene anew, which says again what is said of it
   if (m.system.bodies().size() > kMostProposed)  // each one builds it anew
     return {fmt::format("(not looked for in more than {} bodies)", kMostProposed)};
   std::vector<std::string> more = proposals(loaded, m, !is_tree);
@@ -317,8 +333,8 @@ std::string formulation_of(const Mechanism& m, const std::string& why_not_joint,
   if (!why_not_joint.empty()) return "omega" + where + ": " + why_not_joint;
   const int unknowns = found.tree.n_coordinates;
   if (unknowns == 0) return fmt::format("joint{}: nothing is unknown, laws alone move it", where);
-  return fmt::format("joint{}: {} unknown velocities, {}{}", where, unknowns, found.tree.has_rows() ? "and " : "",
-                     rows_in_words(found.tree));
+  return fmt::format("joint{}: {} unknown velocit{}, {}{}", where, unknowns, unknowns == 1 ? "y" : "ies",
+                     found.tree.has_rows() ? "and " : "", rows_in_words(found.tree));
 }
 
 Findings found_in(const Arguments& args, const Loaded& loaded, Mechanism& m) {
@@ -332,13 +348,15 @@ Findings found_in(const Arguments& args, const Loaded& loaded, Mechanism& m) {
   found.moves = mobility_of(dynamics, m, start);
   const MobilityReport& r = found.moves.mobility;
   found.left_out = left_out(m);
-  const std::string not_joint = why_not_joint(m, dynamics, start, loaded.registry);
+  const std::string not_joint = why_not_joint(m.run, dynamics, start, loaded.registry);
   TreeReport tree;
   if (not_joint.empty()) tree = tree_of(m.system, start.modes);
   found.proposals = all_proposals(args, loaded, m, r, not_joint.empty() && !tree.has_rows());
   if (m.run.formulation == Formulation::automatic || m.run.formulation == Formulation::joint)
     found.tree = std::move(tree);
   found.formulation = formulation_of(m, not_joint, found);
+  const bool joint = found.formulation.starts_with("joint");
+  found.stages = stages_of(m, start, loaded.registry, joint ? found.tree.has_rows() : r.rows > 0);
   found.taken = frames_taken(loaded.scene);
   return found;
 }
@@ -346,7 +364,7 @@ Findings found_in(const Arguments& args, const Loaded& loaded, Mechanism& m) {
 nlohmann::ordered_json findings_json(const Loaded& loaded, const Mechanism& m, const Findings& found) {
   nlohmann::ordered_json j = {{"scene", loaded.scene.file}, {"title", loaded.scene.title}};
   put_mobility(j, found.moves, m.run);
-  j["formulation"] = found.formulation;
+  j["formulation"] = found.formulation, j["stages"] = found.stages;
   j["tree"] = tree_json(found.tree.branches), j["closures"] = found.tree.closures;
   j["violation"] = found.violation, j["violation_v"] = found.violation_v;
   j["columns"] = found.columns;
@@ -362,6 +380,7 @@ void print_findings(const Loaded& loaded, const Mechanism& m, const Findings& fo
   fmt::print("{}\n", loaded.title());
   print_freedoms(found.moves);
   fmt::print("  formulation         {}\n", found.formulation);
+  if (!found.stages.empty()) fmt::print("  stages              {}\n", found.stages);
   print_dependencies(found.moves, m.run);
   fmt::print("  start violates      {:.2g} m, {:.2g} m/s{}\n", found.violation, found.violation_v,
              found.violation > 1e-6 || found.violation_v > 1e-6 ? "; a run assembles it first" : "");

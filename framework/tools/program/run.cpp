@@ -21,6 +21,7 @@
 #include "framework/tools/program/detail_rows.h"
 #include "framework/tools/program/document.h"
 #include "framework/tools/program/files.h"
+#include "framework/tools/program/formulation_seen.h"
 #include "framework/tools/program/frames_taken.h"
 #include "framework/tools/program/growing_file.h"
 #include "framework/tools/program/method_specs.h"
@@ -211,6 +212,7 @@ std::string table_of(Mechanism& m, const Loaded& loaded, const Arguments& args) 
   if (m.run.until <= 0)
     refuse(m.run.where.line > 0 ? m.run.where : loaded.scene.root.where, "run.until",
            "the scene does not say how long it runs; add it, or give --until 5");
+  refuse_impossible_formulation(m.run, loaded);
   record_places(m);
   return csv_path(args.record, args.scene);
 }
@@ -220,6 +222,9 @@ RunOutputs checked_outputs(const Loaded& loaded, const Arguments& args, const Ta
   check_overwrites(csv, loaded.scene, outputs.pictures);
   return outputs;
 }
+
+// Unknown velocities. Counting the freedoms of many takes long: it is done where nothing moved, and the run is lost.
+constexpr int kFewVelocities = 300, kManyVelocities = 3000;
 
 // One run of a scene, with all that watches it and all that it leaves.
 class ProgramRun {
@@ -260,8 +265,15 @@ class ProgramRun {
     const std::exception_ptr unwritten = write_rest(file_);
     if (ended.error) fail(ended.error, unwritten);
     const Audit found = audit_ ? audit_->result() : drift_alone(sim_, m_.run.limits);
-    const EndedRun end{
-        sim_, m_.run, found, seconds, ended.interrupted, doubts_, singular_.passed(), singular_.n_passed()};
+    const EndedRun end{sim_,
+                       m_.run,
+                       found,
+                       seconds,
+                       ended.interrupted,
+                       doubts_,
+                       singular_.passed(),
+                       singular_.n_passed(),
+                       formulation_.name(sim_, m_.run.formulation)};
     conclude(end, unwritten);
     return exit_code(end);
   }
@@ -306,6 +318,7 @@ class ProgramRun {
     sim_.add_observer(*recorder_);
     if (outputs_.at_jumps) sim_.add_observer(at_jumps_);
     sim_.add_observer(rows_);
+    sim_.add_observer(formulation_);
     if (judged()) sim_.add_observer(doubts_);
     if (judged() && SingularWatch::is_needed(dynamics_, start, sim_.integrator().info())) sim_.add_observer(singular_);
     if (details_) sim_.add_observer(*details_);
@@ -323,7 +336,9 @@ class ProgramRun {
     }
     sim_.set_state(std::move(start));
     warn_of_settings(loaded_.scene, m_, args_, sim_);
-    if (judged()) warn_of_branches(dynamics_, sim_);
+    if (!judged()) return;
+    warn_of_branches(dynamics_, sim_);
+    warn_of_no_freedom(m_, dynamics_, sim_, kFewVelocities);
   }
 
   [[noreturn]] void fail(const std::exception_ptr& error, const std::exception_ptr& unwritten) {
@@ -345,6 +360,8 @@ class ProgramRun {
 
   // Words, files, pictures, report and certificate of a run that reached its end or was interrupted.
   void conclude(const EndedRun& end, const std::exception_ptr& unwritten) {
+    if (audit_ && m_.system.n_velocities() > kFewVelocities && summary_.nothing_moved())
+      warn_of_no_freedom(m_, dynamics_, sim_, kManyVelocities);
     const std::string lines = audit_ ? end_words(end, summary_) : "";
     words_.say("{}", lines);
     if (unwritten) std::rethrow_exception(unwritten);
@@ -401,6 +418,7 @@ class ProgramRun {
   const std::unique_ptr<PictureRows> details_;
   RowsAtJumps at_jumps_;
   SingularWatch singular_;
+  FormulationSeen formulation_;
   Summary summary_;
   const std::unique_ptr<EnergyAudit> audit_;  // energies are integrated only if they are printed
   Dynamics dynamics_;

@@ -3,11 +3,20 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <memory>
+#include <new>
 
+#include <lockstep/analysis.h>
+#include <lockstep/error.h>
+#include <lockstep/integrator.h>
+#include <lockstep/lock.h>
 #include <lockstep/step_loop.h>
+#include "framework/dynamics/simulate/along_laws.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/analysis/branch_point.h"
 #include "framework/tools/program/check_dependencies.h"
+#include "framework/tools/program/few_messages.h"
+#include "framework/tools/sweep/scene_run.h"
 
 namespace lockstep {
 namespace {
@@ -26,6 +35,42 @@ std::vector<std::string> negative_stiffness(const Scene& scene) {
                                 *name->text(), plain_text(*k)));
   }
   return all;
+}
+
+// Whether what holds at a state may let go: one-sided links, and those that events release.
+bool may_let_go(const Mechanism& m) {
+  return std::ranges::any_of(m.system.links(), [](const auto& link) { return link->unilateral() != nullptr; }) ||
+         std::ranges::any_of(m.events, [](const EventRequest& e) { return !e.event.deactivate.empty(); });
+}
+
+// Whether laws move rows from t = 0 s to `until`: Ct, or C of bodies that stay where they are. Looked at here and there;
+// what a law throws is for the run to say.
+bool laws_move(Dynamics& dynamics, const State& state, double until) try {
+  constexpr double kMoves = 1e-9, kOff = 1e-6;  // m/s; m, beyond what assembling leaves
+  State at = state;
+  dynamics.to_slots(at);
+  at.v.setZero();
+  VecX C, Cd;
+  for (const double share : {0.0, 0.083, 0.237, 0.391, 0.562, 0.719, 0.868, 1.0}) {
+    at.t = share * until;
+    const Evaluation& e = dynamics.gather(at);
+    e.residuals(C, Cd);
+    if (!(e.norm(Cd) <= kMoves)) return true;
+    if (!(e.norm(C) <= kOff)) return true;
+  }
+  return false;
+} catch (const std::bad_alloc&) {
+  throw;
+} catch (...) {
+  return true;
+}
+
+// The links in force with rows, merged ones too.
+std::vector<std::string> holding(const System& system, const State& state) {
+  std::vector<std::string> names;
+  for (const auto& link : system.links())
+    if (state.modes[static_cast<std::size_t>(link->number())] && link->row_count() > 0) names.push_back(link->name());
+  return names;
 }
 
 }  // namespace
@@ -48,6 +93,33 @@ void warn_of_settings(const Scene& scene, const Mechanism& m, const Arguments& a
   const bool in_scene = args.integrator.empty() && settings != nullptr && settings->find("tolerance") != nullptr;
   if ((in_scene || !args.tolerance.empty()) && !sim.integrator().info().adaptive)
     say(fmt::format("tolerance: \"{}\" takes fixed steps and has no use for it", run.integrator.type));
+}
+
+std::string why_not_joint(const RunSettings& run, Dynamics& dynamics, const State& start, const Registry& registry) {
+  const std::unique_ptr<Integrator> method = make_integrator(run, registry);
+  const IntegratorInfo info = method->info();
+  std::string why = dynamics.why_not_joint(start.modes);
+  if (why.empty() && !info.joint) why = "integrator " + info.name + " does not take joint coordinates";
+  if (why.empty() && !takes_formulation(*method, dynamics, start))
+    why = "integrator " + info.name + " takes no mechanism that laws alone move";
+  return why;
+}
+
+// Of a mechanism of its own: what is decided of its rows, and said of its settings, is so for the run once more.
+void refuse_impossible_formulation(const RunSettings& run, const Loaded& loaded) {
+  if (run.formulation != Formulation::joint) return;
+  std::string why;
+  try {
+    const FewMessages none(0);
+    Mechanism m = build_mechanism(loaded.scene, loaded.registry);
+    Dynamics dynamics = make_dynamics(m, loaded.registry);
+    why = why_not_joint(m.run, dynamics, decided_start(dynamics, m), loaded.registry);
+  } catch (const Error&) {
+    return;
+  }
+  if (!why.empty())
+    throw ModelError("joint coordinates (formulation joint) are not possible: " + why +
+                     "; take the formulation auto or omega");
 }
 
 bool records_reactions(const RunSettings& run) {
@@ -73,6 +145,20 @@ void warn_of_branches(Dynamics& dynamics, StepLoop& sim) {
                         "along one",
                         off)
           : ". It goes on along its velocity"));
+}
+
+void warn_of_no_freedom(const Mechanism& m, Dynamics& dynamics, StepLoop& sim, int most) {
+  const System& system = m.system;
+  if (system.n_velocities() == 0 || system.n_velocities() > most || may_let_go(m)) return;
+  const MobilityReport mobile = mobility(dynamics, sim.state());
+  if (mobile.freedoms > 0 || laws_move(dynamics, sim.state(), m.run.until)) return;
+  const std::vector<std::string> links = holding(system, sim.state());
+  sim.warn(fmt::format(
+      "no freedom is left: nothing can move; the links {} take all {} unknown velocities{}. Let one of them leave free "
+      "what should move (lockstep mobility)",
+      first_of(links), mobile.unknowns,
+      mobile.redundant > 0 ? fmt::format(", with {} row{} too many", mobile.redundant, mobile.redundant > 1 ? "s" : "")
+                           : ""));
 }
 
 std::vector<std::string> columns_not_unique(Dynamics& dynamics, const State& start, const RunSettings& run) {

@@ -115,8 +115,8 @@ std::string end_words(const EndedRun& ended, const Summary& summary) {
   const SimulationReport& r = sim.report();
   const std::string rejected =
       sim.integrator().info().adaptive ? fmt::format(" ({} rejected)", counted(r.rejected, "try", "tries")) : "";
-  say("  run        t = {:.6g} s in {} of {}{}, {:.3g} s of computing\n", sim.state().t,
-      counted(r.steps, "step", "steps"), ended.settings.integrator.type, rejected, ended.seconds);
+  say("  run        t = {:.6g} s in {} of {}{}, formulation {}, {:.3g} s of computing\n", sim.state().t,
+      counted(r.steps, "step", "steps"), ended.settings.integrator.type, rejected, ended.formulation, ended.seconds);
   if (r.manifold_steps > 0)
     say("  stages     on the constraints in {} of {}, as singular positions or rows that are redundant only there ask "
         "for\n",
@@ -158,7 +158,8 @@ Json json_of(const EndedRun& ended, const RowEnvelope& rows) {
     method["tolerance"] = run.tolerance.relative;
   else
     method["step"] = run.step;
-  method["formulation"] = to_string(run.formulation), method["solver"] = to_word(run.solver);
+  method["formulation"] = to_string(run.formulation), method["formulation_used"] = ended.formulation;
+  method["solver"] = to_word(run.solver);
   Json singular = Json::array();
   for (const PassedPosition& p : ended.passed)
     singular.push_back({{"t", p.t}, {"indicator", json_number(p.indicator)}, {"links", p.links}});

@@ -26,6 +26,7 @@ struct EndedRun {
   const Doubts& doubts;
   const std::vector<PassedPosition>& passed;  ///< the first singular positions, with plain stages
   long n_passed = 0;                          ///< how many there were
+  std::string formulation{};                  ///< of its steps: "joint", "omega", "quaternion"
 };
 
 /// What speaks against its result though it went through, one sentence each: what --strict refuses.

@@ -1,0 +1,30 @@
+// FormulationSeen: in which formulation the steps of a run were taken.
+#pragma once
+
+#include <string>
+
+#include <lockstep/memory.h>
+#include <lockstep/step_loop.h>
+
+namespace lockstep {
+
+/// Counts the steps of a run by the coordinates of their ends. An event may change what "auto" takes.
+class FormulationSeen final : public Observer {
+ public:
+  void step(const Sample& s) override { ++(s.state.coordinates ? joint_ : slots_); }
+  void save(Snapshot& out) const override {
+    out.put(static_cast<double>(joint_)), out.put(static_cast<double>(slots_));
+  }
+  void load(const Snapshot& in) override { joint_ = in.get_count(), slots_ = in.get_count(); }
+
+  /// That of most steps; of the state where there was none: "joint", "omega" or "quaternion".
+  std::string name(const StepLoop& sim, Formulation asked) const {
+    const bool joint = joint_ + slots_ > 0 ? joint_ >= slots_ : sim.state().coordinates != nullptr;
+    return joint ? "joint" : to_string(asked == Formulation::quaternion ? asked : Formulation::omega);
+  }
+
+ private:
+  long joint_ = 0, slots_ = 0;
+};
+
+}  // namespace lockstep
