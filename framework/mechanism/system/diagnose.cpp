@@ -81,7 +81,7 @@ std::string bad_number(const System& system, const Inputs& in, const RowEntry& e
 }
 
 // A mass that was set after the body was made.
-void check_mass(const Body& body, double t) {
+void check_mass_finite(const Body& body, double t) {
   const MassProperties& m = body.mass;
   const auto refuse = [&](const std::string& what) {
     const Thing whose{.kind = "body", .name = body.name};
@@ -202,7 +202,7 @@ void check_finite(const System& system, const Inputs& in, const RowTable& table,
   if (f.allFinite()) return;
   for (const auto& force : system.forces()) check_wrench(system, in, *force);
   for (const Body& body : system.bodies())
-    if (body.slot != kGround) check_mass(body, in.t);
+    if (body.slot != kGround) check_mass_finite(body, in.t);
   throw NonFiniteError(at_time(in.t) + "the inertia forces are not finite; " + kShorterStep,
                        {.advice = kShorterStep, .t = in.t});
 }
