@@ -65,6 +65,38 @@ TEST_CASE("an audit tells a sound run from one whose forces and energies differ"
   CHECK(silent.unbooked_forces == std::vector<std::string>{"spring"});
 }
 
+TEST_CASE("the energy exchanged is that of the run, however few its outputs", "[unit][record]") {
+  System system;
+  system.add_particle("bob", 1, {0.5, 0, 0});
+  system.add(std::make_unique<Spring>(4, true));
+  EnergyAudit audit(system);
+  Dynamics dynamics = dynamics_of(system);
+  StepLoop run(dynamics, std::make_unique<Dopri5>(),
+               {.tolerance = {1e-8, 1e-10}, .output = kPi});  // a period: both outputs are of one phase
+  run.add_observer(audit);
+  run.run_until(kPi);
+  CHECK(audit.result().energy == Audit::Energy::conserved);
+  CHECK(audit.result().scale == Approx(0.5).epsilon(0.1));
+}
+
+TEST_CASE("a very small mechanism that leaves its constraints has drifted", "[unit][record]") {
+  constexpr double kSize = 1e-6;
+  System system(System::Options{{0, 0, -9.81}});
+  Body& rod = system.add_body("rod", shapes::rod(1, {0, 0, 0}, {kSize, 0, 0}));
+  system.add<Revolute>("hinge", rod, system.ground(), pose_at(Vec3::Zero(), Vec3(0, 1, 0)));
+  EnergyAudit audit(system);
+  DynamicsOptions options;
+  options.formulation = Formulation::omega;
+  options.stabilization.kind = Stabilization::Kind::none;
+  Dynamics dynamics = dynamics_of(system, options);
+  CHECK(system.length() == Approx(0.5 * kSize).epsilon(0.3));
+  StepLoop run(dynamics, std::make_unique<SemiImplicitEuler>(), {.step = 1e-5});
+  run.add_observer(audit);
+  run.run_until(1e-2);
+  CHECK(audit.result().violation < 100 * kSize);
+  CHECK(audit.result().drifted);
+}
+
 TEST_CASE("what vanishes where a link comes into force is booked under its cause", "[unit][record]") {
   System system(System::Options{{0, 0, -10}});
   Body& stone = system.add_body("stone", shapes::sphere(2, 0.1));

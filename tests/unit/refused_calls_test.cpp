@@ -115,6 +115,12 @@ TEST_CASE("an event refuses links that are merged, and changes that it may not m
       {"the time",
        [] { run_with({.name = "e", .change = [](State& state) { state.t = 0.25; }}); },
        {"event 'e'", "set the time from 0.5 s to 0.25 s", "it may change coordinates"}},
+      {"what is in force",
+       [] { run_with({.name = "e", .change = [](State& state) { state.modes[0] = false; }}); },
+       {"event 'e'", "switched link 'hinge' at t = 0.5 s", "deactivate"}},
+      {"sizes",
+       [] { run_with({.name = "e", .change = [](State& state) { state.v.resize(3); }}); },
+       {"event 'e'", "at t = 0.5 s left 3 velocities where there were 6"}},
   });
 }
 

@@ -3,7 +3,10 @@
 #include <limits>
 #include <memory>
 #include <span>
+#include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include <lockstep/assembly.h>
 #include <lockstep/error.h>
@@ -12,6 +15,7 @@
 #include <lockstep/joints.h>
 #include <lockstep/kinematics.h>
 #include <lockstep/laws.h>
+#include <lockstep/recorder.h>
 #include <lockstep/solvers.h>
 #include <lockstep/splines.h>
 #include <lockstep/step_loop.h>
@@ -37,7 +41,44 @@ class Fed final : public Auxiliary {
   }
 };
 
+/// A force along x that is no number from 0.3 s on, and puts in what it does.
+class Fan final : public Force {
+ public:
+  Fan() : Force("fan") {}
+  std::string_view type() const override { return "test_fan"; }
+  std::vector<const Marker*> markers() const override { return {}; }
+  void setup() override {}
+  void apply(const Inputs& in, WrenchSum& out) const override { out.force(0, {push(in), 0, 0}, in.slot(0).x); }
+  double supply(const Inputs& in) const override { return push(in) * in.slot(0).v[0]; }
+
+ private:
+  static double push(const Inputs& in) { return in.t < 0.3 ? 1 : std::numeric_limits<double>::quiet_NaN(); }
+};
+
 }  // namespace
+
+TEST_CASE("a force that is no number is blamed itself, not the power that it puts in", "[unit][refusals]") {
+  System system;
+  system.add_particle("bob", 1, {0, 0, 0});
+  system.add(std::make_unique<Fan>());
+  EnergyAudit audit(system);
+  Dynamics dynamics(system, std::make_unique<SchurSolver>());
+  StepLoop loop(dynamics, std::make_unique<Dopri5>());
+  loop.add_observer(audit);
+  const std::string said = message_of<Error>([&] { loop.run_until(1); });
+  check_words(said, {"force 'fan'", "is not finite"});
+  CHECK_FALSE(lockstep::testing::says(said, {"supply()"}));
+}
+
+TEST_CASE("a mass that is no number is told by its body", "[unit][refusals]") {
+  System system(System::Options{{0, 0, -9.81}});
+  system.add_body("block", shapes::box(1, {1, 1, 1})).mass.mass = std::numeric_limits<double>::quiet_NaN();
+  Dynamics dynamics(system, std::make_unique<SchurSolver>());
+  StepLoop loop(dynamics, std::make_unique<Dopri5>());
+  const std::string said = message_of<Error>([&] { loop.run_until(1); });
+  check_words(said, {"body 'block' has a mass of nan kg"});
+  CHECK_FALSE(lockstep::testing::says(said, {"reduce the step"}));
+}
 
 TEST_CASE("an integrated state whose rate is no number is told by name", "[unit][refusals]") {
   for (const Formulation formulation : {Formulation::joint, Formulation::omega}) {

@@ -116,6 +116,28 @@ TEST_CASE("a run without an end is ended by counts", "[unit][dynamics]") {
   }
 }
 
+TEST_CASE("a first guess of the step may be as short as it is: only steps that were tried count", "[unit][dynamics]") {
+  System system;  // w = 1e6 rad/s: 16 million steps in a second, of 1e-7 s
+  Marker& p = system.add_marker("p", system.add_particle("bob", 1, {0, 1.1, 0}));
+  system.add<SpringDamper>("spring", p, system.add_marker("s", system.ground()),
+                           SpringDamper::Options{.stiffness = 1e12, .free_length = 1});
+  Dynamics dynamics = dynamics_of(system);
+  StepLoop run(dynamics, std::make_unique<Dopri5>(), {.max_steps = 900});
+  check_words(message_of<StepError>([&] { run.run_until(1); }), {"has made its 900 steps"});
+  CHECK(run.state().t > 1e-5);
+}
+
+TEST_CASE("a run that is too long for its steps says so, and blames no row", "[unit][dynamics]") {
+  RodPendulum pendulum;
+  Dynamics dynamics = dynamics_of(pendulum.system);
+  StepLoop run(dynamics, std::make_unique<Dopri5>());
+  const std::string said = message_of<StepError>([&] { run.run_until(1e10); });
+  check_words(said, {"from the start on its steps were of", "the run of 1e+10 s would take", "more: end it earlier"});
+  CHECK_FALSE(says(said, {"look at its laws"}));
+  CHECK_FALSE(says(said, {"shrank"}));
+  CHECK(run.report().steps < 2000);
+}
+
 TEST_CASE("an event is met where its condition passes to and fro inside a step", "[unit][dynamics]") {
   // z = 10 t - 5 t^2 passes 4.95 m at 1 -+ 0.1 s; steps of dopri5 are exact here and have no limit
   const auto [crossing, when] = GENERATE(std::pair{Event::Crossing::any, 0.9}, std::pair{Event::Crossing::rising, 0.9},

@@ -75,9 +75,9 @@ TEST_CASE("the clock outputs its interval, the start and the end", "[unit][dynam
   CHECK_FALSE(target.jump);
   CHECK(clock.next_target(0, 1.7, 0.4, 0, false).t == 0.4);  // an event before it
   CHECK(clock.next_target(0, 1.7, HUGE_VAL, 0, true).t == 1.7);
-  CHECK(clock.step_towards(0, target, 0) == 0.25);
+  CHECK(clock.step_towards(0, target, 0, 0) == 0.25);
   clock.count_step(0.25, {});
-  CHECK(clock.step_towards(0.25, target, 0) == 0.25);  // what is left
+  CHECK(clock.step_towards(0.25, target, 0, 1) == 0.25);  // what is left
   CHECK_FALSE(clock.output_due(0.25));
   CHECK(clock.output_due(0.5));
   clock.note_output(0.5);

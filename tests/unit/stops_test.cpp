@@ -168,4 +168,66 @@ TEST_CASE("scene: counted turns survive an impact", "[unit][scene]") {
   }
 }
 
+namespace {
+
+/// How the run of an assembled mechanism to time t ends.
+std::string ending(Mechanism& m, const std::string& method, double step, double t, SimulationReport& report) {
+  Dynamics dynamics(m.system, std::make_unique<SchurSolver>());
+  State start = m.system.start();
+  assemble(dynamics, start);
+  const Registry registry = builtin_registry();
+  StepLoop run(dynamics, registry.integrators.make(method, {}, &registry, "method"), {.step = step});
+  run.set_state(start);
+  const std::string said = testing::message_of<StepError>([&] { run.run_until(t); });
+  report = run.report();
+  return said;
+}
+
+}  // namespace
+
+TEST_CASE("scene: a law that drives a joint on against its stop ends the run by counts, and the stop is named",
+          "[unit][scene]") {
+  const auto [method, step] =
+      GENERATE(std::pair<std::string, double>{"dopri5", 0}, std::pair<std::string, double>{"rk4", 0.01});
+  Mechanism m = made(arm(R"("stops": [{"axis": "rz", "low": -1, "high": 0.5}],
+                            "drive": {"axis": "rz", "law": {"type": "ramp", "slope": 1}})"));
+  SimulationReport report;
+  const std::string said = ending(m, method, step, 1, report);
+  check_words(said,
+              {"t = 0.5", "the rest of the run would take", "one-sided link 'A.stop_rz_high' was touched or let go",
+               "a law may drive its bodies on against it"});
+  CHECK_FALSE(testing::says(said, {"look at its laws"}));
+  CHECK_FALSE(testing::says(said, {"A.stop_rz_low"}));
+  CHECK(report.steps < 30000);
+}
+
+TEST_CASE("scene: a ball in a gap that closes ends the run by counts, and what closes it is named", "[unit][scene]") {
+  Mechanism m = made(R"({"lockstep": 1, "gravity": [0, 0, 0],
+    "bodies": [{"name": "ball", "particle": 1, "position": [0, 0, 0], "velocity": [0, 1, 0]},
+               {"name": "floor", "box": {"mass": 1, "size": [0.1, 0.1, 0.1]}, "position": [0, -1, 0]}],
+    "links": [{"name": "lift", "type": "lock", "mask": "x y z e1 e2 e3", "p": "floor", "s": "ground", "at": [0, -1, 0],
+               "move": {"type": "along", "axis": "y", "law": {"type": "ramp", "slope": 1}}},
+              {"name": "below", "type": "point_on_plane", "p": "ball", "s": "floor", "at_p": [0, 0, 0],
+               "at_s": [0, -1, 0], "axis": "y", "unilateral": {"restitution": 0.5}},
+              {"name": "above", "type": "point_on_plane", "p": "ball", "s": "ground", "at_p": [0, 0, 0],
+               "at_s": [0, 1, 0], "axis": "-y", "unilateral": {"restitution": 0.5}}]})");
+  SimulationReport report;
+  const std::string said = ending(m, "dopri5", 0, 3, report);
+  check_words(said, {"the rest of the run would take", "one-sided link '", "'above'", "they have no way left"});
+  CHECK(report.steps < 100000);
+}
+
+TEST_CASE("scene: a law that begins against a stop is refused with both names", "[unit][scene]") {
+  Mechanism m = made(arm(R"("stops": [{"axis": "rz", "low": 0, "high": 1}],
+                            "drive": {"axis": "rz", "law": {"type": "ramp", "slope": -1}})"));
+  Dynamics dynamics(m.system, std::make_unique<SchurSolver>());
+  State start = m.system.start();
+  assemble(dynamics, start);
+  StepLoop run(dynamics, std::make_unique<Dopri5>());
+  run.set_state(start);
+  check_words(testing::message_of<Error>([&] { run.run_until(1); }),
+              {"two laws may drive one coordinate, or a law of link 'A' drives on against the one-sided link "
+               "'A.stop_rz_low' that is touched"});
+}
+
 }  // namespace stops_test

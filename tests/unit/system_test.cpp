@@ -218,6 +218,15 @@ TEST_CASE("the length of a system is its longest arm, radius of gyration or span
   CHECK(std::abs(system.length() - 5) < 1e-14);
 }
 
+TEST_CASE("a system of very small bodies has their length, wherever it stands", "[unit][system]") {
+  const double at = GENERATE(0.0, 10.0);
+  System system;
+  Body& rod = system.add_body("rod", shapes::rod(1, {at, 0, 0}, {at + 1e-6, 0, 0}));
+  system.add<Revolute>("hinge", rod, system.ground(), pose_at(Vec3(at, 0, 0)));
+  system.setup();
+  CHECK(std::abs(system.length() - 0.5e-6) < 1e-9);
+}
+
 TEST_CASE("links of one kind are gathered by one call", "[unit][system]") {
   System system;
   Body& a = system.add_body("a", kMass);

@@ -115,14 +115,14 @@ void Factor::check(const Evaluation& e, const VecX& a, const VecX& lambda, const
   e.residuals(C, Cd);
   const double off = e.norm(C), relative = off / e.system().length();
   if (report.residual <= kLeftPerViolation * relative) return;
-  throw SolveError(when() + e.system().row_name(e.rows(), report.worst_row) +
-                       " cannot hold together with the others (" + text::brief(100 * report.residual) +
-                       " % of its right side is left over); " +
-                       (relative > kOn ? "this stage of a step is off the constraints by " + text::brief(off) +
-                                             " m: take a smaller step; or two laws drive one coordinate: "
-                                       : std::string("two laws may drive one coordinate: ")) +
-                       "look at the drives and masks of this link and its neighbours",
-                   {.thing = thing_of_row(e.system(), e.rows(), report.worst_row), .t = t});
+  throw SolveError(
+      when() + e.system().row_name(e.rows(), report.worst_row) + " cannot hold together with the others (" +
+          text::brief(100 * report.residual) + " % of its right side is left over); " +
+          (relative > kOn ? "this stage of a step is off the constraints by " + text::brief(off) +
+                                " m: take a smaller step; or two laws drive one coordinate"
+                          : std::string("two laws may drive one coordinate")) +
+          or_against_stops(e.system(), e.rows()) + ": look at the drives and masks of this link and its neighbours",
+      {.thing = thing_of_row(e.system(), e.rows(), report.worst_row), .t = t});
 }
 
 }  // namespace lockstep

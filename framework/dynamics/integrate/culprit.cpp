@@ -69,7 +69,8 @@ std::string place_of(const Force& force, const System& system, const Inputs& in)
   return fmt::format(", body '{}' at [{:.6g}, {:.6g}, {:.6g}]", system.body_of_slot(slot).name, x[0], x[1], x[2]);
 }
 
-std::string in_words(Dynamics& dynamics, const State& state, const Said& from, const Said& to, double after) {
+std::string in_words(Dynamics& dynamics, const State& state, const Said& from, const Said& to, double after,
+                     bool tell_rows) {
   const System& system = dynamics.system();
   double largest = kNotable, all_forces = 0, all_asked = 0;
   std::string words;
@@ -88,7 +89,7 @@ std::string in_words(Dynamics& dynamics, const State& state, const Said& from, c
         place_of(force, system, dynamics.inputs(state)));
   }
   const Evaluation& e = dynamics.gather(state);
-  for (int row = 0; row < from.asked.size(); ++row) {
+  for (int row = 0; tell_rows && row < from.asked.size(); ++row) {
     const auto r = static_cast<std::size_t>(row);
     const double turns = change_of(from.rows[r], to.rows[r], 0),
                  asks = change_of(from.asked.segment<1>(row), to.asked.segment<1>(row), 1e-3 * all_asked);
@@ -109,15 +110,17 @@ std::string in_words(Dynamics& dynamics, const State& state, const Said& from, c
 
 }  // namespace
 
-std::string who_varies(Dynamics& dynamics, const State& state, double after) {
+std::string who_varies(Dynamics& dynamics, const State& state, double after, bool rows) {
   try {
     const double off = dynamics.violation(state) / dynamics.system().length();
     const Solution& now = dynamics.evaluate(state);
     if (const SolveReport report = now.full_report();
         report.worst_row >= 0 && report.residual > std::max(kContradict, kLeftPerViolation * off))
-      return fmt::format("{} cannot hold together with the others there ({:.2g} % of its right side is left over): two laws "
-                         "may part, or the mechanism is locked",
-                         dynamics.system().row_name(now.rows, report.worst_row), 100 * report.residual);
+      return fmt::format(
+          "{} cannot hold together with the others there ({:.2g} % of its right side is left over): two laws "
+          "may part{}, or the mechanism is locked",
+          dynamics.system().row_name(now.rows, report.worst_row), 100 * report.residual,
+          or_against_stops(dynamics.system(), now.rows));
     const Said from = listen(dynamics, state);
     State then = state;
     StateRate rate;
@@ -126,7 +129,7 @@ std::string who_varies(Dynamics& dynamics, const State& state, double after) {
     then.s += after * rate.s;
     then.t += after;
     dynamics.normalize(then);
-    return in_words(dynamics, state, from, listen(dynamics, then), after);
+    return in_words(dynamics, state, from, listen(dynamics, then), after, rows);
   } catch (const Error& error) {
     return fmt::format("within {:.2g} s from there: {}", after, error.what());
   }

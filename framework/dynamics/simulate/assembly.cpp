@@ -13,6 +13,7 @@
 #include "framework/dynamics/simulate/consistency.h"
 #include "framework/dynamics/simulate/coordinate_row.h"
 #include "framework/dynamics/simulate/nearest_start.h"
+#include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
 namespace {
@@ -97,8 +98,9 @@ class Assembler {
     residual();
     if (!(report.after_v <= kVelocityLimit))
       throw AssemblyError("assembly left inconsistent velocities (constraint violation " + text::brief(report.after_v) +
-                          " m/s); worst: " + worst_rows(*now_, Cd_) +
-                          ". Two laws may drive one coordinate, or the position is a dead centre, where a driven "
+                          " m/s); worst: " + worst_rows(*now_, Cd_) + ". Two laws may drive one coordinate" +
+                          or_against_stops(dynamics_.system(), now_->rows()) +
+                          ", or the position is a dead centre, where a driven "
                           "coordinate cannot move: look at the drives of these links, or start off the dead centre");
   }
 

@@ -13,7 +13,6 @@ namespace lockstep {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr long kPaced = 10000;          // steps over which the pace is measured
 constexpr double kLongRun = 1e7;        // steps left of which the run warns
 constexpr double kSameInstant = 1e-12;  // relative to max(|t|, length of the run): closer instants are merged
 
@@ -39,6 +38,8 @@ double Clock::horizon(double t) const {
 void Clock::begin(double t, double guess) {
   set_anchor(t);
   advised_ = adaptive_ ? guess : options_.step;
+  if (adaptive_ && guess > 0)
+    advised_ = std::max(guess, least_step(t, span()));  // only a step that was tried is too short
   if (!(advised_ > 0)) advised_ = options_.step > 0 ? options_.step : 1e-3;
 }
 
@@ -56,7 +57,13 @@ Clock::Target Clock::next_target(double t, double limit, double event, double la
   return {jump, jump - before > t ? jump - before : jump, true};
 }
 
-double Clock::step_towards(double t, const Target& target, double largest) const {
+double Clock::too_long_by(double t, long n) const {
+  if (n == 0 || !std::isfinite(t_end_)) return 0;
+  const double mean = (t - t_start_) / static_cast<double>(n);
+  return t_end_ - t > kMostSteps * mean ? mean : 0;
+}
+
+double Clock::step_towards(double t, const Target& target, double largest, long n) const {
   const double left = target.reach - t;
   if (!adaptive_) {
     const double size = largest > 0 ? largest : options_.step;
@@ -67,7 +74,14 @@ double Clock::step_towards(double t, const Target& target, double largest) const
   if (options_.step > 0) h = std::min(h, options_.step);
   if (largest > 0) h = std::min(h, largest);
   const double scale = std::max(std::abs(t), span());
-  if (step_is_round_off(h, t, span()))
+  const bool lost = step_is_round_off(h, t, span());
+  if (lost && too_long_by(t, n) > 0)
+    throw StepError(
+        fmt::format("{}: at t = {:.9g} s a step of {:.3g} s is lost beside the length of the run, {:.3g} s; the "
+                    "rest would take {:.2g} of them",
+                    method_.info().name, t, h, span(), (t_end_ - t) / h),
+        t);
+  if (lost)
     throw StepError(
         fmt::format("{}: the step shrank to {:.3g} s at t = {:.9g} s; use another method (--integrator), a wider "
                     "tolerance, or look for a singular position (lockstep check)",
@@ -95,14 +109,20 @@ std::string Clock::watch_pace(double t, long n) {
     throw StepError(
         fmt::format(
             "{}: at t = {:.9g} s it advises steps of {:.3g} s, by which the rest of the run would take {:.2g} of "
-            "them; {}",
+            "them{}",
             method_.info().name, t, advised_, left / advised_,
-            adaptive_ ? "use another method (--integrator), a wider tolerance, or look for a singular position "
-                        "(lockstep check)"
-                      : "take a larger step (--step)"),
+            !adaptive_              ? "; take a larger step (--step)"
+            : too_long_by(t, n) > 0 ? ""  // its length is the cause
+                                    : "; use another method (--integrator), a wider tolerance, or look for a singular "
+                                      "position (lockstep check)"),
         t);
   if (++n_paced_ < kPaced) return {};
   const double pace = (t - pace_from_) / static_cast<double>(n_paced_);
+  if (left > kMostSteps * pace)  // of the steps made, however long those advised are
+    throw StepError(fmt::format("{}: its last {} steps, up to t = {:.9g} s, were of {:.2g} s on average, by which the "
+                                "rest of the run would take {:.2g} of them",
+                                method_.info().name, n_paced_, t, pace, left / pace),
+                    t);
   pace_from_ = t, n_paced_ = 0;
   if (warned_ || left <= kLongRun * pace) return {};
   warned_ = true;

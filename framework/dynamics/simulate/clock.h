@@ -14,6 +14,8 @@ class LOCKSTEP_API Clock {
   Clock(const System& system, const Integrator& method, const StepLoopOptions& options)
       : system_(system), method_(method), options_(options) {}
 
+  static constexpr long kPaced = 10000;  ///< steps over which the pace is measured
+
   struct Target {
     double t = 0;       ///< where the state is wanted
     double reach = 0;   ///< where the step ends: t, or slightly before it (a law's jump)
@@ -39,12 +41,17 @@ class LOCKSTEP_API Clock {
   /// The nearest of `limit`, `event`, the laws' jumps and, unless they are interpolated, the output times. `largest`: a
   /// step length, by which to look ahead where no end is known.
   Target next_target(double t, double limit, double event, double largest, bool interpolates);
-  double step_towards(double t, const Target&, double largest) const;
+  /// The length of the next step of a run that has made n. Throws StepError where it is round-off.
+  double step_towards(double t, const Target&, double largest, long n) const;
+  /// Whether the run, which has made n steps and reached t, would take very many steps by the mean of all of them: then
+  /// its length is the cause, and nothing that changes fast at t. That mean, s; 0: it is not so.
+  double too_long_by(double t, long n) const;
   /// Counts a step of requested length `asked`.
   void count_step(double asked, const StepReport&);
   /// Watches the pace of the run, which has made n steps and reached t. Returns a warning, once, where the rest will take
   /// very many steps; "" otherwise. Throws StepError where it has no end in sight, or max_steps are made.
   std::string watch_pace(double t, long n);
+  long paced() const { return n_paced_; }  ///< steps since the pace was last measured
 
   // -- outputs
   double next_output() const { return output_time(next_output_); }  ///< infinity: none left

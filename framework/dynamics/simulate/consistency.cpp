@@ -139,11 +139,16 @@ void make_consistent(Dynamics& dynamics, State& state, const std::string& cause,
   } else {
     left = dynamics.project_velocity(state);
   }
-  if (!(left <= limit))
-    throw AssemblyError(
-        fmt::format("{} at t = {:.9g} s leaves inconsistent velocities: they violate the constraints by {:.3g} m/s "
-                    "(limit {:.3g} m/s); two laws may drive one coordinate",
-                    cause, state.t, left, limit));
+  if (!(left <= limit)) {
+    const Evaluation& at = dynamics.gather(state);
+    VecX C, Cd;
+    at.residuals(C, Cd);
+    throw AssemblyError(fmt::format(
+        "{} at t = {:.9g} s leaves inconsistent velocities: they violate the constraints by {:.3g} m/s "
+        "(limit {:.3g} m/s), most of all {}; two laws may drive one coordinate{}: look at the drives of "
+        "these links",
+        cause, state.t, left, limit, largest_row(at, norms(at, Cd)), or_against_stops(dynamics.system(), at.rows())));
+  }
   dynamics.accept(state);
 }
 

@@ -53,6 +53,8 @@ ContactManager::Settled ContactManager::settle_all(State& state) {
     return out;
   }
   modes_before_ = state.modes;
+  if (here)
+    for (const std::size_t i : touching_) ++contacts_[i].engaged;
   for (std::size_t k = 0; k < touching_.size(); ++k)
     out.impact = out.impact || hits_[k].cd < -contacts_[touching_[k]].margin;
   if (out.impact) impact(state);
@@ -180,6 +182,27 @@ std::string ContactManager::rest(State& state) {
     if (active_[k]) names += (names.empty() ? "the contact of link '" : "', '") + contacts_[touching_[k]].link->name();
   if (!names.empty()) names += "'";
   return names;
+}
+
+std::string ContactManager::who_engaged(long n) const {
+  constexpr long kFew = 10;  // a tenth of the steps
+  std::string names;
+  long most = 0;
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    const Contact& c = contacts_[i];
+    if (c.engaged == 0 || kFew * c.engaged < n) continue;
+    most = std::max(most, c.engaged);
+    names += (names.empty() ? "'" : "', '") + c.link->name();
+  }
+  if (names.empty()) return {};
+  return fmt::format(
+      "one-sided link {}' was touched or let go in {} of the last {} steps: a law may drive its bodies on against it, "
+      "or they have no way left; let the law end there, give them way, or remove it",
+      names, most, n);
+}
+
+void ContactManager::forget_engaged() {
+  for (std::size_t i = 0; i < contacts_.size(); ++i) contacts_[i].engaged = 0;
 }
 
 void ContactManager::fail(const State& state, const char* what) const {

@@ -35,6 +35,12 @@ class ContactManager {
   /// Resolves impacts, contacts and releases at this state.
   Settled settle(State&);
 
+  /// Names those that were touched or let go in at least a tenth of the last n steps, "one-sided link 'floor' was touched
+  /// in 998 of the last 1000 steps; ..."; "" where none was.
+  std::string who_engaged(long n) const;
+  /// Counts anew.
+  void forget_engaged();
+
   // -- checkpoints
   void save(Snapshot&) const;
   /// In place of start().

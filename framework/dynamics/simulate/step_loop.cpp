@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include <lockstep/error.h>
-#include "framework/dynamics/integrate/culprit.h"
 #include "framework/dynamics/simulate/along_laws.h"
 #include "framework/dynamics/simulate/consistency.h"
 #include "framework/dynamics/simulate/detail_observer.h"
@@ -227,11 +226,7 @@ void StepLoop::make_start() {
 void StepLoop::advance(double limit, double largest) {
   auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause,
          detailed] = *parts_;
-  const auto who = [&] {  // links and forces are compared over ten steps
-    const std::string words =
-        who_varies(dynamics_, state_, std::max(10 * parts_->clock.advised(), 1e-9 * std::max(1.0, std::abs(state_.t))));
-    return words.empty() ? words : "; " + words;
-  };
+  const auto who = [&] { return parts_->who_slows(dynamics_, state_, report_.steps); };
   const auto with_culprit = [&](auto&& ask) {
     try {
       return ask();
@@ -241,12 +236,13 @@ void StepLoop::advance(double limit, double largest) {
   };
   const std::string slow = with_culprit([&] { return parts_->clock.watch_pace(state_.t, report_.steps); });
   if (!slow.empty()) warn(slow + who());
+  if (parts_->clock.paced() == 0) parts_->contacts.forget_engaged();
   if (!dynamics_.has_current_coordinates(state_)) begin_method();  // the system was changed
   const bool passing = interval.report().manifold;  // a singular position, of which the method keeps what it knows
   if (!passing && state_.coordinates && state_.coordinates->take_off_turns(state_)) interval.begin(state_);
   const double t0 = state_.t;
   const Clock::Target target = clock.next_target(t0, limit, events.next_instant(t0), largest, interval.has_dense());
-  const double wanted = with_culprit([&] { return parts_->clock.step_towards(t0, target, largest); });
+  const double wanted = with_culprit([&] { return parts_->clock.step_towards(t0, target, largest, report_.steps); });
   interval.make(state_, wanted);
   const StepReport& step = interval.report();
   bool landed = step.h >= wanted && state_.t >= target.reach - 1e-13 * std::max(std::abs(target.reach), wanted);

@@ -31,6 +31,34 @@ void refuse_contradictions(const EventLocator& events, std::size_t first, double
                                   name, t, other->second, name)});
 }
 
+// What a change may not touch: the sizes of the state, its time, and what is in force. `before`: the state that the
+// change was given.
+void check_change(const System& system, const Event& e, const State& before, const State& after) {
+  const auto refuse = [&](const std::string& what) {
+    throw ModelError(fmt::format(
+        "event '{}': its change {}; it may change coordinates, velocities and integrated states", e.name, what));
+  };
+  if (after.t != before.t) refuse(fmt::format("set the time from {:.9g} s to {:.9g} s", before.t, after.t));
+  const auto sized = [&](const char* what, auto was, auto is) {
+    if (was != is) refuse(fmt::format("at t = {:.9g} s left {} {} where there were {}", before.t, is, what, was));
+  };
+  sized("coordinates", before.q.size(), after.q.size()), sized("velocities", before.v.size(), after.v.size());
+  sized("integrated states", before.s.size(), after.s.size()),
+      sized("remembered numbers", before.z.size(), after.z.size());
+  sized("links", before.modes.size(), after.modes.size()), sized("links", before.watched.size(), after.watched.size());
+  const auto switched = [&](const std::string& thing) {
+    refuse(fmt::format("switched {} at t = {:.9g} s, which only the event's lists may (activate, deactivate)", thing,
+                       before.t));
+  };
+  for (const auto& link : system.links())
+    if (const auto k = static_cast<std::size_t>(link->number());
+        after.modes[k] != before.modes[k] || after.watched[k] != before.watched[k])
+      switched("link '" + link->name() + "'");
+  for (const auto& force : system.forces())
+    if (const int k = force->switch_memory(); k >= 0 && after.z[k] != before.z[k])
+      switched("force '" + force->name() + "'");
+}
+
 }  // namespace
 
 // Fires the events that are due at the present state; returns whether any changed it. All of an instant or none.
@@ -98,13 +126,9 @@ void StepLoop::apply(const Event& e) {
   for (const std::string& name : e.activate) put(name, true);
   for (const std::string& name : e.deactivate) put(name, false);
   if (e.change) {
-    const double t = state_.t;
-    user_code("event", e.name, t, [&] { e.change(state_); });
-    if (state_.t != t)
-      throw ModelError(
-          fmt::format("event '{}': its change set the time from {:.9g} s to {:.9g} s; it may change "
-                      "coordinates, velocities and integrated states",
-                      e.name, t, state_.t));
+    const State before = state_;
+    user_code("event", e.name, before.t, [&] { e.change(state_); });
+    check_change(system(), e, before, state_);
     system().check_size(state_);
   }
   if (!state_.q.allFinite() || !state_.v.allFinite() || !state_.s.allFinite())

@@ -1,11 +1,13 @@
 // What a step loop tells: observers their phases, the host its warnings.
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <cmath>
 #include <exception>
 
 #include <lockstep/error.h>
 #include <lockstep/log.h>
+#include "framework/dynamics/integrate/culprit.h"
 #include "framework/dynamics/simulate/detail_observer.h"
 #include "framework/dynamics/simulate/step_loop_parts.h"
 #include "framework/dynamics/simulate/step_rules.h"
@@ -51,6 +53,24 @@ void StepLoop::Parts::show_inside(DetailObserver& to, Dynamics& dynamics, double
       continue;
     }
   }
+}
+
+// Links and forces are compared over ten steps. In a run that is too long for its steps every row changes from step to
+// step: only those that contradict each other are blamed.
+std::string StepLoop::Parts::who_slows(Dynamics& dynamics, const State& state, long n) const {
+  constexpr long kEnough = 100;  // steps that tell what cuts them
+  const long paced = clock.paced() > 0 ? clock.paced() : Clock::kPaced;
+  if (const std::string stops = paced < kEnough ? "" : contacts.who_engaged(paced); !stops.empty()) return "; " + stops;
+  std::string words;
+  const double mean = clock.too_long_by(state.t, n);
+  if (mean > 0)
+    words = fmt::format(
+        "; from the start on its steps were of {:.2g} s on average, of which the run of {:.3g} s would take "
+        "{:.2g} more: end it earlier (until)",
+        mean, clock.end() - clock.started_at(), (clock.end() - state.t) / mean);
+  const std::string varies =
+      who_varies(dynamics, state, std::max(10 * clock.advised(), 1e-9 * std::max(1.0, std::abs(state.t))), mean == 0);
+  return varies.empty() ? words : words + "; " + varies;
 }
 
 bool StepLoop::Parts::acts(double t) const {

@@ -80,6 +80,19 @@ std::string bad_number(const System& system, const Inputs& in, const RowEntry& e
   return {};
 }
 
+// A mass that was set after the body was made.
+void check_mass_finite(const Body& body, double t) {
+  const MassProperties& m = body.mass;
+  const auto refuse = [&](const std::string& what) {
+    const Thing whose{.kind = "body", .name = body.name};
+    throw NonFiniteError(at_time(t) + whose.words() + " has " + what + "; it must be finite: look at what sets it",
+                         {.thing = whose, .advice = "look at what sets its mass", .t = t});
+  };
+  if (!std::isfinite(m.mass)) refuse("a mass of " + text::number(m.mass) + " kg");
+  if (!m.center.allFinite()) refuse("a centre of mass that is not finite");
+  if (!m.J.allFinite()) refuse("an inertia that is not finite");
+}
+
 // At the start no step was made.
 std::string or_shorter_step(double t) { return t == 0 ? std::string() : std::string(", or ") + kShorterStep; }
 
@@ -93,6 +106,20 @@ Thing thing_of_row(const System& system, const RowTable& table, int row) {
     if (row >= e.first_row && row < e.first_row + e.m)
       return thing_of(*system.links()[static_cast<std::size_t>(e.link)]);
   return {};
+}
+
+std::string or_against_stops(const System& system, const RowTable& table) {
+  std::string stops, driven;
+  for (const RowEntry& e : table.entries) {
+    const Lock& link = *system.links()[static_cast<std::size_t>(e.link)];
+    if (link.unilateral() != nullptr) stops += (stops.empty() ? "'" : "', '") + link.name();
+    if ((link.driven() != nullptr && link.driven()->n_drives() > 0) ||
+        (link.jointed() != nullptr && link.jointed()->has_laws()))
+      driven += (driven.empty() ? " of link '" : "', '") + link.name();
+  }
+  if (stops.empty()) return {};
+  return ", or a law" + (driven.empty() ? driven : driven + "'") + " drives on against the one-sided link " + stops +
+         "' that is touched";
 }
 
 ErrorContext context_of(const Lock& link, double t) {
@@ -142,6 +169,17 @@ void refuse_laws(const Lock& link, double t) {
   refuse_number(link, t, " computed a number that is not finite", "look at its laws");
 }
 
+void check_wrench(const System& system, const Inputs& in, const Force& force) {
+  if (!force.acts(in)) return;
+  VecX f = VecX::Zero(6 * system.n_slots());
+  WrenchSum sum(in.motions, f);
+  named(force, in.t, [&] { force.apply(in, sum); });
+  if (!f.allFinite())
+    refuse_number(force, in.t,
+                  " is not finite" + (force.slots().empty() ? "" : " with " + place_of(system, in, force.slots())),
+                  "look at its law and parameters");
+}
+
 void check_finite(const System& system, const Inputs& in, const RowTable& table, const VecX& f) {
   for (int k = 0; k < system.n_slots(); ++k) {
     const Motion& O = in.slot(k);
@@ -162,16 +200,9 @@ void check_finite(const System& system, const Inputs& in, const RowTable& table,
     }
   }
   if (f.allFinite()) return;
-  VecX one = VecX::Zero(f.size());
-  for (const auto& force : system.forces()) {
-    if (!force->acts(in)) continue;
-    WrenchSum sum(in.motions, one);
-    named(*force, in.t, [&] { force->apply(in, sum); });
-    if (!one.allFinite())
-      refuse_number(*force, in.t,
-                    " is not finite" + (force->slots().empty() ? "" : " with " + place_of(system, in, force->slots())),
-                    "look at its law and parameters");
-  }
+  for (const auto& force : system.forces()) check_wrench(system, in, *force);
+  for (const Body& body : system.bodies())
+    if (body.slot != kGround) check_mass_finite(body, in.t);
   throw NonFiniteError(at_time(in.t) + "the inertia forces are not finite; " + kShorterStep,
                        {.advice = kShorterStep, .t = in.t});
 }

@@ -21,6 +21,10 @@ LOCKSTEP_API Thing thing_of(const Force&);
 /// The link that a row of the table belongs to; unnamed for a row that the table lacks.
 LOCKSTEP_API Thing thing_of_row(const System&, const RowTable&, int row);
 
+/// The one-sided links in force, and the links with laws that may drive on against them, by name: the end of "two laws may
+/// drive one coordinate"; "" where none is in force.
+LOCKSTEP_API std::string or_against_stops(const System&, const RowTable&);
+
 /// The context of errors thrown by its code at time t; names the law that is at fault, if one is.
 LOCKSTEP_API ErrorContext context_of(const Lock&, double t);
 LOCKSTEP_API ErrorContext context_of(const Force&, double t);
@@ -45,6 +49,8 @@ void set_up(T& thing) {
 /// Throws NonFiniteError naming the body, link, force or law with a number that is not finite: in the motions, the
 /// rows, or the forces `f` (6 per slot).
 LOCKSTEP_API void check_finite(const System&, const Inputs&, const RowTable&, const VecX& f);
+/// Throws NonFiniteError naming the force and its bodies where its wrench is not finite.
+LOCKSTEP_API void check_wrench(const System&, const Inputs&, const Force&);
 /// Throws NonFiniteError: a law of the link is not finite at t.
 [[noreturn]] LOCKSTEP_API void refuse_laws(const Lock&, double t);
 /// The same for the rates `sd` of State::s, one of which is not finite.

@@ -17,21 +17,28 @@
 namespace lockstep {
 namespace {
 
-constexpr double kShortest = 1e-6;  // m, of a system
+constexpr double kShortest = 1e-12;  // m, of a body with a size; and, of the distance from the origin, its rounding
+constexpr double kApart = 1e-6;      // m, between points: less may be a misfit
 
-// Particles without links have no length of their own: that between the ends of a force, else between bodies, else 1 m.
-template <class Forces, class Bodies>
-double length_between_points(const Forces& forces, const Bodies& bodies) {
-  double length = kShortest;
+// Between the ends of a force.
+template <class Forces>
+double length_between_ends(const Forces& forces) {
+  double length = 0;
   for (const auto& force : forces) {
     const std::vector<const Marker*> ends = force->markers();
     for (const Marker* end : ends)
       length = std::max(length, ((end->body->home * end->local).x - (ends[0]->body->home * ends[0]->local).x).norm());
   }
-  if (length <= kShortest)
-    for (const Body& body : bodies)
-      if (body.slot != kGround) length = std::max(length, (body.home.x - bodies.front().home.x).norm());
-  return length > kShortest ? length : 1;
+  return length;
+}
+
+// Particles without links have no length of their own: that between bodies, else 1 m.
+template <class Bodies>
+double length_between_bodies(const Bodies& bodies) {
+  double length = 0;
+  for (const Body& body : bodies)
+    if (body.slot != kGround) length = std::max(length, (body.home.x - bodies.front().home.x).norm());
+  return length > kApart ? length : 1;
 }
 
 template <class Item>
@@ -329,15 +336,20 @@ void System::setup_states() {
 }
 
 void System::setup_length() {
-  length_ = kShortest;
+  double rounding = kShortest;  // of what is computed from places
+  for (const Slot& s : slots_) rounding = std::max(rounding, kShortest * s.home.x.norm());
+  length_ = rounding;
   for (const Marker& m : markers_)
     if (m.body->slot != kGround) length_ = std::max(length_, (m.body->in_slot * m.local).x.norm());
   for (const Slot& s : slots_)  // (i_x^2 + i_y^2 + i_z^2)/2 = trace(J)/(2 m)
     if (s.freedoms == Freedoms::spatial) length_ = std::max(length_, std::sqrt(s.J.trace() / (2 * s.mass)));
+  double apart = 0;
   for (const auto& link : links_)
     for (const auto& [p, s] : link->pairs())
-      length_ = std::max(length_, ((p->body->home * p->local).x - (s->body->home * s->local).x).norm());
-  if (length_ <= kShortest) length_ = length_between_points(forces_, bodies_);
+      apart = std::max(apart, ((p->body->home * p->local).x - (s->body->home * s->local).x).norm());
+  if (std::max(length_, apart) <= kApart) apart = length_between_ends(forces_);
+  if (apart > kApart) length_ = std::max(length_, apart);
+  if (length_ <= rounding) length_ = length_between_bodies(bodies_);
 }
 
 void System::setup_links() {

@@ -12,12 +12,13 @@
 namespace lockstep::channels {
 namespace {
 
-// What a force says of its energy must be a number.
-double must_be_number(const Force& f, const char* what, double value, double t) {
+// What a force says of its energy must be a number; where the force itself is none, that is the cause.
+double must_be_number(const System& system, const Force& f, const char* what, double value, const Inputs& in) {
   if (std::isfinite(value)) return value;
-  throw NonFiniteError(at_time(t) + thing_of(f).label() + ": its " + what + " is " + text::number(value) +
+  check_wrench(system, in, f);
+  throw NonFiniteError(at_time(in.t) + thing_of(f).label() + ": its " + what + " is " + text::number(value) +
                            "; it must be a finite number",
-                       {.thing = thing_of(f), .t = t});
+                       {.thing = thing_of(f), .t = in.t});
 }
 
 // Adds the energy of slot k to a sum, which may be too large for a double.
@@ -47,8 +48,8 @@ double potential(const Sample& s) {
   if (s.system().forces().empty()) return sum;
   for (const auto& f : s.system().forces())
     if (f->acts(s.inputs()))
-      sum +=
-          must_be_number(*f, "potential()", named(*f, s.state.t, [&] { return f->potential(s.inputs()); }), s.state.t);
+      sum += must_be_number(s.system(), *f, "potential()",
+                            named(*f, s.state.t, [&] { return f->potential(s.inputs()); }), s.inputs());
   return sum;
 }
 
@@ -71,7 +72,7 @@ Vec3 angular_momentum(const Sample& s) {
 // Over all forces at the time of the evaluation, so that forces added later count.
 double dissipation(const System& system, const Evaluated& v) {
   double sum = 0;
-  for (const auto& f : system.forces()) sum += must_be_number(*f, "dissipation()", loss(*f, v), v.in.t);
+  for (const auto& f : system.forces()) sum += must_be_number(system, *f, "dissipation()", loss(*f, v), v.in);
   return sum;
 }
 
@@ -79,7 +80,7 @@ double supply(const System& system, const Evaluated& v) {
   double sum = 0;
   for (const auto& f : system.forces())
     if (f->acts(v.in))
-      sum += must_be_number(*f, "supply()", named(*f, v.in.t, [&] { return f->supply(v.in); }), v.in.t);
+      sum += must_be_number(system, *f, "supply()", named(*f, v.in.t, [&] { return f->supply(v.in); }), v.in);
   return sum;
 }
 

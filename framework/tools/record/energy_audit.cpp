@@ -38,11 +38,22 @@ struct EnergyAudit::Books {
   VecX f;
   Audit audit;
 
-  double balance(const Sample& s) const {
-    return value_of(channels[kKinetic], s) + value_of(channels[kPotential], s) - value_of(channels[kDrives], s) -
-           value_of(channels[kSupplied], s) + value_of(channels[kDissipated], s);
+  struct Energies {
+    double kinetic, potential, drives, supplied, dissipated;
+    double balance() const { return kinetic + potential - drives - supplied + dissipated; }
+  };
+  Energies energies(const Sample& s) const {
+    return {value_of(channels[kKinetic], s), value_of(channels[kPotential], s), value_of(channels[kDrives], s),
+            value_of(channels[kSupplied], s), value_of(channels[kDissipated], s)};
   }
-  double imbalance(const Sample& s) const { return balance(s) - first_balance - at_instants; }
+  double balance(const Sample& s) const { return energies(s).balance(); }
+  // The ranges are those of all steps: outputs may be few, or meet a motion at equal phases.
+  void widen(const Energies& e) {
+    kinetic.add(e.kinetic), potential.add(e.potential - first_potential);
+    drives.add(e.drives), supplied.add(e.supplied), dissipated.add(e.dissipated);
+    largest_kinetic = std::max(largest_kinetic, e.kinetic);
+    largest_potential = std::max(largest_potential, std::abs(e.potential));
+  }
   void look_at_forces(const Sample&);
 };
 
@@ -81,7 +92,9 @@ void EnergyAudit::start(const Sample& s) {
 
 void EnergyAudit::step(const Sample& s) {
   Books& b = *books_;
-  b.before = b.balance(s);
+  const Books::Energies now = b.energies(s);
+  b.before = now.balance();
+  b.widen(now);
   double& most = b.audit.violation;  // once it is no number it stays none
   if (!std::isnan(most) && !(s.report.violation_after <= most)) most = s.report.violation_after;
 }
@@ -90,7 +103,9 @@ void EnergyAudit::step(const Sample& s) {
 void EnergyAudit::jumped(const Sample& s) {
   if (s.cause.empty()) return;
   Books& b = *books_;
-  const double change = b.balance(s) - b.before;
+  const Books::Energies now = b.energies(s);
+  const double change = now.balance() - b.before;
+  b.widen(now);
   b.at_instants += change;
   std::vector<Audit::Instant>& all = b.audit.instants;
   auto found = std::find_if(all.begin(), all.end(), [&](const Audit::Instant& i) { return i.cause == s.cause; });
@@ -100,15 +115,11 @@ void EnergyAudit::jumped(const Sample& s) {
 
 void EnergyAudit::output(const Sample& s) {
   Books& b = *books_;
-  const double T = value_of(b.channels[kKinetic], s), V = value_of(b.channels[kPotential], s);
-  b.audit.drives = value_of(b.channels[kDrives], s);
-  b.audit.supplied = value_of(b.channels[kSupplied], s);
-  b.audit.dissipated = value_of(b.channels[kDissipated], s);
-  b.audit.end = T + V;
-  b.kinetic.add(T), b.potential.add(V - b.first_potential);
-  b.drives.add(b.audit.drives), b.supplied.add(b.audit.supplied), b.dissipated.add(b.audit.dissipated);
-  b.largest_kinetic = std::max(b.largest_kinetic, T), b.largest_potential = std::max(b.largest_potential, std::abs(V));
-  const double off = std::abs(b.imbalance(s));
+  const Books::Energies now = b.energies(s);
+  b.audit.drives = now.drives, b.audit.supplied = now.supplied, b.audit.dissipated = now.dissipated;
+  b.audit.end = now.kinetic + now.potential;
+  b.widen(now);
+  const double off = std::abs(now.balance() - b.first_balance - b.at_instants);
   if (!(off <= b.audit.imbalance) && !std::isnan(b.audit.imbalance)) b.audit.imbalance = off;
   b.look_at_forces(s);
 }
