@@ -193,6 +193,31 @@ TEST_CASE("the certificate's digits are those of the closed form", "[benchmark]"
   CHECK(contains(exact.text, "dop853 tighter (tolerance 1e-12) and dopri5 (tolerance 1e-12)"));
 }
 
+TEST_CASE("a run of which no digit is certified is not done well", "[benchmark]") {
+  // A double pendulum that is let go level is chaotic: errors of 1e-4 fill the motion long before the end.
+  const std::string path = kFolder + "/wild_pendulum.json";
+  const auto write = [&](const char* until) {
+    std::ofstream(path) << R"({"lockstep": 1, "gravity": [0, -9.81, 0], "bodies": [
+      {"name": "a", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]}},
+      {"name": "b", "rod": {"mass": 1, "from": [1, 0, 0], "to": [2, 0, 0]}}],
+      "links": [{"name": "A", "type": "revolute", "p": "a", "s": "ground", "at": [0, 0, 0]},
+                {"name": "B", "type": "revolute", "p": "b", "s": "a", "at": [1, 0, 0]}],
+      "run": {"tolerance": 1e-4, "output": 0.5, "record": ["b.x", "b.y", "b.z"], "until": )"
+                        << until << "}}";
+  };
+  write("61");
+  const Result lost = call("run '" + path + "' --certify");
+  INFO(lost.text);
+  CHECK(lost.exit == 11);
+  CHECK(contains(lost.text, "--certify: not one digit of b.x"));
+  CHECK_FALSE(contains(lost.text, "b.z is certified"));  // zero throughout
+  write("1");
+  const Result kept = call("run '" + path + "' --certify");
+  INFO(kept.text);
+  CHECK(kept.exit == 0);
+  CHECK_FALSE(contains(kept.text, "not one digit"));
+}
+
 TEST_CASE("a step of a fixed method is no limit for the adaptive one that is named", "[benchmark]") {
   const std::string path = ring(R"(, "integrator": "rk4", "step": 1e-4)");
   const Result r = call("run '" + path + "' --integrator dopri5 --tolerance 1e-6 --record ring.csv");
