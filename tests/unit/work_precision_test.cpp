@@ -202,6 +202,24 @@ TEST_CASE("one dimension at a time keeps the others at the base", "[unit][work_p
   CHECK(n_runs() == 4);
 }
 
+TEST_CASE("joint coordinates run once for all solvers, and with loops for each stabilisation",
+          "[unit][work_precision]") {
+  WorkPrecisionOptions options = quick_options();
+  options.integrators = {choice<Dopri5>("dopri5")};
+  options.stabilizations = {Stabilization::Kind::project, Stabilization::Kind::none};
+  options.solvers.push_back({"dense", [] { return std::make_unique<DenseSolver>(); }});
+  options.tolerances = {1e-4};
+  const auto n_runs = [&](Formulation formulation, bool loops) {
+    options.formulations = {formulation}, options.loops = loops;
+    return work_precision({.make = swinging, .length = 0.5, .outputs = 5}, options).runs.size();
+  };
+  CHECK(n_runs(Formulation::omega, false) == 4);
+  for (const Formulation formulation : {Formulation::joint, Formulation::automatic}) {
+    CHECK(n_runs(formulation, false) == 1);
+    CHECK(n_runs(formulation, true) == 2);
+  }
+}
+
 // A clock that counts steps: 1 ms each. What the budget allows is then known without asking the machine.
 TEST_CASE("the budget is kept by work", "[unit][work_precision]") {
   struct Ticking final : public Integrator {
