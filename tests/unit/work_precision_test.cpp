@@ -220,6 +220,25 @@ TEST_CASE("joint coordinates run once for all solvers, and with loops for each s
   }
 }
 
+TEST_CASE("a formulation that the base's solver does not take is drawn with another", "[unit][work_precision]") {
+  WorkPrecisionOptions options = quick_options();
+  options.integrators = {choice<Dopri5>("dopri5")};
+  options.formulations = {Formulation::omega, Formulation::quaternion};
+  options.solvers.insert(options.solvers.begin(), {"schur", [] { return std::make_unique<SchurSolver>(); }});
+  const WorkPrecision result = work_precision({.make = swinging, .length = 0.5, .outputs = 5}, options);
+  WorkPrecisionRun base;
+  base.integrator = "dopri5", base.solver = "schur";
+  base.formulation = Formulation::omega, base.stabilization = Stabilization::Kind::project;
+  const GridSpec chart = forms_chart(result, "forms", base, ChartBy::formulation, {"dopri5"});
+  REQUIRE(!chart.panels.empty());
+  for (const char* name : {"omega", "quaternion"}) {
+    CAPTURE(name);
+    CHECK(std::ranges::any_of(chart.panels.front().series, [&](const Series& s) { return s.label == name; }));
+  }
+  REQUIRE(!chart.remarks.empty());
+  CHECK(chart.remarks.front() == "curves: solver schur; quaternion: sparse");
+}
+
 // A clock that counts steps: 1 ms each. What the budget allows is then known without asking the machine.
 TEST_CASE("the budget is kept by work", "[unit][work_precision]") {
   struct Ticking final : public Integrator {
