@@ -15,11 +15,16 @@ LawValue FormulaLaw::at(double t) const {
 void FormulaLaw::breakpoints(double t0, double t1, std::vector<double>& out) const { y_.breakpoints(0, t0, t1, out); }
 
 const TypeInfo& FormulaLaw::info() {
-  static const TypeInfo info{
-      "formula",
-      "y by a formula of time",
-      {{"y", Form::text, Unit::none, kRequired, "formula of t, as in \"=0.1*sin(3*t)\"; all numbers in SI"},
-       expression::constants_key()}};
+  static const TypeInfo info{"formula",
+                             "y by a formula of time",
+                             {{"y",
+                               Form::text,
+                               Unit::none,
+                               kRequired,
+                               "formula of t, as in \"=0.1*sin(3*t)\"; all numbers in SI, or all with units",
+                               {},
+                               LawQuantity::value},
+                              expression::constants_key()}};
   return info;
 }
 

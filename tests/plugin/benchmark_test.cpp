@@ -193,6 +193,63 @@ TEST_CASE("the certificate's digits are those of the closed form", "[benchmark]"
   CHECK(contains(exact.text, "dop853 tighter (tolerance 1e-12) and dopri5 (tolerance 1e-12)"));
 }
 
+TEST_CASE("a named solver is measured and advised in omega, and joint coordinates have none to choose", "[benchmark]") {
+  const std::string path = std::string(paths::kScenes) + "/rod_pendulum.json";
+  const std::string few = " --until 1 --integrators dopri5 --stabilizations project --tolerances 1e-3:1e-6 --budget 10";
+  const Result named =
+      call("advise '" + path + "'" + few + " --formulations auto --solvers dense --error 1e-3 --quiet");
+  INFO(named.text);
+  REQUIRE(named.exit == 0);
+  CHECK(contains(named.text, "--formulation omega --stabilization project --solver dense"));
+  const Result by_itself = call("advise '" + path + "'" + few + " --formulations auto --error 1e-3 --quiet");
+  INFO(by_itself.text);
+  REQUIRE(by_itself.exit == 0);
+  CHECK(contains(by_itself.text, "--formulation auto --stabilization project"));
+  CHECK_FALSE(contains(by_itself.text, "--solver"));
+  CHECK(call(advised(by_itself.text) + " --quiet").exit == 0);
+  const Result refused = call("run '" + path + "' --formulation joint --solver dense");
+  INFO(refused.text);
+  CHECK(refused.exit == 2);
+  CHECK(contains(refused.text, "--solver: joint coordinates"));
+}
+
+TEST_CASE("joint coordinates with loops are charted with each stabilisation", "[benchmark]") {
+  const Result r = call("chart '" + std::string(paths::kScenes) + "/nfourbar_2.json" +
+                        "' --until 0.5 --integrators dopri5 --formulations joint --stabilizations none,project "
+                        "--tolerances 1e-3:1e-4 --budget 10 --quiet --out loops");
+  INFO(r.text);
+  REQUIRE(r.exit == 0);
+  std::ifstream file(kFolder + "/loops/nfourbar_2_chart.csv");
+  const std::string all(std::istreambuf_iterator<char>(file), {});
+  CHECK(contains(all, ",joint,none,"));
+  CHECK(contains(all, ",joint,project,"));
+}
+
+TEST_CASE("a run of which no digit is certified is not done well", "[benchmark]") {
+  // A double pendulum that is let go level is chaotic: errors of 1e-4 fill the motion long before the end.
+  const std::string path = kFolder + "/wild_pendulum.json";
+  const auto write = [&](const char* until) {
+    std::ofstream(path) << R"({"lockstep": 1, "gravity": [0, -9.81, 0], "bodies": [
+      {"name": "a", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]}},
+      {"name": "b", "rod": {"mass": 1, "from": [1, 0, 0], "to": [2, 0, 0]}}],
+      "links": [{"name": "A", "type": "revolute", "p": "a", "s": "ground", "at": [0, 0, 0]},
+                {"name": "B", "type": "revolute", "p": "b", "s": "a", "at": [1, 0, 0]}],
+      "run": {"tolerance": 1e-4, "output": 0.5, "record": ["b.x", "b.y", "b.z"], "until": )"
+                        << until << "}}";
+  };
+  write("61");
+  const Result lost = call("run '" + path + "' --certify");
+  INFO(lost.text);
+  CHECK(lost.exit == 11);
+  CHECK(contains(lost.text, "--certify: not one digit of b.x"));
+  CHECK_FALSE(contains(lost.text, "b.z is certified"));  // zero throughout
+  write("1");
+  const Result kept = call("run '" + path + "' --certify");
+  INFO(kept.text);
+  CHECK(kept.exit == 0);
+  CHECK_FALSE(contains(kept.text, "not one digit"));
+}
+
 TEST_CASE("a step of a fixed method is no limit for the adaptive one that is named", "[benchmark]") {
   const std::string path = ring(R"(, "integrator": "rk4", "step": 1e-4)");
   const Result r = call("run '" + path + "' --integrator dopri5 --tolerance 1e-6 --record ring.csv");

@@ -2,9 +2,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include <lockstep/error.h>
 #include <lockstep/scene.h>
+#include "framework/mechanism/expression/dimensions.h"
 #include "framework/mechanism/expression/evaluate.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
@@ -208,6 +212,77 @@ TEST_CASE("constants of functions are SI, and unknown names name the nearest", "
   CHECK(refused("=[1, 2, 3]").find("numbers are expected") != std::string::npos);
   CHECK(refused("=2 t").find("\"*\"") != std::string::npos);  // not two tonnes
   CHECK(refused("=1/0").find("not finite") != std::string::npos);
+}
+
+TEST_CASE("formulas with units are held against what they read and drive", "[unit][expression]") {
+  const std::optional<Dimension> angle = dimension_of(Unit::angle), length = dimension_of(Unit::length),
+                                 force = dimension_of(Unit::force), torque = dimension_of(Unit::torque);
+  const std::vector<MeasuredVariable> variables = {
+      {"t", dimension_of(Unit::time)}, {"q", length}, {"rz", angle}, {"e1", Dimension{}}, {"u", std::nullopt}};
+  const std::vector<Constant> constants = {{"L", {0.1, 0, 0}, false, *length},
+                                           {"w", {3, 0, 0}, false, dimension_of(Unit::angular_speed)},
+                                           {"n", {2, 0, 0}, false},
+                                           {"A", {1, 2, 3}, true, *length}};
+  const auto problem = [&](const char* text, const std::optional<Dimension>& value) {
+    return message_of<ModelError>([&] { check_dimensions(text, variables, constants, value); });
+  };
+  struct Good {
+    const char* text;
+    std::optional<Dimension> value;
+  };
+  // Without a unit all is in SI; no value of the variables is out of range.
+  for (const Good& good : {Good{"=3*t + sin(t) + q^t", angle},
+                           {"=n*t", length},
+                           {"=w*t", angle},
+                           {"=L*sin(w*t) + (t > 1 s ? 2 m/s^2*(t - 1 s)^2 : 0)", length},
+                           {"=sqrt(t - 2 s)*sqrt(1 s - t)*1 m/s", length},
+                           {"=L/(t - 1 s)*1 s", length},
+                           {"=L*asin(3*q/L)", length},
+                           {"=mod(t, t - 1 s)*w", angle},
+                           {"=L*log(-t/1 s)^n", length},
+                           {"=L*2^(t/(1 s))", length},
+                           {"=q/L", angle},
+                           {"=rz - q/L + 0.5", angle},
+                           {"=t > 1 s ? 0.1 : 0.2", length},
+                           {"=t > 1 s && !(q > L) || t > 3 s ? 1 : 0", length},
+                           {"=-3 N/m*q", force},
+                           {"=-3 N m/rad*rz - 1 N m/rad^3*rz^3", torque},
+                           {"=-3 N*q*rz", torque},
+                           {"=A.y*e1 + max(0, q, L)", length},
+                           {"=3 kg*u", length},
+                           {"=q*1 kg", std::nullopt}}) {
+    CAPTURE(good.text);
+    CHECK_NOTHROW(check_dimensions(good.text, variables, constants, good.value));
+  }
+  struct Bad {
+    const char* text;
+    std::optional<Dimension> value;
+    std::vector<std::string> words;
+  };
+  for (const Bad& bad : {Bad{"=3 m", angle, {"\"=3 m\"", "its value is a length", "here an angle is expected"}},
+                         {"=3 kg*t", angle, {"kg s", "here an angle is expected", "t is a time"}},
+                         {"=1 m + t", angle, {"a length and a time are added"}},
+                         {"=t*1 s", angle, {"s^2", "an angle"}},
+                         {"=3 kg", torque, {"a mass", "a torque"}},
+                         {"=3 mm", torque, {"a length", "a torque"}},
+                         {"=3 N m/rad", torque, {"a torsional stiffness", "a torque"}},
+                         {"=-3 m/s*q", force, {"m^2/s", "a force", "q is a length"}},
+                         {"=L*t", angle, {"m s", "an angle"}},
+                         {"=A.x*t", length, {"m s", "a length"}},
+                         {"=L*sin(3*t)", length, {"sin of a time", "a unit stands in this formula"}},
+                         {"=L + 0.1", length, {"a length and a pure number are added", "give the number a unit"}},
+                         {"=t > 1 s ? L : t", length, {"a length and a time are the two sides of one choice"}},
+                         {"=t < 1 s ? L : (1 m > t ? L : 0)", length, {"a length and a time are compared"}},
+                         {"=0 > 1 && t > L ? 1 : 0", length, {"a time and a length are compared"}},
+                         {"=L^(t/(1 s))", length, {"to a power that varies"}},
+                         {"=0 m", angle, {"a length", "an angle"}}}) {
+    const std::string message = problem(bad.text, bad.value);
+    for (const std::string& word : bad.words) {
+      CAPTURE(bad.text, message, word);
+      CHECK(message.find(word) != std::string::npos);
+    }
+    CHECK(message.find("column") != std::string::npos);
+  }
 }
 
 }  // namespace expression_function_test

@@ -108,7 +108,7 @@ CHECK(worst(table, "bead.z", [&](double) { return r * r / (2 * R); }) < 1e-9);
 TEST_CASE("a law by formula drives, and the run lands on its jump", "[unit][law]") {
   const Table table = run(R"~("parameters": {"a": "100 mm", "T": "530 ms"}, "bodies": [{"name": "b", "particle": 2}],
     "links": [{"name": "A", "type": "lock", "mask": "y z", "p": "b", "s": "ground",
-               "drive": {"axis": "x", "law": {"type": "formula", "y": "=a*sin(3*t) + (t > T ? 2*(t-T)^2 : 0)"
+               "drive": {"axis": "x", "law": {"type": "formula", "y": "=a*sin(3 rad/s*t) + (t > T ? 2 m/s^2*(t-T)^2 : 0)"
 }
 }
 }],
@@ -211,6 +211,9 @@ TEST_CASE("formulas of types are refused in words", "[unit][scene]") {
   check_words(force(R"("force": "=q", "coordinate": "rx")"), {"a force is along x, y or z"});
   check_words(force(R"("force": "=qdd")"), {"force 'F', force", "unknown name \"qdd\"", "did you mean \"qd\""});
   check_words(force(R"("force": "=q", "link": "A")"), {"unknown link"});
+  check_words(force(R"("force": "=-3 m/s*q")"), {"force 'F', force", "m^2/s", "a force is expected", "q is a length"});
+  check_words(force(R"("force": "=-k*q", "parameters": {"k": "3 N m"})"), {"force 'F', force", "a force is expected"});
+  check_words(link(R"("phi": ["=x", "=z - 2 kg*y"])"), {"link 'A', phi[1]", "a length", "subtracted"});
 }
 
 }  // namespace formula_types_test

@@ -192,6 +192,7 @@ TEST_CASE("columns of a CSV file, and errors with file and line", "[unit][motion
   CHECK(c.y(1, 1) == 3);
   CHECK(read_columns(path, "1", {"3"}).y(2, 0) == 6);
   CHECK_THROWS_WITH(read_columns(path, "t", {"why"}), says(path + ":2: no column 'why'"));
+  CHECK_THROWS_WITH(read_columns(path, "t", {"9"}), says("no column 9: there are ") && !says("did you mean"));
   write("0;1\n1;2\n");
   CHECK(read_columns(path, "1", {"2"}).y(1, 0) == 2);
   CHECK_THROWS_WITH(read_columns(path, "t", {"2"}), says("no header"));
@@ -207,7 +208,7 @@ TEST_CASE("columns of a CSV file, and errors with file and line", "[unit][motion
   testing::check_words(testing::message_of<FileError>([&] { read_columns(path, "t", {"y"}); }), {"no rows of numbers"});
 
   // Decimal commas: numbers where something else separates cells, refused where they separate.
-  write("t;y\n0;1,94\n0,5;-2,5e-1\n1;3.5\n");
+  write("t;y\n0;1,94\n0,5;-2,5e-1\n1;3,5\n");
   const Columns commas = read_columns(path, "t", {"y"});
   CHECK(commas.t == std::vector<double>{0, 0.5, 1});
   CHECK(commas.y(0, 0) == 1.94);
@@ -215,6 +216,11 @@ TEST_CASE("columns of a CSV file, and errors with file and line", "[unit][motion
   CHECK(commas.y(2, 0) == 3.5);
   write("t\ty\n0\t1,5\n");
   CHECK(read_columns(path, "t", {"y"}).y(0, 0) == 1.5);
+  write("t;y\n0;0\n1;1.234\n2;1,5\n");
+  testing::check_words(testing::message_of<FileError>([&] { read_columns(path, "t", {"y"}); }),
+                       {path + ":4: column 'y' holds 1,5, with a decimal comma", "line 3", "one decimal sign"});
+  write("0,5;1\n1.5;2\n");
+  CHECK_THROWS_WITH(read_columns(path, "1", {"2"}), says(path + ":2: column 1 holds 1.5, with a decimal point"));
   write("t;y\n0;1,234.5\n");
   CHECK_THROWS_WITH(read_columns(path, "t", {"y"}), says(path + ":2: column 2, '1,234.5'"));
   write("t,y\n0,1\n0.2,0,02\n");

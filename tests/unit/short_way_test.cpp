@@ -42,6 +42,18 @@ TEST_CASE("A simulation by names is the run that its layers make, to the last bi
   CHECK(run.state().t == 1.0);
 }
 
+TEST_CASE("A simulation with a named solver runs in omega", "[simulation]") {
+  System by_itself = pendulum(), named = pendulum(), told = pendulum();
+  const auto in_joints = [](System& system, SimulationOptions options) {
+    Simulation run(system, std::move(options));
+    run.run_until(0.1);
+    return run.state().coordinates != nullptr;
+  };
+  CHECK(in_joints(by_itself, {}));
+  CHECK_FALSE(in_joints(named, {.solver = "dense"}));
+  CHECK(in_joints(told, {.solver = "dense", .dynamics = {.formulation = Formulation::joint, .stabilization = {}}}));
+}
+
 TEST_CASE("A simulation assembles its start, or refuses it where that is not wanted", "[simulation]") {
   System system = pendulum();
   system.setup();

@@ -202,6 +202,43 @@ TEST_CASE("one dimension at a time keeps the others at the base", "[unit][work_p
   CHECK(n_runs() == 4);
 }
 
+TEST_CASE("joint coordinates run once for all solvers, and with loops for each stabilisation",
+          "[unit][work_precision]") {
+  WorkPrecisionOptions options = quick_options();
+  options.integrators = {choice<Dopri5>("dopri5")};
+  options.stabilizations = {Stabilization::Kind::project, Stabilization::Kind::none};
+  options.solvers.push_back({"dense", [] { return std::make_unique<DenseSolver>(); }});
+  options.tolerances = {1e-4};
+  const auto n_runs = [&](Formulation formulation, bool loops) {
+    options.formulations = {formulation}, options.loops = loops;
+    return work_precision({.make = swinging, .length = 0.5, .outputs = 5}, options).runs.size();
+  };
+  CHECK(n_runs(Formulation::omega, false) == 4);
+  for (const Formulation formulation : {Formulation::joint, Formulation::automatic}) {
+    CHECK(n_runs(formulation, false) == 1);
+    CHECK(n_runs(formulation, true) == 2);
+  }
+}
+
+TEST_CASE("a formulation that the base's solver does not take is drawn with another", "[unit][work_precision]") {
+  WorkPrecisionOptions options = quick_options();
+  options.integrators = {choice<Dopri5>("dopri5")};
+  options.formulations = {Formulation::omega, Formulation::quaternion};
+  options.solvers.insert(options.solvers.begin(), {"schur", [] { return std::make_unique<SchurSolver>(); }});
+  const WorkPrecision result = work_precision({.make = swinging, .length = 0.5, .outputs = 5}, options);
+  WorkPrecisionRun base;
+  base.integrator = "dopri5", base.solver = "schur";
+  base.formulation = Formulation::omega, base.stabilization = Stabilization::Kind::project;
+  const GridSpec chart = forms_chart(result, "forms", base, ChartBy::formulation, {"dopri5"});
+  REQUIRE(!chart.panels.empty());
+  for (const char* name : {"omega", "quaternion"}) {
+    CAPTURE(name);
+    CHECK(std::ranges::any_of(chart.panels.front().series, [&](const Series& s) { return s.label == name; }));
+  }
+  REQUIRE(!chart.remarks.empty());
+  CHECK(chart.remarks.front() == "curves: solver schur; quaternion: sparse");
+}
+
 // A clock that counts steps: 1 ms each. What the budget allows is then known without asking the machine.
 TEST_CASE("the budget is kept by work", "[unit][work_precision]") {
   struct Ticking final : public Integrator {

@@ -1,6 +1,7 @@
 #include "framework/description/registry/law_units.h"
 
 #include <lockstep/registry.h>
+#include "framework/mechanism/expression/dimensions.h"
 #include "framework/mechanism/params/csv_reader.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/units.h"
@@ -34,6 +35,25 @@ void check_numbers(const Value& v, const Key& key, const LawDimension& law, cons
     for (std::size_t j = 0; j < one.list()->size(); ++j)
       if (j > 0 || law.of_time)
         check_text((*one.list())[j], j == 0 ? Unit::time : law.unit, j == 0 ? 0 : per_second, item(at, j));
+  }
+}
+
+// The formula of a law, with the constants beside it.
+void check_formula(const Value& formula, const Value* constants, const LawDimension& law, const std::string& context,
+                   const std::string& owner) {
+  if (formula.text() == nullptr || law.unit == Unit::any) return;
+  Dimension value = dimension_of(law.unit);
+  value.s -= law.per_second;
+  const auto t = law.of_time ? std::optional(dimension_of(Unit::time)) : std::nullopt;
+  const std::vector<expression::Constant> known =
+      constants != nullptr ? expression::read_constants(*constants, part_of(owner, "parameters"))
+                           : std::vector<expression::Constant>{};
+  try {
+    expression::check_dimensions(*formula.text(), {{"t", t}}, known, value);
+  } catch (const SceneError&) {
+    throw;
+  } catch (const ModelError& error) {
+    refuse(formula.where, context, error.what());
   }
 }
 
@@ -91,6 +111,8 @@ void check_law_units(const Value& law, Form form, LawDimension dimension, const 
     const Value* v = law.find(key.name);
     if (v == nullptr) continue;
     const std::string place = part_of(owner, key.name);
+    if (*type->text() == "formula" && key.form == Form::text && key.of_law == LawQuantity::value)
+      check_formula(*v, law.find("parameters"), dimension, place, owner);
     if (!holds_law(key.form) && key.unit == Unit::any) check_numbers(*v, key, dimension, place);
     const bool own = key.unit != Unit::none && key.unit != Unit::any;  // checked when it was made
     if (holds_law(key.form) && !own && key.of_law == LawQuantity::value)

@@ -37,12 +37,7 @@ std::optional<Amount> plain_quantity(const Value& v, const std::string& context)
   if (v.number() != nullptr) return Amount::number(read_number(v, Unit::any, context));
   if (v.text() == nullptr) return std::nullopt;
   Amount q = Amount::number(read_number(v, Unit::any, context));
-  const std::string_view text = text::trimmed(*v.text());
-  std::size_t unit = text.find_first_of(" \t");
-  if (unit == std::string_view::npos || !dimension_of(text::trimmed(text.substr(unit)))) {  // "12mm"
-    for (unit = 0; unit < text.size() && !dimension_of(text::trimmed(text.substr(unit)));) ++unit;
-  }
-  const Dimension d = dimension_of(text::trimmed(text.substr(unit))).value_or(Dimension{});
+  const Dimension d = dimension_of_text(*v.text());
   q.dimension = {double(d.m), double(d.kg), double(d.s), double(d.rad)}, q.measured = true;
   return q;
 }

@@ -252,12 +252,15 @@ Key constants_key() {
 }
 
 std::vector<Constant> read_constants(const Params& p, const std::string& key) {
+  return p.has(key) ? read_constants(p.value(key), part_of(p.owner(), key)) : std::vector<Constant>{};
+}
+
+std::vector<Constant> read_constants(const Value& object, const std::string& owner) {
   std::vector<Constant> all;
-  if (!p.has(key)) return all;
-  const Value& object = p.value(key);
-  if (object.object() == nullptr) p.refuse(key, "expected an object of numbers by name, got " + shown(object));
+  if (object.object() == nullptr)
+    lockstep::refuse(object.where, owner, "expected an object of numbers by name, got " + shown(object));
   for (const Value::Member& m : *object.object()) {
-    const std::string place = part_of(part_of(p.owner(), key), m.key);
+    const std::string place = part_of(owner, m.key);
     std::string problem;
     if (!is_name(m.key, problem)) lockstep::refuse(m.where, place, "\"" + m.key + "\" is no name: " + problem);
     Constant c;
@@ -265,8 +268,11 @@ std::vector<Constant> read_constants(const Params& p, const std::string& key) {
     if (c.is_vector) {
       const Vec3 v = read_vector3(m.value, Unit::any, place);
       std::copy(v.begin(), v.end(), c.value);
+      for (const Value& each : *m.value.list())
+        if (each.text() != nullptr) c.dimension = dimension_of_text(*each.text());
     } else {
       c.value[0] = read_number(m.value, Unit::any, place);
+      if (m.value.text() != nullptr) c.dimension = dimension_of_text(*m.value.text());
     }
     all.push_back(std::move(c));
   }

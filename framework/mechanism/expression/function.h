@@ -47,6 +47,7 @@ struct Constant {
   std::string name;
   double value[3] = {0, 0, 0};
   bool is_vector = false;  ///< read as A.x, A.y, A.z
+  Dimension dimension{};   ///< of a number that was given with a unit; else without exponents
 };
 
 /// A formula compiled once. All numbers are SI. Evaluation allocates nothing and never throws; what has no value is NaN.
@@ -90,6 +91,9 @@ extern template LOCKSTEP_API Jet<8> FormulaFunction::operator()(std::span<const 
 
 /// The constants that an object gives as "parameters": {"R": "20 mm", "A": [0, 0, 1], ...}. Throws SceneError.
 LOCKSTEP_API std::vector<Constant> read_constants(const Params&, const std::string& key);
+
+/// The same of the object itself, which stands at `place`.
+LOCKSTEP_API std::vector<Constant> read_constants(const Value& object, const std::string& place);
 
 /// The key "parameters" of a type with formulas.
 LOCKSTEP_API Key constants_key();

@@ -38,20 +38,41 @@ std::string article_name(const Exponents& e) {
 bool is_pure(const Amount& q) { return q.dimension == Exponents{}; }
 bool is_angle(const Amount& q) { return q.dimension == Exponents{0, 0, 0, 1}; }
 
+Exponents without_radian(Exponents e) {
+  e.rad = 0;
+  return e;
+}
+
+// Of values with their dimensions; with `varies` of dimensions alone.
 class Evaluation {
  public:
-  Evaluation(const Expression& e, const Names& names, const Known& known) : e_(e), names_(names), known_(known) {}
+  Evaluation(const Expression& e, const Names& names, const Known& known, const Varies* varies = nullptr,
+             std::string hint = {})
+      : e_(e), names_(names), known_(known), varies_(varies), hint_(std::move(hint)) {}
 
   Amount of(int i) const {
     const Node& n = e_.node(i);
     const Amount q = made(n);
+    if (!of_values()) return q;
     for (const double x : q.v)
       if (!std::isfinite(x)) refuse(n, "its value is not finite" + operands(n));
     return q;
   }
 
  private:
-  [[noreturn]] void refuse(const Node& n, const std::string& problem) const { e_.refuse(n, problem); }
+  [[noreturn]] void refuse(const Node& n, const std::string& problem) const { e_.refuse(n, problem + hint_); }
+  bool of_values() const { return varies_ == nullptr; }
+  bool is_number(const Amount& q) const {
+    return of_values() ? is_pure(q) : without_radian(q.dimension) == Exponents{};
+  }
+  bool is_like(const Exponents& a, const Exponents& b) const {
+    return of_values() ? a == b : without_radian(a) == without_radian(b);
+  }
+  bool varies(int i) const {
+    const Node& n = e_.node(i);
+    return (n.operation == Operation::name && (*varies_)(n.name)) ||
+           std::any_of(n.children.begin(), n.children.end(), [&](int k) { return varies(k); });
+  }
   Amount child(const Node& n, std::size_t k) const { return of(n.children[k]); }
 
   std::string operands(const Node& n) const {
@@ -86,11 +107,11 @@ class Evaluation {
       case Operation::power:
         return power(n);
       case Operation::conjunction:
-        return Amount::number(truth(n, 0) && truth(n, 1) ? 1 : 0);
+        return Amount::number(joined(n, true) ? 1 : 0);
       case Operation::disjunction:
-        return Amount::number(truth(n, 0) || truth(n, 1) ? 1 : 0);
+        return Amount::number(joined(n, false) ? 1 : 0);
       case Operation::choose:
-        return truth(n, 0) ? child(n, 1) : child(n, 2);
+        return of_values() ? child(n, truth(n, 0) ? 1 : 2) : either(n);
       case Operation::vector:
         return vector(n);
       case Operation::component: {
@@ -118,12 +139,23 @@ class Evaluation {
   void unite(const Node& n, Amount& a, Amount& b, const char* how) const {
     if (a.is_zero) a.dimension = b.dimension, a.measured = b.measured;
     if (b.is_zero) b.dimension = a.dimension, b.measured = a.measured;
-    const Exponents to = settled(a.dimension);
-    if (!(to == settled(b.dimension)))
+    const Exponents other = settled(b.dimension);
+    Exponents to = settled(a.dimension);
+    if (!is_like(to, other))
       refuse(n, article_name_of(a) + " and " + article_name_of(b) + " are " + how +
                     (a.measured != b.measured ? "; give the number a unit, as in \"0.1 m\"" : ""));
     if (a.is_vector != b.is_vector) refuse(n, article_name_of(a) + " and " + article_name_of(b) + " are " + how);
+    if (to.rad == 0) to.rad = other.rad;
     a.dimension = b.dimension = to;
+  }
+
+  // The dimension of both sides of a choice.
+  Amount either(const Node& n) const {
+    truth(n, 0);
+    Amount a = child(n, 1), b = child(n, 2);
+    unite(n, a, b, "the two sides of one choice");
+    a.measured = a.measured || b.measured, a.is_zero = a.is_zero && b.is_zero;
+    return a;
   }
 
   Amount sum(const Node& n) const {
@@ -149,7 +181,7 @@ class Evaluation {
     Amount a = child(n, 0);
     const Amount b = child(n, 1);
     if (b.is_vector) refuse(n, "a division by a vector; write a / norm(b)");
-    if (b.v[0] == 0) refuse(n, "a division by zero");
+    if (b.v[0] == 0 && of_values()) refuse(n, "a division by zero");
     for (double& x : a.v) x /= b.v[0];
     a.dimension = product(a.dimension, b.dimension, -1), a.measured = a.measured || b.measured, a.is_zero = false;
     return a;
@@ -159,7 +191,9 @@ class Evaluation {
     Amount a = child(n, 0);
     const Amount p = child(n, 1);
     if (a.is_vector) refuse(n, "a power of a vector; write dot(a, a)");
-    if (p.is_vector || !is_pure(p)) refuse(n, "the exponent is " + article_name_of(p) + "; a pure number is expected");
+    if (p.is_vector || !is_number(p))
+      refuse(n, "the exponent is " + article_name_of(p) + "; a pure number is expected");
+    if (!of_values()) return power_of(n, a, p);
     if (a.v[0] < 0 && p.v[0] != std::round(p.v[0])) refuse(n, text::brief(a.v[0]) + " to a power that is not whole");
     if (a.v[0] == 0 && p.v[0] < 0) refuse(n, "a division by zero: a negative power of 0");
     a.v[0] = std::pow(a.v[0], p.v[0]), a.dimension = scaled(a.dimension, p.v[0]), a.is_zero = false;
@@ -167,11 +201,30 @@ class Evaluation {
     return a;
   }
 
+  // The dimension of a power: of a quantity by an exponent that stands fast.
+  Amount power_of(const Node& n, Amount a, const Amount& p) const {
+    a.measured = a.measured || p.measured, a.is_zero = false;
+    const double exponent = p.v[0];
+    const bool fixed = !varies(n.children[1]) && std::isfinite(exponent);
+    if (!fixed && !is_number(a))
+      refuse(n, article_name_of(a) + " to a power that varies; a pure number is expected before the \"^\"");
+    a.dimension = fixed ? scaled(a.dimension, exponent) : Exponents{}, a.v[0] = std::pow(a.v[0], exponent);
+    return a;
+  }
+
   bool truth(const Node& n, std::size_t k) const {
     const Amount q = child(n, k);
-    if (q.is_vector || !is_pure(q))
-      e_.refuse(e_.node(n.children[k]), "a condition is expected, as in \"a > b\", and this is " + article_name_of(q));
+    if (q.is_vector || !is_number(q))
+      refuse(e_.node(n.children[k]), "a condition is expected, as in \"a > b\", and this is " + article_name_of(q));
     return q.v[0] != 0;
+  }
+
+  // Whether both conditions of n hold (`all`), or one of them; the second is looked at where it counts.
+  bool joined(const Node& n, bool all) const {
+    const bool first = truth(n, 0);
+    if (of_values() && first != all) return first;
+    const bool second = truth(n, 1);
+    return all ? first && second : first || second;
   }
 
   Amount compared(const Node& n) const {
@@ -228,7 +281,7 @@ class Evaluation {
     double& y = q.v[0];
     const double x = a[0].v[0];
     const auto pure = [&](bool angle) {
-      if (!is_pure(a[0]) && !(angle && is_angle(a[0])))
+      if (!is_number(a[0]) && !(angle && is_angle(a[0])))
         refuse_argument(n, a[0], angle ? "an angle or a pure number" : "a pure number");
     };
     const auto like = [&] {  // of the dimension of the arguments, which are of one
@@ -237,7 +290,8 @@ class Evaluation {
     };
     const auto angle = [&] { q.dimension = {0, 0, 0, 1}, q.measured = true; };
     const auto within = [&](bool inside, const char* range) {
-      if (!inside) refuse(n, std::string(name_of(n.function)) + " of " + text::brief(x) + "; it must be " + range);
+      if (!inside && of_values())
+        refuse(n, std::string(name_of(n.function)) + " of " + text::brief(x) + "; it must be " + range);
     };
     switch (n.function) {
       case Function::sin:
@@ -278,7 +332,7 @@ class Evaluation {
         return pure(false), y = nearest(x), q;
       case Function::mod:
         like();
-        if (a[1].v[0] == 0) refuse(n, "mod by zero");
+        if (a[1].v[0] == 0 && of_values()) refuse(n, "mod by zero");
         return y = x - a[1].v[0] * std::floor(x / a[1].v[0]), q;
       case Function::min:
       case Function::max:
@@ -309,6 +363,8 @@ class Evaluation {
   const Expression& e_;
   const Names& names_;
   const Known& known_;
+  const Varies* varies_;
+  std::string hint_;
 };
 
 }  // namespace
@@ -317,6 +373,12 @@ Amount evaluate(const Expression& e, const Names& names, const Known& known) {
   Amount q = Evaluation(e, names, known).of(e.root());
   q.dimension = settled(q.dimension);
   if (!whole(q.dimension)) e.refuse(0, "its result has a dimension without a unit (a broken or a high power)");
+  return q;
+}
+
+Amount dimension_of(const Expression& e, const Names& names, const Varies& varies, const std::string& hint) {
+  Amount q = Evaluation(e, names, {}, &varies, hint).of(e.root());
+  q.dimension = settled(q.dimension);
   return q;
 }
 

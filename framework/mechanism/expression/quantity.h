@@ -42,6 +42,14 @@ using Known = std::function<std::vector<std::string>()>;
 /// is wrong.
 LOCKSTEP_API Amount evaluate(const Expression&, const Names&, const Known& known = {});
 
+/// Whether a name stands for what varies, such as the time.
+using Varies = std::function<bool(const std::string&)>;
+
+/// The dimension of a formula of variables, whatever their values: of each choice both sides are looked at, nothing is
+/// out of range, and the radian is the number 1 in sums and comparisons, and before functions of pure numbers. The values
+/// of the result mean nothing. Throws ModelError as evaluate(), with `hint` behind what is wrong.
+LOCKSTEP_API Amount dimension_of(const Expression&, const Names&, const Varies&, const std::string& hint);
+
 /// As a scene holds it: a number where no unit took part, else a text such as "0.12 m", of a vector a list of three.
 /// Throws ModelError for a dimension that has no unit, and for what is not finite.
 LOCKSTEP_API Value value_of(const Amount&);

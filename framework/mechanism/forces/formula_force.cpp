@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <lockstep/error.h>
+#include "framework/mechanism/expression/dimensions.h"
 #include "framework/mechanism/expression/evaluate.h"
 
 namespace lockstep {
@@ -16,7 +17,7 @@ const TypeInfo& CoordinateForce::info() {
       "function_force",
       "force or torque by a formula of one coordinate q of P seen from S, its rate qd and the time t",
       {{"force", Form::text, Unit::none, kOptional,
-        "on P along an axis of S, N: \"=-800*q - 20*qd + 5*sin(t)\", q in m, all numbers in SI"},
+        "on P along an axis of S, N: \"=-800*q - 20*qd + 5*sin(t)\", q in m, all numbers in SI or all with units"},
        {"torque", Form::text, Unit::none, kOptional, "or on P about an axis of S, N m; q in rad, turns counted"},
        {"coordinate",
         Form::choice,
@@ -41,6 +42,11 @@ std::unique_ptr<Force> CoordinateForce::make(const Attachment& attachment, const
   expression::FormulaFunction f;
   try {
     f = expression::FormulaFunction(k.text(key), {"q", "qd", "t"}, constants);
+    expression::check_dimensions(k.text(key),
+                                 {{"q", dimension_of(torque ? Unit::angle : Unit::length)},
+                                  {"qd", dimension_of(torque ? Unit::angular_speed : Unit::speed)},
+                                  {"t", dimension_of(Unit::time)}},
+                                 constants, dimension_of(torque ? Unit::torque : Unit::force));
   } catch (const SceneError&) {
     throw;
   } catch (const ModelError& error) {

@@ -4,6 +4,7 @@
 #include <array>
 
 #include <lockstep/error.h>
+#include "framework/mechanism/expression/dimensions.h"
 #include "framework/mechanism/expression/evaluate.h"
 #include "framework/mechanism/expression/function.h"
 #include "framework/mechanism/params/read.h"
@@ -73,11 +74,23 @@ std::unique_ptr<Lock> link_of(const Attachment& a, Mask mask, const std::vector<
   return link_of<n, Reads::translation, false>(a, mask, formulas);
 }
 
+// The quaternion is of pure numbers.
+std::vector<expression::MeasuredVariable> measured_variables() {
+  std::vector<expression::MeasuredVariable> all;
+  for (std::size_t k = 0; k < kVariables.size(); ++k) {
+    const int i = static_cast<int>(k);
+    const Unit unit = i < kTime ? Unit::length : i == kTime ? Unit::time : i == kTurn ? Unit::angle : Unit::none;
+    all.push_back({kVariables[k], dimension_of(unit)});
+  }
+  return all;
+}
+
 FormulaFunction read_formula(const Value& v, const std::string& place,
                              const std::vector<expression::Constant>& constants) {
   FormulaFunction f;
   try {
     f = FormulaFunction(read_text(v, place), kVariables, constants);
+    expression::check_dimensions(f.text(), measured_variables(), constants, std::nullopt);
   } catch (const SceneError&) {
     throw;
   } catch (const ModelError& error) {

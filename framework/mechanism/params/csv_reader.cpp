@@ -83,13 +83,31 @@ bool CsvReader::next(std::vector<std::string>& cells) {
   if (!first_.empty()) {
     cells = std::move(first_);
     first_.clear();
-    return true;
+    return refuse_both_signs(cells), true;
   }
   if (!next_line(cells)) return false;
-  if (cells.size() == columns_.size()) return true;
+  if (cells.size() == columns_.size()) return refuse_both_signs(cells), true;
   const bool commas = separator_ == ',' && cells.size() > columns_.size();
   refuse("has " + std::to_string(cells.size()) + " cells, the first line has " + std::to_string(columns_.size()) +
          (commas ? "; if a comma is a decimal one, write a point, or separate cells by semicolons" : ""));
+}
+
+// Numbers with decimal points and others with decimal commas: one of the two may separate thousands.
+void CsvReader::refuse_both_signs(const std::vector<std::string>& cells) {
+  if (separator_ == ',') return;
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    const bool point = cells[k].find('.') != std::string::npos, comma = cells[k].find(',') != std::string::npos;
+    double ignored = 0;
+    if (point == comma || !number(cells[k], ignored)) continue;
+    const char sign = point ? '.' : ',';
+    if (sign_ == 0) sign_ = sign, sign_line_ = number_;
+    if (sign == sign_) continue;
+    const std::string& name = columns_[k].name;
+    refuse("column " + (name.empty() ? std::to_string(k + 1) : "'" + name + "'") + " holds " + cells[k] +
+           ", with a decimal " + (point ? "point" : "comma") + ", and line " + std::to_string(sign_line_) +
+           " a number with a decimal " + (point ? "comma" : "point") +
+           "; write all numbers of the file with one decimal sign, and no other in them");
+  }
 }
 
 bool CsvReader::number(std::string cell, double& value) const {
@@ -110,7 +128,12 @@ std::size_t CsvReader::find(const std::string& wanted) const {
   }
   std::size_t k = 0;
   const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), k);
-  if (error == std::errc{} && end == wanted.data() + wanted.size() && k >= 1 && k <= columns_.size()) return k - 1;
+  const bool by_number = end == wanted.data() + wanted.size() && !wanted.empty();
+  if (by_number && error == std::errc{} && k >= 1 && k <= columns_.size()) return k - 1;
+  if (by_number)
+    refuse("no column " + wanted + ": there " +
+           (columns_.size() == 1 ? "is 1 column" : "are " + std::to_string(columns_.size()) + " columns") +
+           ", counted from 1");
   std::vector<std::string> names;
   for (const CsvColumn& c : columns_) names.push_back(c.name);
   const bool header = std::ranges::any_of(names, [](const std::string& name) { return !name.empty(); });

@@ -36,10 +36,13 @@ class LOCKSTEP_API CsvReader {
  private:
   bool next_line(std::vector<std::string>& cells);
   void read_header();
+  void refuse_both_signs(const std::vector<std::string>& cells);
   std::string path_;
   std::ifstream file_;
   int number_ = 0;
   char separator_ = 0;
+  char sign_ = 0;      // the decimal sign of the first number that has one
+  int sign_line_ = 0;  // its line
   std::vector<CsvColumn> columns_;
   std::vector<std::string> first_;  // the first row, where there is no header
 };

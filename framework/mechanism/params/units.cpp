@@ -265,6 +265,9 @@ std::optional<Dimension> dimension_of(std::string_view unit) {
   return unit.empty() || !problem.empty() ? std::nullopt : std::optional(factor.dimension);
 }
 
+Dimension dimension_of(Unit unit) { return words_of(unit).dimension; }
+Dimension dimension_of_text(std::string_view text) { return dimension_of(split(text).unit).value_or(Dimension{}); }
+
 std::string article_name_of(const Dimension& d) {
   if (d == Dimension{}) return "a pure number";
   for (const UnitWords& w : kWords)

@@ -50,6 +50,12 @@ struct Dimension {
 /// The dimension of a unit such as "N/mm"; nothing if `unit` is none.
 LOCKSTEP_API std::optional<Dimension> dimension_of(std::string_view unit);
 
+/// The dimension of a unit of scenes; without exponents for Unit::none and Unit::any.
+LOCKSTEP_API Dimension dimension_of(Unit);
+
+/// The dimension of a text with a unit, "12 mm"; without exponents where it has none.
+LOCKSTEP_API Dimension dimension_of_text(std::string_view text);
+
 /// "a length", "a quantity in m^2"; "a pure number" without exponents.
 LOCKSTEP_API std::string article_name_of(const Dimension&);
 

@@ -91,6 +91,13 @@ Certificate certify(const Table& run, const std::vector<const Table*>& repeats) 
   return c;
 }
 
+std::vector<std::string> without_a_digit(const Certificate& c) {
+  std::vector<std::string> names;
+  for (const CertifiedChannel& channel : c.channels)
+    if (!channel.zero && channel.worst().digits < 1) names.push_back(channel.name);
+  return names;
+}
+
 std::string certificate_text(const Certificate& c, const std::vector<std::string>& names) {
   std::size_t width = 8, unit = 4;
   for (const CertifiedChannel& channel : c.channels) {

@@ -32,6 +32,9 @@ struct Certificate {
 /// value of its unit (at least 1) and fewer than 6 digits agree. Throws ModelError for tables with other columns.
 LOCKSTEP_API Certificate certify(const Table& run, const std::vector<const Table*>& repeats);
 
+/// The channels of which not one digit agrees with some repeat; those that are zero do not count.
+LOCKSTEP_API std::vector<std::string> without_a_digit(const Certificate&);
+
 /// A table as text, one line per channel. `names`: of the repeats.
 LOCKSTEP_API std::string certificate_text(const Certificate&, const std::vector<std::string>& names);
 

@@ -83,8 +83,10 @@ class Benchmark {
       for (const Formulation formulation : o.formulations)
         for (const Stabilization::Kind kind : o.stabilizations)
           for (const SolverChoice& solver : o.solvers) {
-            const bool rows = formulation != Formulation::joint;  // without, what reads them makes no difference
-            if (!rows && (kind != o.stabilizations.front() || &solver != &o.solvers.front())) continue;
+            if (needs_no_solver(formulation)) {  // what reads rows that are not there makes no difference
+              if (&solver != &o.solvers.front()) continue;
+              if (!o.loops && kind != o.stabilizations.front()) continue;
+            }
             const int in_form = differs(formulation != o.formulations.front()) +
                                 differs(kind != o.stabilizations.front()) + differs(&solver != &o.solvers.front());
             const int n = in_form + differs(&method != &o.integrators.front());

@@ -67,14 +67,19 @@ struct WorkPrecisionRun {
   bool done() const { return failure.empty(); }
 };
 
+/// Whether the unknowns are those of joints: no linear solver is chosen. `automatic`: where it takes joint coordinates.
+inline bool needs_no_solver(Formulation f) { return f == Formulation::joint || f == Formulation::automatic; }
+
 /// The first items of the lists are the base. All combinations are measured, or those that differ from it in one item.
 struct WorkPrecisionOptions {
   std::vector<MethodChoice> integrators;
   std::vector<SolverChoice> solvers;
-  /// With joint coordinates only the first stabilisation and the first solver run: there are no rows.
+  /// With joint coordinates, also those that `auto` takes, only the first solver runs, and but with `loops` only the
+  /// first stabilisation: there are no rows.
   std::vector<Formulation> formulations{Formulation::omega, Formulation::quaternion};
   std::vector<Stabilization::Kind> stabilizations{Stabilization::Kind::project, Stabilization::Kind::baumgarte,
                                                   Stabilization::Kind::none};
+  bool loops = false;       ///< joint coordinates have rows that close loops, and these are stabilised
   bool separately = false;  ///< one item at a time
   Stabilization gains;      ///< Baumgarte's rates and the projection's tolerance
   std::vector<double> tolerances{1,    1e-1, 1e-2, 1e-3,  1e-4,  1e-5, 1e-6,

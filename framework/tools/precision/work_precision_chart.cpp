@@ -143,22 +143,21 @@ std::vector<std::string> remarks_of(const WorkPrecision& result,
   return lines;
 }
 
-// The base's solver, or another that works with more values of `by`: not every solver takes every formulation.
-std::string common_solver(const WorkPrecision& result, WorkPrecisionRun base, ChartBy by) {
+// The base's solver, or where that does not take this value of `by`, as schur does not take quaternions, the default of
+// these, or the first that ran.
+std::string solver_for(const WorkPrecision& result, WorkPrecisionRun base, ChartBy by, const std::string& value) {
   if (by == ChartBy::solver) return base.solver;
-  const auto n_values = [&](const std::string& solver) {
-    base.solver = solver;
-    std::vector<std::string> found;
-    for (const WorkPrecisionRun& run : result.runs)
-      if (like(run, base, by) && std::find(found.begin(), found.end(), value_of(run, by)) == found.end())
-        found.push_back(value_of(run, by));
-    return found.size();
-  };
-  std::string best = base.solver;
-  std::size_t most = n_values(best);
-  for (const std::string& solver : values_of(result, ChartBy::solver))
-    if (n_values(solver) > most) most = n_values(solver), best = solver;
-  return best;
+  std::vector<std::string> candidates = values_of(result, ChartBy::solver);
+  candidates.insert(candidates.begin(), {base.solver, "sparse"});
+  for (const std::string& solver : candidates) {
+    const bool ran = std::any_of(result.runs.begin(), result.runs.end(), [&](const WorkPrecisionRun& run) {
+      WorkPrecisionRun wanted = base;
+      wanted.solver = solver;
+      return run.done() && value_of(run, by) == value && like(run, wanted, by);
+    });
+    if (ran) return solver;
+  }
+  return base.solver;
 }
 
 std::string cost_label(CostKind by) {
@@ -233,17 +232,20 @@ GridSpec forms_chart(const WorkPrecision& result, const std::string& title, cons
   chart.strip_label = "grey: failed";
   chart.open_label = "finer was not tried";
   Curves all;
-  std::string solvers;
+  std::string solvers = base.solver;
   for (const std::string& integrator : integrators) {
     WorkPrecisionRun own = base;
     own.integrator = integrator;
-    own.solver = common_solver(result, own, by);
-    if (solvers.find(own.solver) == std::string::npos) solvers += (solvers.empty() ? "" : ", ") + own.solver;
     Curves curves;
-    for (const std::string& value : values_of(result, by))
+    for (const std::string& value : values_of(result, by)) {
+      own.solver = solver_for(result, own, by, value);
+      const std::string other = own.solver != base.solver ? "; " + value + ": " + own.solver : std::string();
+      if (solvers.find(other) == std::string::npos) solvers += other;
       curves.emplace_back(value, [value, own, by](const WorkPrecisionRun& run) {
         return value_of(run, by) == value && like(run, own, by);
       });
+      own.solver = base.solver;
+    }
     for (const ErrorKind kind : {ErrorKind::position, ErrorKind::reaction})
       if (auto panel = panel_of(result, fmt::format("{}: {} error [{}]", integrator, to_string(kind), unit_of(kind)),
                                 kind, CostKind::cpu, curves))

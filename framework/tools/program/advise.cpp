@@ -33,7 +33,8 @@ std::string command_line(const Arguments& args, const WorkPrecisionRun& run) {
   for (const std::string& plugin : args.plugins) text += " --plugin " + in_quotes(plugin);
   text += " --integrator " + in_quotes(run.integrator) + (run.adaptive ? " --tolerance " : " --step ") +
           text::number(run.setting) + " --formulation " + to_string(run.formulation) + " --stabilization " +
-          to_string(run.stabilization) + " --solver " + in_quotes(run.solver);
+          to_string(run.stabilization);
+  if (!needs_no_solver(run.formulation)) text += " --solver " + in_quotes(run.solver);
   if (!args.until.empty()) text += " --until " + in_quotes(args.until);
   if (!args.planar.empty()) text += " --planar " + args.planar;
   if (args.full) text += " --full";
@@ -56,7 +57,7 @@ std::string run_block(const RunSettings& run, const WorkPrecisionRun& r, double 
                                            {"beta", Value(s.beta), {}},
                                            {"tolerance", Value(s.tolerance), {}}}),
                        {}});
-  members.push_back({"solver", to_value(run.solver), {}});
+  if (!needs_no_solver(r.formulation)) members.push_back({"solver", to_value(run.solver), {}});
   return write_json(Value(std::move(members)));
 }
 

@@ -135,6 +135,24 @@ void leave_out(const System& system, SceneBenchmark& benchmark) {
   o.solvers.resize(1);
 }
 
+// Automatic is omega where a solver is named, and where joint coordinates are the dearer ones.
+void settle_formulations(Dynamics& by_itself, const State& start, bool solver_named, std::vector<Formulation>& all) {
+  const bool joint = !solver_named && by_itself.why_not_joint(start.modes).empty();
+  std::vector<Formulation> settled;
+  for (Formulation f : all) {
+    if (f == Formulation::automatic && !joint) f = Formulation::omega;
+    if (std::find(settled.begin(), settled.end(), f) == settled.end()) settled.push_back(f);
+  }
+  all = std::move(settled);
+}
+
+// Whether rows that close loops are left in joint coordinates.
+bool has_loops(Dynamics& along_joints, State start) {
+  if (!along_joints.why_not_joint(start.modes).empty()) return false;
+  along_joints.to_formulation(start);
+  return start.coordinates && start.coordinates->has_rows();
+}
+
 std::string run_heading() {
   return fmt::format("  {:<24} {:<10} {:<9} {:<8} {:<16} {:>9} {:>9} {:>9} {:>9} {:>9} {:>8}", "integrator",
                      "formulation", "stabil.", "solver", "setting", "m", "m/s", "J", "N", "CPU s", "evals");
@@ -220,6 +238,8 @@ SceneBenchmark benchmark_of(const Loaded& loaded, const Arguments& args, const I
                         {Formulation::joint, {}});  // also where it is dearer
   if (along_joints.why_not_joint(first.start.modes).empty()) formulations.push_back(Formulation::joint);
   o.formulations = values_of(args.formulations, run.formulation, formulations, read_formulation);
+  settle_formulations(dynamics, first.start, !args.solvers.empty(), o.formulations);
+  o.loops = has_loops(along_joints, first.start);
   o.stabilizations = values_of(args.stabilizations, benchmark.imposed ? Kind::none : run.stabilization.kind,
                                {Kind::project, Kind::baumgarte, Kind::none}, read_stabilization);
   o.separately = args.separately;

@@ -118,9 +118,23 @@ std::string verdict(const Certificate& c, const std::vector<Repeat>& repeats) {
   return text + "\n";
 }
 
+// Of the columns of which not one digit is certified.
+std::string doubt_of(const Certificate& c) {
+  if (c.n_rows == 0) return "the repeats have no instant in common with the run: nothing is certified";
+  std::vector<std::string> names = without_a_digit(c);
+  if (names.empty()) return {};
+  constexpr std::size_t kNamed = 5;
+  const std::size_t n = names.size();
+  if (n > kNamed) names.resize(kNamed), names.push_back(fmt::format("{} more", n - kNamed));
+  return fmt::format(
+      "not one digit of {} is certified; run it with a smaller tolerance or step, or for a shorter time: motions that "
+      "magnify every error lose their digits with it",
+      lockstep::text::join(names));
+}
+
 }  // namespace
 
-std::string certificate_of(const Loaded& loaded, const Arguments& args, const RunSettings& run, const Table& table) {
+CertifiedRun certificate_of(const Loaded& loaded, const Arguments& args, const RunSettings& run, const Table& table) {
   RunSettings with_step = run;
   with_step.step = std::max(run.step, 1e-300);
   const IntegratorInfo own = make_integrator(with_step, loaded.registry)->info();
@@ -134,7 +148,9 @@ std::string certificate_of(const Loaded& loaded, const Arguments& args, const Ru
   add(repeats, loaded, run, tighter_of(loaded, run, own.adaptive, options), limit, text);
   for (const Repeat& other : others_of(loaded, run, own, options))
     if (add(repeats, loaded, run, other, limit, text)) break;
-  if (repeats.empty()) return text + "             no repeat came to an end: nothing is certified\n";
+  if (repeats.empty())
+    return {text + "             no repeat came to an end: nothing is certified\n",
+            "no repeat came to an end: nothing is certified"};
   std::vector<const Table*> tables;
   std::vector<std::string> names, against;
   for (const Repeat& repeat : repeats) {
@@ -143,8 +159,9 @@ std::string certificate_of(const Loaded& loaded, const Arguments& args, const Ru
     against.push_back(fmt::format("{} ({})", repeat.name, repeat.setting));
   }
   const Certificate c = certify(table, tables);
-  return text + fmt::format("  digits of each column that agree with {}: log10(largest / difference)\n{}{}",
-                            lockstep::text::join(against), certificate_text(c, names), verdict(c, repeats));
+  return {text + fmt::format("  digits of each column that agree with {}: log10(largest / difference)\n{}{}",
+                             lockstep::text::join(against), certificate_text(c, names), verdict(c, repeats)),
+          doubt_of(c)};
 }
 
 }  // namespace lockstep

@@ -8,8 +8,14 @@
 
 namespace lockstep {
 
+/// The certificate of a run.
+struct CertifiedRun {
+  std::string text;   ///< lines
+  std::string doubt;  ///< a sentence that names the columns of which not one digit is certified; "" if there are none
+};
+
 /// Repeats the run with a tighter tolerance (or shorter steps) and with a second method; says in lines how many digits of
 /// each column agree. `run`: its settings; `table`: what it recorded. Repeats that fail or exceed --budget are named.
-std::string certificate_of(const Loaded&, const Arguments&, const RunSettings& run, const Table& table);
+CertifiedRun certificate_of(const Loaded&, const Arguments&, const RunSettings& run, const Table& table);
 
 }  // namespace lockstep

@@ -61,6 +61,10 @@ void put_settings(RunSettings& run, const Arguments& args, const Registry& regis
     run.formulation = formulation_from(args.formulation);
   else if ((args.full || !args.solver.empty()) && run.formulation == Formulation::automatic)
     run.formulation = Formulation::omega;
+  if (run.formulation == Formulation::joint && !args.solver.empty())
+    throw UsageError(
+        "--solver: joint coordinates are eliminated along the joints, and no linear solver is chosen; leave \"" +
+        args.solver + "\" out, or give --formulation omega");
   if (args.formulation == "quaternion" && args.solver.empty() && run.solver.type == "schur")
     run.solver.type = "sparse";  // the default needs six velocities per body
   if (!args.nearly_redundant.empty()) run.nearly_redundant = nearly_redundant_from(args.nearly_redundant);

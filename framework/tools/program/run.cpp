@@ -383,9 +383,11 @@ class ProgramRun {
       j["files"] = files;
       print_json(args_, loaded_, std::move(j));
     }
-    if (args_.certify && !end.interrupted)
-      fmt::print(args_.record == "-" ? stderr : stdout, "{}",
-                 certificate_of(loaded_, args_, m_.run, recorder_->table()));
+    if (args_.certify && !end.interrupted) {
+      const CertifiedRun certified = certificate_of(loaded_, args_, m_.run, recorder_->table());
+      fmt::print(args_.record == "-" ? stderr : stdout, "{}", certified.text);
+      uncertified_ = certified.doubt;
+    }
   }
 
   int exit_code(const EndedRun& end) {
@@ -399,7 +401,9 @@ class ProgramRun {
         for (const std::string& doubt : all) fmt::print(stderr, "lockstep: --strict: {}\n", doubt);
         return kExitDoubtful;
       }
-    return end.audit.is_wrong(sim_.integrator().info().adaptive) ? kExitNotConserved : kExitOk;
+    if (!uncertified_.empty()) fmt::print(stderr, "lockstep: --certify: {}\n", uncertified_);
+    if (end.audit.is_wrong(sim_.integrator().info().adaptive)) return kExitNotConserved;
+    return uncertified_.empty() ? kExitOk : kExitDoubtful;
   }
 
   const Arguments& args_;
@@ -410,6 +414,7 @@ class ProgramRun {
   const std::string csv_;
   const std::unique_ptr<Recorder> recorder_;
   const RunOutputs outputs_;
+  std::string uncertified_;  // what --certify found of which not one digit is certified
   GrowingFile file_;
   Checkpoints checkpoints_;
   std::vector<Event> events_;

@@ -12,7 +12,8 @@ void add_run(CLI::App& verb, Arguments& a) {
       add(verb, "--report", a.report, "FILE.html", "one HTML file that shows the motion and the columns in a browser");
   CLI::Option* certify = verb.add_flag("--certify", a.certify,
                                        "repeat the run with a tighter tolerance and with a second method; report how "
-                                       "many digits of each column agree");
+                                       "many digits of each column agree; exit code 11 where not one digit of a "
+                                       "column does");
   add(verb, "--budget", a.budget, "T", "CPU time for all runs of --certify together; default 60 s")->needs(certify);
   certify->excludes(add_run_outputs(verb, a));
   CLI::Option* checkpoint = add(

@@ -39,7 +39,10 @@ const Table& Simulation::record(std::vector<Request> requests) {
 /// Channels may add quadratures to the system, so everything that takes its sizes is made when the run begins.
 void Simulation::begin() {
   if (loop_) return;
-  dynamics_ = std::make_unique<Dynamics>(system_, std::move(solver_), options_.dynamics);
+  DynamicsOptions taken = options_.dynamics;
+  const bool solver_named = options_.solver != SimulationOptions{}.solver;
+  if (solver_named && taken.formulation == Formulation::automatic) taken.formulation = Formulation::omega;
+  dynamics_ = std::make_unique<Dynamics>(system_, std::move(solver_), taken);
   StepLoopOptions loop;
   loop.step = options_.step;
   loop.output = options_.output;

@@ -1,0 +1,27 @@
+// Formulas of variables held against the dimensions of what they read and of what they drive.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <lockstep/export.h>
+#include "framework/mechanism/expression/function.h"
+
+namespace lockstep::expression {
+
+/// A variable of a formula.
+struct MeasuredVariable {
+  std::string name;
+  std::optional<Dimension> dimension{};  ///< nothing: not known here
+};
+
+/// Checks a formula in which a unit stands, or a constant that was given with one; all others are of numbers in SI. The
+/// formula has been compiled with these variables and constants. `value`: the dimension of what takes its value, if that
+/// is known. Numbers and constants without a unit are pure numbers, the radian counts as 1, a written 0 is of every
+/// dimension, and a value in which no unit took part is in SI. Nothing is checked where a variable of unknown dimension is
+/// read. Throws ModelError with the formula, the column and both dimensions.
+LOCKSTEP_API void check_dimensions(const std::string& formula, const std::vector<MeasuredVariable>& variables,
+                                   const std::vector<Constant>& constants, const std::optional<Dimension>& value);
+
+}  // namespace lockstep::expression
