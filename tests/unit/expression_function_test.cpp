@@ -219,10 +219,10 @@ TEST_CASE("formulas with units are held against what they read and drive", "[uni
                                  force = dimension_of(Unit::force), torque = dimension_of(Unit::torque);
   const std::vector<MeasuredVariable> variables = {
       {"t", dimension_of(Unit::time)}, {"q", length}, {"rz", angle}, {"e1", Dimension{}}, {"u", std::nullopt}};
-  const std::vector<Constant> constants = {{"L", {0.1, 0, 0}, false, *length},
-                                           {"w", {3, 0, 0}, false, dimension_of(Unit::angular_speed)},
-                                           {"n", {2, 0, 0}, false},
-                                           {"A", {1, 2, 3}, true, *length}};
+  const std::vector<expression::Constant> constants = {{"L", {0.1, 0, 0}, false, *length},
+                                                       {"w", {3, 0, 0}, false, dimension_of(Unit::angular_speed)},
+                                                       {"n", {2, 0, 0}, false},
+                                                       {"A", {1, 2, 3}, true, *length}};
   const auto problem = [&](const char* text, const std::optional<Dimension>& value) {
     return message_of<ModelError>([&] { check_dimensions(text, variables, constants, value); });
   };
@@ -234,6 +234,8 @@ TEST_CASE("formulas with units are held against what they read and drive", "[uni
   for (const Good& good : {Good{"=3*t + sin(t) + q^t", angle},
                            {"=n*t", length},
                            {"=w*t", angle},
+                           {"=L*sin(3*t) + (t > 1 s ? 2*(t - 1 s)^2 : 0)", length},  // 3 and 2 of any dimension
+                           {"=L*exp(-t/2)*cos(t)", length},
                            {"=L*sin(w*t) + (t > 1 s ? 2 m/s^2*(t - 1 s)^2 : 0)", length},
                            {"=sqrt(t - 2 s)*sqrt(1 s - t)*1 m/s", length},
                            {"=L/(t - 1 s)*1 s", length},
@@ -269,7 +271,7 @@ TEST_CASE("formulas with units are held against what they read and drive", "[uni
                          {"=-3 m/s*q", force, {"m^2/s", "a force", "q is a length"}},
                          {"=L*t", angle, {"m s", "an angle"}},
                          {"=A.x*t", length, {"m s", "a length"}},
-                         {"=L*sin(3*t)", length, {"sin of a time", "a unit stands in this formula"}},
+                         {"=L*sin(1 s*t)", length, {"sin of", "s^2", "a unit stands in this formula"}},
                          {"=L + 0.1", length, {"a length and a pure number are added", "give the number a unit"}},
                          {"=t > 1 s ? L : t", length, {"a length and a time are the two sides of one choice"}},
                          {"=t < 1 s ? L : (1 m > t ? L : 0)", length, {"a length and a time are compared"}},

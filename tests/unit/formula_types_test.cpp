@@ -108,7 +108,7 @@ CHECK(worst(table, "bead.z", [&](double) { return r * r / (2 * R); }) < 1e-9);
 TEST_CASE("a law by formula drives, and the run lands on its jump", "[unit][law]") {
   const Table table = run(R"~("parameters": {"a": "100 mm", "T": "530 ms"}, "bodies": [{"name": "b", "particle": 2}],
     "links": [{"name": "A", "type": "lock", "mask": "y z", "p": "b", "s": "ground",
-               "drive": {"axis": "x", "law": {"type": "formula", "y": "=a*sin(3 rad/s*t) + (t > T ? 2 m/s^2*(t-T)^2 : 0)"
+               "drive": {"axis": "x", "law": {"type": "formula", "y": "=a*sin(3*t) + (t > T ? 2*(t-T)^2 : 0)"
 }
 }
 }],

@@ -28,7 +28,7 @@ const std::map<std::string, const char*>& samples() {
                                  "turning": {"type": "axis_rotation", "axis": [1, 2, 2],
                                              "law": {"type": "sine", "omega": 1, "amplitude": 0.5}}})"},
       {"link function", R"~({"phi": ["=x*y + 0.3*z - R*sin(2*t) + (t > 0.7 ? 2*(t - 0.7)^2 : 0)",
-                                    "=rz - 2*x*e1*e2 + max(0, t - 1.1)"], "parameters": {"R": 0.1}})~"},
+                                    "=rz - 2*x*e1*e2 + max(0, t - 1.1)"], "parameters": {"R": "100 mm"}})~"},
       {"law formula", R"~({"y": "=0.1*sin(w*t) + (t > 1 ? 2*(t - 1)^2 : 0)", "parameters": {"w": 3}})~"},
       {"law constant", R"({"value": 0.3})"},
       {"law ramp", R"({"slope": 2, "t0": 0.2})"},

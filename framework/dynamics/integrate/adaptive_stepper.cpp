@@ -148,7 +148,7 @@ void AdaptiveStepper::newton_failed(double h, const char* advice) const {
 
 double AdaptiveStepper::first_step(Dynamics& dynamics, const State& state, double largest) {
   if (fixed()) return 0;
-  StateRate f0, f1;
+  StateRate f0 = sized_like(state), f1 = f0;
   return guess_first_step(dynamics, state, order_, largest, norm_, f0, f1, end_);
 }
 

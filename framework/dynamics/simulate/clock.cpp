@@ -118,7 +118,7 @@ std::string Clock::watch_pace(double t, long n) {
         t);
   if (++n_paced_ < kPaced) return {};
   const double pace = (t - pace_from_) / static_cast<double>(n_paced_);
-  if (left > kMostSteps * pace)  // of the steps made, however long those advised are
+  if (left > 1.001 * kMostSteps * pace)  // of the steps made, however long those advised are; but for rounding
     throw StepError(fmt::format("{}: its last {} steps, up to t = {:.9g} s, were of {:.2g} s on average, by which the "
                                 "rest of the run would take {:.2g} of them",
                                 method_.info().name, n_paced_, t, pace, left / pace),

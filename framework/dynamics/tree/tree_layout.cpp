@@ -6,6 +6,7 @@
 #include "framework/dynamics/tree/absent_rows.h"
 #include "framework/dynamics/tree/closure_cost.h"
 #include "framework/dynamics/tree/rows_in_plane.h"
+#include "framework/dynamics/tree/slender_bodies.h"
 
 namespace lockstep {
 
@@ -48,6 +49,8 @@ TreeLayout lay_out_tree(const System& system, const std::vector<bool>& modes, Ta
   TreeLayout out;
   std::shared_ptr<const JointTree> tree = JointTree::of(system, modes, out.why_not);
   if (!tree) return out;
+  if (taken == Taken::where_cheaper) out.why_not = slender_body(*tree, system);
+  if (!out.why_not.empty()) return out;
   if (tree->has_rows()) {
     RowTable closures = rows_beside(*tree, system, modes.size());
     out.why_not = obstacle_of_rows(system, closures);

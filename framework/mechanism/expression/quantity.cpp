@@ -63,7 +63,7 @@ class Evaluation {
   [[noreturn]] void refuse(const Node& n, const std::string& problem) const { e_.refuse(n, problem + hint_); }
   bool of_values() const { return varies_ == nullptr; }
   bool is_number(const Amount& q) const {
-    return of_values() ? is_pure(q) : without_radian(q.dimension) == Exponents{};
+    return of_values() ? is_pure(q) : q.any || !q.with_unit || without_radian(q.dimension) == Exponents{};
   }
   bool is_like(const Exponents& a, const Exponents& b) const {
     return of_values() ? a == b : without_radian(a) == without_radian(b);
@@ -86,6 +86,7 @@ class Evaluation {
       case Operation::number: {
         Amount q = Amount::number(n.value);
         q.dimension = exponents_of(n.dimension), q.measured = n.measured, q.is_zero = n.value == 0 && !n.measured;
+        q.with_unit = n.measured && n.dimension != Dimension{};
         return q;
       }
       case Operation::name:
@@ -101,7 +102,7 @@ class Evaluation {
       case Operation::subtract:
         return sum(n);
       case Operation::multiply:
-        return times(n, child(n, 0), child(n, 1));
+        return product_of(n);
       case Operation::divide:
         return quotient(n);
       case Operation::power:
@@ -137,6 +138,7 @@ class Evaluation {
 
   // Gives both the dimension of the one that has it; refuses two that differ. What of `a` and `b` is written as 0 fits.
   void unite(const Node& n, Amount& a, Amount& b, const char* how) const {
+    if (!of_values()) settle(a, b);
     if (a.is_zero) a.dimension = b.dimension, a.measured = b.measured;
     if (b.is_zero) b.dimension = a.dimension, b.measured = a.measured;
     const Exponents other = settled(b.dimension);
@@ -147,6 +149,21 @@ class Evaluation {
     if (a.is_vector != b.is_vector) refuse(n, article_name_of(a) + " and " + article_name_of(b) + " are " + how);
     if (to.rad == 0) to.rad = other.rad;
     a.dimension = b.dimension = to;
+  }
+
+  // Of dimensions alone: what may be of any takes that of the other; without a unit both are numbers in SI.
+  static void settle(Amount& a, Amount& b) {
+    if (!a.with_unit && !b.with_unit && !(a.dimension == b.dimension)) a.any = b.any = true;
+    if (a.any) a.dimension = b.dimension, a.measured = b.measured;
+    if (b.any) b.dimension = a.dimension, b.measured = a.measured;
+    a.any = b.any = (a.any && (b.any || b.is_zero)) || (b.any && a.is_zero);
+    a.with_unit = b.with_unit = a.with_unit || b.with_unit;
+  }
+  // Whether a product has a plain number as a factor of what varies.
+  bool is_free(const Node& n, const Amount& a, const Amount& b) const {
+    if (of_values()) return false;
+    const bool a_varies = varies(n.children[0]), b_varies = varies(n.children[1]);
+    return (!a.measured && !a_varies && b_varies) || (!b.measured && !b_varies && a_varies);
   }
 
   // The dimension of both sides of a choice.
@@ -167,6 +184,13 @@ class Evaluation {
     return a;
   }
 
+  Amount product_of(const Node& n) const {
+    const Amount a = child(n, 0), b = child(n, 1);
+    Amount q = times(n, a, b);
+    q.any = a.any || b.any || is_free(n, a, b), q.with_unit = a.with_unit || b.with_unit;
+    return q;
+  }
+
   Amount times(const Node& n, const Amount& a, const Amount& b) const {
     if (a.is_vector && b.is_vector) refuse(n, "a product of two vectors; write dot(a, b) or cross(a, b)");
     Amount q = a.is_vector ? a : b;
@@ -183,6 +207,7 @@ class Evaluation {
     if (b.is_vector) refuse(n, "a division by a vector; write a / norm(b)");
     if (b.v[0] == 0 && of_values()) refuse(n, "a division by zero");
     for (double& x : a.v) x /= b.v[0];
+    a.any = a.any || b.any || is_free(n, a, b), a.with_unit = a.with_unit || b.with_unit;
     a.dimension = product(a.dimension, b.dimension, -1), a.measured = a.measured || b.measured, a.is_zero = false;
     return a;
   }
@@ -277,7 +302,7 @@ class Evaluation {
     for (const Amount& q : a)
       if (q.is_vector != of_vectors) refuse_argument(n, q, of_vectors ? "a vector" : "a number");
     Amount q = Amount::number(0);
-    for (const Amount& x : a) q.measured = q.measured || x.measured;
+    for (const Amount& x : a) q.measured = q.measured || x.measured, q.with_unit = q.with_unit || x.with_unit;
     double& y = q.v[0];
     const double x = a[0].v[0];
     const auto pure = [&](bool angle) {
@@ -286,7 +311,7 @@ class Evaluation {
     };
     const auto like = [&] {  // of the dimension of the arguments, which are of one
       for (std::size_t k = 1; k < a.size(); ++k) unite(n, a[0], a[k], "arguments of one function");
-      q.dimension = a[0].dimension;
+      q.dimension = a[0].dimension, q.any = a[0].any;
     };
     const auto angle = [&] { q.dimension = {0, 0, 0, 1}, q.measured = true; };
     const auto within = [&](bool inside, const char* range) {
@@ -315,7 +340,8 @@ class Evaluation {
       case Function::tanh:
         return pure(false), y = std::tanh(x), q;
       case Function::sqrt:
-        return within(x >= 0, "0 or more"), q.dimension = scaled(a[0].dimension, 0.5), y = std::sqrt(x), q;
+        return within(x >= 0, "0 or more"), q.dimension = scaled(a[0].dimension, 0.5), q.any = a[0].any,
+                                            y = std::sqrt(x), q;
       case Function::exp:
         return pure(false), y = std::exp(x), q;
       case Function::log:

@@ -23,6 +23,8 @@ struct Amount {
   Exponents dimension{};
   bool measured = false;  ///< whether units took part; numbers without any are those of their place, in SI
   bool is_zero = false;   ///< a written 0, which is of every dimension
+  bool with_unit = false,  ///< in dimension_of(): whether a unit was written, not only variables read
+      any = false;         ///< likewise: a plain number times what varies, whose dimension nobody says
 
   static Amount number(double x) {
     Amount q;
@@ -46,8 +48,9 @@ LOCKSTEP_API Amount evaluate(const Expression&, const Names&, const Known& known
 using Varies = std::function<bool(const std::string&)>;
 
 /// The dimension of a formula of variables, whatever their values: of each choice both sides are looked at, nothing is
-/// out of range, and the radian is the number 1 in sums and comparisons, and before functions of pure numbers. The values
-/// of the result mean nothing. Throws ModelError as evaluate(), with `hint` behind what is wrong.
+/// out of range, and the radian is the number 1 in sums and comparisons, and before functions of pure numbers. What
+/// variables and plain numbers make without a unit is a number in SI; a plain number times what varies may be of any
+/// dimension, as 3 in sin(3 t). The values of the result mean nothing. Throws ModelError as evaluate(), with `hint` behind what is wrong.
 LOCKSTEP_API Amount dimension_of(const Expression&, const Names&, const Varies&, const std::string& hint);
 
 /// As a scene holds it: a number where no unit took part, else a text such as "0.12 m", of a vector a list of three.

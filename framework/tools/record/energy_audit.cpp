@@ -47,7 +47,11 @@ struct EnergyAudit::Books {
             value_of(channels[kSupplied], s), value_of(channels[kDissipated], s)};
   }
   double balance(const Sample& s) const { return energies(s).balance(); }
-  // The ranges are those of all steps: outputs may be few, or meet a motion at equal phases.
+  void compare(const Energies& e) {
+    const double off = std::abs(e.balance() - first_balance - at_instants);
+    if (!(off <= audit.imbalance) && !std::isnan(audit.imbalance)) audit.imbalance = off;
+  }
+  // Ranges and imbalances are those of all steps: outputs may be few, or meet a motion at equal phases.
   void widen(const Energies& e) {
     kinetic.add(e.kinetic), potential.add(e.potential - first_potential);
     drives.add(e.drives), supplied.add(e.supplied), dissipated.add(e.dissipated);
@@ -94,7 +98,7 @@ void EnergyAudit::step(const Sample& s) {
   Books& b = *books_;
   const Books::Energies now = b.energies(s);
   b.before = now.balance();
-  b.widen(now);
+  b.widen(now), b.compare(now);
   double& most = b.audit.violation;  // once it is no number it stays none
   if (!std::isnan(most) && !(s.report.violation_after <= most)) most = s.report.violation_after;
 }
@@ -118,9 +122,7 @@ void EnergyAudit::output(const Sample& s) {
   const Books::Energies now = b.energies(s);
   b.audit.drives = now.drives, b.audit.supplied = now.supplied, b.audit.dissipated = now.dissipated;
   b.audit.end = now.kinetic + now.potential;
-  b.widen(now);
-  const double off = std::abs(now.balance() - b.first_balance - b.at_instants);
-  if (!(off <= b.audit.imbalance) && !std::isnan(b.audit.imbalance)) b.audit.imbalance = off;
+  b.widen(now), b.compare(now);
   b.look_at_forces(s);
 }
 
