@@ -252,6 +252,8 @@ TEST_CASE("formulas with units are held against what they read and drive", "[uni
                            {"=-3 N*q*rz", torque},
                            {"=A.y*e1 + max(0, q, L)", length},
                            {"=3 kg*u", length},
+                           {"=-3 N m/rad*sin(q/L)", torque},
+                           {"=5 N/m*(q > 0 ? q : 0)", force},
                            {"=q*1 kg", std::nullopt}}) {
     CAPTURE(good.text);
     CHECK_NOTHROW(check_dimensions(good.text, variables, constants, good.value));
@@ -267,7 +269,6 @@ TEST_CASE("formulas with units are held against what they read and drive", "[uni
                          {"=t*1 s", angle, {"s^2", "an angle"}},
                          {"=3 kg", torque, {"a mass", "a torque"}},
                          {"=3 mm", torque, {"a length", "a torque"}},
-                         {"=3 N m/rad", torque, {"a torsional stiffness", "a torque"}},
                          {"=-3 m/s*q", force, {"m^2/s", "a force", "q is a length"}},
                          {"=L*t", angle, {"m s", "an angle"}},
                          {"=A.x*t", length, {"m s", "a length"}},
@@ -277,6 +278,8 @@ TEST_CASE("formulas with units are held against what they read and drive", "[uni
                          {"=t < 1 s ? L : (1 m > t ? L : 0)", length, {"a length and a time are compared"}},
                          {"=0 > 1 && t > L ? 1 : 0", length, {"a time and a length are compared"}},
                          {"=L^(t/(1 s))", length, {"to a power that varies"}},
+                         {"=5 N*(rz > 0 ? rz : 0)", torque, {"a torque is expected"}},
+                         {"=5 N/m*(q + 0)", torque, {"a force", "a torque"}},
                          {"=0 m", angle, {"a length", "an angle"}}}) {
     const std::string message = problem(bad.text, bad.value);
     for (const std::string& word : bad.words) {

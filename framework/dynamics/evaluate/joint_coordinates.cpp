@@ -28,6 +28,7 @@ void write_rates(std::span<const Motion> motions, const VecX& a, StateRate& out)
 
 // The rates of those that laws move while others are free, likewise.
 void write_followed(std::span<const int> slots, std::span<const Motion> motions, const VecX& a, VecX& out) {
+  if (out.size() != 12 * static_cast<Eigen::Index>(slots.size())) return;
   Eigen::Index at = 0;
   for (const int slot : slots) {
     const Motion& O = motions[static_cast<std::size_t>(slot + 1)];
@@ -191,10 +192,9 @@ void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* repo
     t.recursion->accelerations(*t.coordinates, t.motions, t.a), write_rates(t.motions, t.a, out);
   else
     t.coordinates->kinematic_rate(state, out.q);
-  if (const std::span<const int> slots = t.coordinates->followed();
-      out.followed.size() > 0 && out.followed.size() == 12 * static_cast<Eigen::Index>(slots.size())) {
+  if (out.followed.size() > 0) {
     t.recursion->accelerations(*t.coordinates, t.motions, t.a);
-    write_followed(slots, t.motions, t.a, out.followed);
+    write_followed(t.coordinates->followed(), t.motions, t.a, out.followed);
   }
   out.s.resize(state.s.size());
   if (state.s.size() > 0) {
@@ -260,6 +260,7 @@ void Dynamics::read_rates(const State& state, const StateRate& slots, StateRate&
   t.recursion->read_off(*t.coordinates, t.motions, slots.v, out.v);
   t.coordinates->kinematic_rate(state, out.q);
   out.s = slots.s;
+  write_followed(t.coordinates->followed(), t.motions, slots.v, out.followed);
   out.largest_a = t.recursion->largest().a(), out.largest_alpha = t.recursion->largest().alpha();
 }
 

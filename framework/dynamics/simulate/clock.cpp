@@ -111,10 +111,9 @@ std::string Clock::watch_pace(double t, long n) {
             "{}: at t = {:.9g} s it advises steps of {:.3g} s, by which the rest of the run would take {:.2g} of "
             "them{}",
             method_.info().name, t, advised_, left / advised_,
-            !adaptive_              ? "; take a larger step (--step)"
-            : too_long_by(t, n) > 0 ? ""  // its length is the cause
-                                    : "; use another method (--integrator), a wider tolerance, or look for a singular "
-                                      "position (lockstep check)"),
+            !adaptive_ ? "; take a larger step (--step)"
+                       : "; use another method (--integrator), a wider tolerance, or look for a singular position "
+                         "(lockstep check)"),
         t);
   if (++n_paced_ < kPaced) return {};
   const double pace = (t - pace_from_) / static_cast<double>(n_paced_);

@@ -53,10 +53,12 @@ ContactManager::Settled ContactManager::settle_all(State& state) {
     return out;
   }
   modes_before_ = state.modes;
-  if (here)
-    for (const std::size_t i : touching_) ++contacts_[i].engaged;
-  for (std::size_t k = 0; k < touching_.size(); ++k)
-    out.impact = out.impact || hits_[k].cd < -contacts_[touching_[k]].margin;
+  for (std::size_t k = 0; k < touching_.size(); ++k) {
+    Contact& contact = contacts_[touching_[k]];
+    const bool hit = hits_[k].cd < -contact.margin;
+    out.impact = out.impact || hit;
+    if (here && (hit || !contacts_.in_force(touching_[k], state))) ++contact.engaged;  // not those that rest on
+  }
   if (out.impact) impact(state);
   out.resting = rest(state);
   released_.clear();

@@ -55,14 +55,28 @@ void StepLoop::Parts::show_inside(DetailObserver& to, Dynamics& dynamics, double
   }
 }
 
+namespace {
+
+// Of the slot that turns, or moves beside the size of the mechanism, fastest, 1/s.
+double fastest_rate(Dynamics& dynamics, const State& state) {
+  double most = 0;
+  for (const Motion& O : dynamics.inputs(state).motions)
+    most = std::max({most, O.w.norm(), O.v.norm() / dynamics.system().length()});
+  return most;
+}
+
+}  // namespace
+
 // Links and forces are compared over ten steps. In a run that is too long for its steps every row changes from step to
 // step: only those that contradict each other are blamed.
 std::string StepLoop::Parts::who_slows(Dynamics& dynamics, const State& state, long n) const {
-  constexpr long kEnough = 100;  // steps that tell what cuts them
+  constexpr long kEnough = 100;       // steps that tell what cuts them
+  constexpr double kLongStep = 1e-3;  // of the time in which something turns by a radian, or moves by its size
   const long paced = clock.paced() > 0 ? clock.paced() : Clock::kPaced;
   if (const std::string stops = paced < kEnough ? "" : contacts.who_engaged(paced); !stops.empty()) return "; " + stops;
   std::string words;
-  const double mean = clock.too_long_by(state.t, n);
+  double mean = clock.too_long_by(state.t, n);
+  if (!(mean * fastest_rate(dynamics, state) > kLongStep)) mean = 0;  // the steps are short, not the run long
   if (mean > 0)
     words = fmt::format(
         "; from the start on its steps were of {:.2g} s on average, of which the run of {:.3g} s would take "

@@ -40,10 +40,10 @@ std::string words_of_variables(const std::vector<const MeasuredVariable*>& read)
   return words;
 }
 
-// Whether a value of dimension `is` may stand where `wanted` is expected: an angle may be a ratio.
-bool fits(const Exponents& is, const Exponents& wanted) {
-  const Exponents ratio{};
-  return is == wanted || (is == ratio && wanted == Exponents{0, 0, 0, 1});
+// Whether a value of dimension `is` may stand where `wanted` is expected: the radian counts as 1.
+bool fits(Exponents is, Exponents wanted) {
+  is.rad = wanted.rad = 0;
+  return is == wanted;
 }
 
 }  // namespace

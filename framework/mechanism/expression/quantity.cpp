@@ -153,7 +153,8 @@ class Evaluation {
 
   // Of dimensions alone: what may be of any takes that of the other; without a unit both are numbers in SI.
   static void settle(Amount& a, Amount& b) {
-    if (!a.with_unit && !b.with_unit && !(a.dimension == b.dimension)) a.any = b.any = true;
+    const bool written_zero = a.is_zero || b.is_zero;
+    if (!a.with_unit && !b.with_unit && !written_zero && !(a.dimension == b.dimension)) a.any = b.any = true;
     if (a.any) a.dimension = b.dimension, a.measured = b.measured;
     if (b.any) b.dimension = a.dimension, b.measured = a.measured;
     a.any = b.any = (a.any && (b.any || b.is_zero)) || (b.any && a.is_zero);

@@ -162,6 +162,7 @@ const std::string& System::name_of(const Named& n) const {
 
 // Of things that were named anew the new name is not known here.
 System::Named System::named_thing(std::string_view name) const {
+  if (names_.empty()) return {};  // moved from
   const std::uint32_t hash = hash_of(name);
   for (std::size_t at = place_of(hash, names_.size()); names_[at].kind != 0; at = at + 1 < names_.size() ? at + 1 : 0)
     if (names_[at].hash == hash && name_of(names_[at]) == name) return names_[at];
@@ -238,8 +239,9 @@ Marker& System::add_marker(const std::string& name, Body& body, const Pose& loca
   check_new_name("marker", name);
   check_pose("marker '" + name + "'", local);
   ready_ = false;
-  take_name(name, Kind::marker, markers_.size());
-  return markers_.emplace_back(Marker{name, &body, local});
+  Marker& marker = markers_.emplace_back(Marker{name, &body, local});
+  take_name(name, Kind::marker, markers_.size() - 1);
+  return marker;
 }
 
 Marker& System::add_marker_at(const std::string& name, Body& body, const Pose& world) {
@@ -251,16 +253,18 @@ Lock& System::add(std::unique_ptr<Lock> link) {
   if (!link) throw ModelError("add: no link was given; make one first");
   check_new_name("link", link->name());
   ready_ = false;
-  take_name(link->name(), Kind::link, links_.size());
-  return *links_.emplace_back(std::move(link));
+  Lock& added = *links_.emplace_back(std::move(link));
+  take_name(added.name(), Kind::link, links_.size() - 1);
+  return added;
 }
 
 Force& System::add(std::unique_ptr<Force> force) {
   if (!force) throw ModelError("add: no force was given; make one first");
   check_new_name("force", force->name());
   ready_ = false;
-  take_name(force->name(), Kind::force, forces_.size());
-  return *forces_.emplace_back(std::move(force));
+  Force& added = *forces_.emplace_back(std::move(force));
+  take_name(added.name(), Kind::force, forces_.size() - 1);
+  return added;
 }
 
 Auxiliary& System::add(std::unique_ptr<Auxiliary> auxiliary) {

@@ -278,7 +278,9 @@ void TreeBatch::weigh(const double* error, std::array<Change, kLanes>& out) {
         const double *x = slot + kL * at + l, *y = x + kL, *z = y + kL;
         return *x * *x + *y * *y + *z * *z;
       };
-      out[l].take(squared(0), squared(3), squared(6), squared(9));
+      const double x = squared(0), r = squared(3), v = squared(6), w = squared(9);
+      out[l].take(x, r, v, w);
+      if (!std::isfinite(x + r + v + w)) out[l].x = HUGE_VAL;
     }
 }
 

@@ -360,8 +360,11 @@ class ProgramRun {
 
   // Words, files, pictures, report and certificate of a run that reached its end or was interrupted.
   void conclude(const EndedRun& end, const std::exception_ptr& unwritten) {
-    if (audit_ && m_.system.n_velocities() > kFewVelocities && summary_.nothing_moved())
-      warn_of_no_freedom(m_, dynamics_, sim_, kManyVelocities);
+    try {
+      if (audit_ && m_.system.n_velocities() > kFewVelocities && summary_.nothing_moved())
+        warn_of_no_freedom(m_, dynamics_, sim_, kManyVelocities);
+    } catch (const std::exception&) {  // the rows of the run are worth more than this warning
+    }
     const std::string lines = audit_ ? end_words(end, summary_) : "";
     words_.say("{}", lines);
     if (unwritten) std::rethrow_exception(unwritten);

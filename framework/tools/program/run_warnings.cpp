@@ -51,8 +51,9 @@ bool laws_move(Dynamics& dynamics, const State& state, double until) try {
   dynamics.to_slots(at);
   at.v.setZero();
   VecX C, Cd;
-  for (const double share : {0.0, 0.083, 0.237, 0.391, 0.562, 0.719, 0.868, 1.0}) {
-    at.t = share * until;
+  constexpr int kInstants = 127;
+  for (int k = 0; k <= kInstants; ++k) {
+    at.t = until * k / kInstants;
     const Evaluation& e = dynamics.gather(at);
     e.residuals(C, Cd);
     if (!(e.norm(Cd) <= kMoves)) return true;
