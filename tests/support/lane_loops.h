@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <lockstep/assembly.h>
@@ -107,6 +108,33 @@ inline State consistent(Dynamics& dynamics, int k) {
 inline RunEnds ends_of(Family& family, const std::vector<State>& starts, double t, CopiesOptions options, bool lanes) {
   options.lanes = lanes;
   return ends_of(family, starts, t, options);
+}
+
+/// How far runs in lanes may be from those of each copy alone.
+struct RunMargins {
+  double q, v, violation;
+  long steps = 0;
+};
+/// Runs the copies by a method along joints, in lanes and alone, and compares them.
+inline void check_lanes_against_alone(Family& family, const std::string& method, double until, const RunMargins& most) {
+  const std::vector<State> starts = family.assembled();
+  CopiesOptions options;
+  options.formulation = Formulation::joint, options.integrator = method, options.tolerance = {1e-9, 1e-11};
+  options.step = method == "rk4" ? 1e-3 : 0;
+  const RunEnds lanes = ends_of(family, starts, until, options, true),
+                alone = ends_of(family, starts, until, options, false);
+  for (std::size_t k = 0; k < starts.size(); ++k) {
+    INFO(k << ": " << lanes.reports[k].error);
+    REQUIRE(lanes.reports[k].finished);
+    CHECK_FALSE(lanes.reports[k].alone);
+    CHECK(std::abs(lanes.reports[k].steps - alone.reports[k].steps) <= most.steps);
+    CHECK(largest(lanes.states[k].q - alone.states[k].q) < most.q);
+    CHECK(largest(lanes.states[k].v - alone.states[k].v) < most.v);
+    CHECK(largest(lanes.states[k].z - alone.states[k].z) < most.q);
+    Dynamics dynamics(*family.systems[k], std::make_unique<SchurSolver>());
+    CHECK(dynamics.violation(lanes.states[k]) < most.violation);
+  }
+  CHECK(largest(lanes.states[0].q - lanes.states[7].q) > 1e-3);  // they are not all the same
 }
 
 }  // namespace lockstep::test

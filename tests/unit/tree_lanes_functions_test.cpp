@@ -105,25 +105,8 @@ TEST_CASE("copies with functions run in lanes as they run alone", "[unit][copies
   const bool gears = GENERATE(false, true);
   CAPTURE(method, gears);
   Family family(10, [&](int k) { return gears ? geared(k, 5.0 + k) : wired(k, 0.7); });
-  const std::vector<State> starts = family.assembled();
-  CopiesOptions options;
-  options.formulation = Formulation::joint, options.integrator = method, options.tolerance = {1e-9, 1e-11};
-  options.step = method == "rk4" ? 1e-3 : 0;
-  const RunEnds lanes = ends_of(family, starts, 0.8, options, true),
-                alone = ends_of(family, starts, 0.8, options, false);
-  for (std::size_t k = 0; k < starts.size(); ++k) {
-    INFO(k << ": " << lanes.reports[k].error);
-    REQUIRE(lanes.reports[k].finished);
-    CHECK_FALSE(lanes.reports[k].alone);
-    // At the start both wheels are at rest, and errors of steps are roundings, from which the lengths of steps follow.
-    CHECK(std::abs(lanes.reports[k].steps - alone.reports[k].steps) <= (gears ? 2 : 0));
-    CHECK(largest(lanes.states[k].q - alone.states[k].q) < 1e-8);
-    CHECK(largest(lanes.states[k].v - alone.states[k].v) < 1e-7);
-    CHECK(largest(lanes.states[k].z - alone.states[k].z) < 1e-8);
-    Dynamics dynamics(*family.systems[k], std::make_unique<SchurSolver>());
-    CHECK(dynamics.violation(lanes.states[k]) < 1e-9);
-  }
-  CHECK(largest(lanes.states[0].q - lanes.states[7].q) > 1e-3);  // they are not all the same
+  // At the start both wheels are at rest, and errors of steps are roundings, from which the lengths of steps follow.
+  check_lanes_against_alone(family, method, 0.8, {.q = 1e-8, .v = 1e-7, .violation = 1e-9, .steps = gears ? 2 : 0});
 }
 
 // J1 + J2/4 = 2: at 20 rad/s a moment of 20000 cos(20 t) N m makes 25 rad of each half swing. See counted_turns_test.

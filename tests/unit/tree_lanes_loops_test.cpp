@@ -179,23 +179,7 @@ TEST_CASE("copies with loops run in lanes as they run alone", "[unit][copies]") 
     if (what == "driven") return driven_four_bar(k, 1);
     return what == "askew" ? askew_ladder(2, 25 + k) : ladder(2, 25 + k);  // they hang, far from flat
   });
-  const std::vector<State> starts = family.assembled();
-  CopiesOptions options;
-  options.formulation = Formulation::joint, options.integrator = method, options.tolerance = {1e-9, 1e-11};
-  options.step = method == "rk4" ? 1e-3 : 0;
-  const RunEnds lanes = ends_of(family, starts, 0.6, options, true),
-                alone = ends_of(family, starts, 0.6, options, false);
-  for (std::size_t k = 0; k < starts.size(); ++k) {
-    INFO(k << ": " << lanes.reports[k].error);
-    REQUIRE(lanes.reports[k].finished);
-    CHECK_FALSE(lanes.reports[k].alone);
-    CHECK(lanes.reports[k].steps == alone.reports[k].steps);
-    CHECK(largest(lanes.states[k].q - alone.states[k].q) < 1e-9);
-    CHECK(largest(lanes.states[k].v - alone.states[k].v) < 1e-8);
-    Dynamics dynamics(*family.systems[k], std::make_unique<SchurSolver>());
-    CHECK(dynamics.violation(lanes.states[k]) < 1e-10);
-  }
-  CHECK(largest(lanes.states[0].q - lanes.states[7].q) > 1e-3);  // they are not all the same
+  check_lanes_against_alone(family, method, 0.6, {.q = 1e-9, .v = 1e-8, .violation = 1e-10});
 }
 
 TEST_CASE("a copy whose loops contradict is told by name, the others go on", "[unit][copies]") {

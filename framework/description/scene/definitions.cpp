@@ -37,8 +37,7 @@ std::optional<Amount> plain_quantity(const Value& v, const std::string& context)
   if (v.number() != nullptr) return Amount::number(read_number(v, Unit::any, context));
   if (v.text() == nullptr) return std::nullopt;
   Amount q = Amount::number(read_number(v, Unit::any, context));
-  const Dimension d = dimension_of_text(*v.text());
-  q.dimension = {double(d.m), double(d.kg), double(d.s), double(d.rad)}, q.measured = true;
+  q.dimension = expression::exponents_of(dimension_of_text(*v.text())), q.measured = true;
   return q;
 }
 

@@ -1,4 +1,4 @@
-// The slots' own coordinates of a state.
+// The slots' own coordinates of a state, and whether it is one of the system.
 #pragma once
 
 #include <lockstep/state.h>

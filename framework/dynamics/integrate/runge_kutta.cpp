@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <lockstep/error.h>
+
 namespace lockstep {
 
 namespace {
@@ -101,9 +103,10 @@ bool Stages::evaluate(Dynamics& dynamics, const State& y, double h, int first, i
 
 void Stages::put(int i, const StateRate& k) {
   const auto at = static_cast<std::size_t>(i);
-  const Eigen::Index followed = k_[at].followed.size();
+  for (const auto part : {&StateRate::q, &StateRate::v, &StateRate::s, &StateRate::followed})
+    if ((k.*part).size() != (k_[at].*part).size())
+      throw ModelError("Stages::put: rates of another size than those of begin(); make them by sized_like()");
   k_[at] = k;
-  if (k.followed.size() != followed) k_[at].followed.setZero(followed);
   conditioning_[at] = {};
 }
 

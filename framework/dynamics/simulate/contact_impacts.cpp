@@ -189,18 +189,21 @@ std::string ContactManager::rest(State& state) {
 std::string ContactManager::who_engaged(long n) const {
   constexpr long kFew = 10;  // a tenth of the steps
   std::string names;
+  bool several = false;
   long most = 0;
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const Contact& c = contacts_[i];
     if (c.engaged == 0 || kFew * c.engaged < n) continue;
+    several = !names.empty();
     most = std::max(most, c.engaged);
     names += (names.empty() ? "'" : "', '") + c.link->name();
   }
   if (names.empty()) return {};
   return fmt::format(
-      "one-sided link {}' was touched or let go in {} of the last {} steps: a law may drive its bodies on against it, "
-      "or they have no way left; let the law end there, give them way, or remove it",
-      names, most, n);
+      "one-sided link{} touched or let go in {} of the last {} steps: a law may drive bodies on against {}, or they "
+      "have no way left; let the law end there, give them way, or remove {}",
+      several ? fmt::format("s {}' were", names) : fmt::format(" {}' was", names), most, n, several ? "them" : "it",
+      several ? "one" : "it");
 }
 
 void ContactManager::forget_engaged() {

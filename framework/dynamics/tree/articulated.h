@@ -53,9 +53,9 @@ class LOCKSTEP_API ArticulatedBodies {
     int own = -1, to = -1;
     bool first = false;
   };
-  // A velocity coordinate: motion (l, n) of the slot per unit, U = IA (l, n), D = (l, n) U. Coordinates of one joint are
-  // eliminated one after another, as if each were a joint of its own, the first at the slot: D is a number, and the
-  // errors of a bar that turns about its own axis are not those of the load at its end.
+  // A velocity coordinate: motion (l, n) of the slot per unit, U = IA (l, n), D = (l, n) U, a number: the coordinates of
+  // one joint are eliminated one after another, as if each had a joint of its own, the first at the slot. The inverse of
+  // all of D at once would lose the small inertia of a bar about its own axis.
   struct alignas(kColumn) Dof {
     Column l, n, Uf, Ut;
     double u, D_1;

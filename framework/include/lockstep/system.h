@@ -247,7 +247,7 @@ class LOCKSTEP_API System {
   /// Characteristic length, m, by which angles are turned into lengths in norms: the largest of the lever arms of
   /// markers on moving bodies, the radii of gyration of bodies that turn, and the distances of paired markers at the
   /// start. Where these are all less than 1e-6 m, as among particles: the distances of the points that forces join, else
-  /// of the bodies, else 1 m.
+  /// the size of the bodies, else the distances of the bodies, else 1 m.
   double length() const { return length_; }
 
  private:

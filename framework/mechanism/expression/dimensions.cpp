@@ -8,18 +8,16 @@
 namespace lockstep::expression {
 namespace {
 
-Exponents exponents_from(const Dimension& d) { return {double(d.m), double(d.kg), double(d.s), double(d.rad)}; }
-
 Amount amount_of(const MeasuredVariable& v) {
   Amount q = Amount::number(1);
-  q.dimension = exponents_from(v.dimension.value_or(Dimension{})), q.measured = true;
+  q.dimension = exponents_of(v.dimension.value_or(Dimension{})), q.measured = true;
   return q;
 }
 
 Amount amount_of(const Constant& c) {
   Amount q;
   std::copy(std::begin(c.value), std::end(c.value), q.v);
-  q.is_vector = c.is_vector, q.dimension = exponents_from(c.dimension), q.measured = c.dimension != Dimension{};
+  q.is_vector = c.is_vector, q.dimension = exponents_of(c.dimension), q.measured = c.dimension != Dimension{};
   q.with_unit = q.measured;
   return q;
 }
@@ -72,7 +70,7 @@ void check_dimensions(const std::string& formula, const std::vector<MeasuredVari
   const auto is_variable = [&](const std::string& name) { return std::ranges::find(names, name) != names.end(); };
   const std::string hint = "; a unit stands in this formula, so all of it is measured" + words_of_variables(read);
   const Amount q = dimension_of(e, amount, is_variable, hint);
-  if (!value || !q.measured || q.any || !q.with_unit || fits(q.dimension, exponents_from(*value))) return;
+  if (!value || !q.measured || q.any || !q.with_unit || fits(q.dimension, exponents_of(*value))) return;
   e.refuse(e.node(e.root()), "its value is " + article_name_of(q) + ", and here " + lockstep::article_name_of(*value) +
                                  " is expected" + hint);
 }

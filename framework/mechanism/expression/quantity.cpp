@@ -12,7 +12,6 @@
 namespace lockstep::expression {
 namespace {
 
-Exponents exponents_of(const Dimension& d) { return {double(d.m), double(d.kg), double(d.s), double(d.rad)}; }
 Exponents scaled(const Exponents& e, double p) { return {p * e.m, p * e.kg, p * e.s, p * e.rad}; }
 Exponents product(const Exponents& a, const Exponents& b, double sign) {
   return {a.m + sign * b.m, a.kg + sign * b.kg, a.s + sign * b.s, a.rad + sign * b.rad};

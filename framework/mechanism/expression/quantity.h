@@ -16,6 +16,9 @@ struct Exponents {
   bool operator==(const Exponents&) const = default;
 };
 
+/// The same as that of a unit.
+inline Exponents exponents_of(const Dimension& d) { return {double(d.m), double(d.kg), double(d.s), double(d.rad)}; }
+
 /// A number or a vector with its dimension.
 struct Amount {
   double v[3] = {0, 0, 0};  ///< SI

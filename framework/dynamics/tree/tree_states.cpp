@@ -1,0 +1,205 @@
+// States along a tree: motions, rates, variations, and coordinates that are read off. How it is grown: joint_tree.cpp.
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include <lockstep/lock.h>
+#include "framework/dynamics/tree/joint_tree.h"
+#include "framework/dynamics/tree/moving_markers.h"
+#include "framework/dynamics/tree/tree_motion.h"
+#include "framework/foundation/math/sin_cos.h"
+#include "framework/mechanism/system/diagnose.h"
+
+namespace lockstep {
+
+void JointTree::motions(const State& y, std::span<Motion> out) const {
+  planar_ ? planar_->motions(nodes_, y, out) : carry_all(y, out);
+}
+
+LOCKSTEP_FLAT_CLONES void JointTree::carry_all(const State& y, std::span<Motion> out) const {
+  SinCosAhead half;
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    half.see(
+        k, nodes_.size(), [&](std::size_t i) __attribute__((always_inline)) {
+          return half_angle(nodes_[i], y.q.data() + nodes_[i].first_q);
+        });
+    const TreeNode& node = nodes_[k];
+    const Motion& p = out[motion_of(node.parent)];
+    if (node.moving) {
+      carry_moving(node, y, p, p.A * p.w, out[motion_of(node)]);
+      continue;
+    }
+    Imposed now;
+    if (node.imposed) laws_at(node, y.t, y.s, now);
+    carry(node, now, y, {half.cosine(), half.sine()}, p, p.A * p.w, out[motion_of(node)]);
+  }
+}
+
+void laws_at(const TreeNode& n, double t, const VecX& s, Imposed& now) {
+  const std::span<const double> own =
+      n.n_s > 0 ? std::span<const double>(s.data() + n.first_s, static_cast<std::size_t>(n.n_s))
+                : std::span<const double>();
+  ImposedTranslation x;
+  ImposedRotation D;
+  named(*n.lock, t, [&] { x = n.imposed->translation(t, own), D = n.imposed->rotation(t, own); });
+  if (!(x.p + x.pd + x.pdd + D.w + D.a + D.q.vec()).allFinite()) refuse_laws(*n.lock, t);
+  const double sign = n.reversed ? -1.0 : 1.0;
+  const Mat3 S = rotation(n.reversed ? n.far_q : n.near_q), SD = S * D.A;
+  now.p.setZero(), now.pd.setZero(), now.pdd.setZero();
+  for (int k = 0; k < 3; ++k)  // on a free axis the law holds nothing
+    if (includes(n.rows, row_bit(k)))
+      now.p += sign * x.p[k] * S.col(k), now.pd += sign * x.pd[k] * S.col(k), now.pdd += sign * x.pdd[k] * S.col(k);
+  now.q = D.q;
+  now.w = sign * (SD * D.w), now.a = sign * (SD * D.a);
+  now.axis = n.reversed ? n.axis : Vec3(SD * n.hinge);
+}
+
+Motion JointTree::motion(const State& y, int slot) const {
+  std::vector<const TreeNode*> path;
+  for (int k = node_of_[static_cast<std::size_t>(slot)]; k >= 0; k = path.back()->parent)
+    path.push_back(&nodes_[static_cast<std::size_t>(k)]);
+  Motion p, own;
+  for (; !path.empty(); path.pop_back(), p = own)
+    if (path.back()->moving)
+      carry_moving(*path.back(), y, p, p.A * p.w, own);
+    else
+      carry(*path.back(), y, p, p.A * p.w, own);
+  return p;
+}
+
+// d/dt of translations and angles are the velocities; e' = (1/2) e w (1.8).
+void JointTree::kinematic_rate(const State& y, VecX& qd) const {
+  qd.resize(n_q_);
+  for (const TreeNode& node : nodes_) {
+    const double* v = y.v.data() + node.first_v;
+    double* d = qd.data() + node.first_q;
+    const int n = node.n_slides + (node.turn == TreeTurn::hinge ? 1 : 0);
+    for (int k = 0; k < n; ++k) d[k] = v[k];
+    if (node.turn != TreeTurn::ball) continue;
+    const double* q = y.q.data() + node.first_q + n;
+    const Quat r = rate(Quat{q[0], q[1], q[2], q[3]}, Vec3(v[n], v[n + 1], v[n + 2]));
+    d[n] = r.w, d[n + 1] = r.x, d[n + 2] = r.y, d[n + 3] = r.z;
+  }
+}
+
+void JointTree::advance(State& y, double h, const VecX& v) const {
+  for (const TreeNode& node : nodes_) {
+    const double* u = v.data() + node.first_v;
+    double* q = y.q.data() + node.first_q;
+    const int n = node.n_slides + (node.turn == TreeTurn::hinge ? 1 : 0);
+    for (int k = 0; k < n; ++k) q[k] += h * u[k];
+    if (node.turn != TreeTurn::ball) continue;
+    const Quat e = Quat{q[n], q[n + 1], q[n + 2], q[n + 3]} * exponential(h * Vec3(u[n], u[n + 1], u[n + 2]));
+    q[n] = e.w, q[n + 1] = e.x, q[n + 2] = e.y, q[n + 3] = e.z;
+  }
+}
+
+void JointTree::normalize(State& y) const {
+  for (const TreeNode& node : nodes_)
+    if (node.turn == TreeTurn::ball) y.q.segment<4>(node.first_q + node.n_slides).normalize();
+}
+
+// An angle of 1000 turns is known to 1e-12 rad. Twice a whole number of turns leaves the sign of quaternions.
+bool JointTree::take_off_turns(State& y) const {
+  constexpr double kMost = 1000 * kTwoPi, kTwoTurns = 2 * kTwoPi,
+                   kLow = 4.8985871965894128e-16;  // 4 pi less kTwoTurns
+  bool any = false;
+  for (const TreeNode& node : nodes_) {
+    if (node.turn != TreeTurn::hinge) continue;
+    double& angle = y.q[node.first_q + node.n_slides];
+    if (!(std::abs(angle) > kMost)) continue;
+    const double n = std::round(angle / kTwoTurns);
+    angle = std::fma(-n, kTwoTurns, angle) - n * kLow;
+    any = true;
+  }
+  return any;
+}
+
+namespace {
+
+// Where laws alone move the slots.
+void vary_driven(const StateRate& d, VecX& dx, VecX& dv) {
+  if (d.q.size() == dx.size() && d.v.size() == dv.size())
+    dx = d.q, dv = d.v;
+  else
+    dx.setZero(), dv.setZero();
+}
+
+}  // namespace
+
+void JointTree::variations(const State& y, std::span<const Motion> at, const StateRate& d, VecX& dx, VecX& dv) const {
+  const auto n = static_cast<Eigen::Index>(nodes_.size());
+  dx.resize(6 * n), dv.resize(6 * n);
+  if (n_v_ == 0) return vary_driven(d, dx, dv);
+  for (const TreeNode& node : nodes_) {
+    NodeVariation p;
+    if (node.parent >= 0) {
+      const int slot = nodes_[static_cast<std::size_t>(node.parent)].slot;
+      p = {dx.segment<3>(6 * slot), dx.segment<3>(6 * slot + 3), dv.segment<3>(6 * slot), dv.segment<3>(6 * slot + 3)};
+    }
+    const Motion& parent = at[motion_of(node.parent)];
+    const NodeVariation own =
+        node.moving ? vary_moving(node, y, d, parent, p) : vary(node, y, d, parent, at[motion_of(node)], p);
+    dx.segment<3>(6 * node.slot) = own.x, dx.segment<3>(6 * node.slot + 3) = own.phi;
+    dv.segment<3>(6 * node.slot) = own.v, dv.segment<3>(6 * node.slot + 3) = own.w;
+  }
+}
+
+namespace {
+
+// Writes the coordinates of a turn r, with the rates of its axes; an angle within half a turn of that of `near`.
+void write_turn(const TreeNode& node, const Quat& r, const Vec3& rates, const State* near, State& out) {
+  const int at_q = node.first_q + node.n_slides, at_v = node.first_v + node.n_slides;
+  if (node.turn == TreeTurn::hinge) {
+    const double angle = 2.0 * std::atan2(r.vec().dot(node.hinge), r.w), about = near ? near->q[at_q] : 0.0;
+    out.q[at_q] = angle + kTwoPi * std::round((about - angle) / kTwoPi);
+    out.v[at_v] = rates[0];
+  } else if (node.turn == TreeTurn::ball) {
+    out.q.segment<4>(at_q) = r.coefficients();
+    out.v.segment<3>(at_v) = rates;
+  }
+}
+
+}  // namespace
+
+// The pose of far seen from near: r and rho of P seen from S, or their inverse.
+void JointTree::read_off(const State& slots, const State* near, State& out) const {
+  out.q.resize(n_q_), out.v.resize(n_v_);
+  out.t = slots.t, out.s = slots.s, out.z = slots.z, out.modes = slots.modes, out.watched = slots.watched;
+  for (const TreeNode& node : nodes_) {
+    Motion p;
+    if (node.parent >= 0) p = slot_motion(slots, nodes_[static_cast<std::size_t>(node.parent)].slot);
+    const Motion own = slot_motion(slots, node.slot);
+    const Vec3 wp = p.A * p.w, w = own.A * own.w;
+    double *q = out.q.data() + node.first_q, *v = out.v.data() + node.first_v;
+    if (node.moving) {
+      const MovedCoordinates c = read_moving(node, slots.t, slots.s, p, own);
+      for (int i = 0, k = 0; i < 3; ++i)
+        if (!includes(node.rows, row_bit(i))) q[k] = c.rho[i], v[k++] = c.rhod[i];
+      write_turn(node, c.r, node.turn == TreeTurn::hinge ? Vec3(Vec3::Constant(node.hinge.dot(c.w))) : c.w, near, out);
+      continue;
+    }
+    // The joint acts at the point X of the marker on the slot that does not carry the slides.
+    const Vec3 X = node.reversed ? Vec3(p.x + p.A * node.near_u) : Vec3(own.x + own.A * node.far_u);
+    const Motion& S = node.reversed ? own : p;
+    const Vec3 S_origin = S.x + S.A * (node.reversed ? node.far_u : node.near_u);
+    const Vec3 rho = (node.reversed ? -1.0 : 1.0) * (S.A.transpose() * (X - S_origin));
+    const Vec3 v_own = own.v + cross(w, Vec3(X - own.x)), v_parent = p.v + cross(wp, Vec3(X - p.x));
+    const Vec3 rhod = S.A.transpose() * (v_own - v_parent);
+    for (int k = 0; k < node.n_slides; ++k) {
+      const Vec3& e = node.slide(k);
+      q[k] = e.dot(rho), v[k] = e.dot(rhod);
+    }
+    // e = e_p near r far' or e_p near r' far'
+    Quat r = conjugate(node.near_q) * (conjugate(p.e) * own.e) * node.far_q;
+    if (node.reversed) r = conjugate(r);
+    Imposed now;
+    if (node.imposed) laws_at(node, slots.t, slots.s, now), r = conjugate(now.q) * r;
+    const Vec3 law = node.imposed ? Vec3(slide_axes(node, p, own) * now.w) : Vec3::Zero();
+    const Vec3 turn = turn_axes(node, now, p, own).transpose() * (w - wp - law);
+    write_turn(node, r, turn, near, out);
+  }
+}
+
+}  // namespace lockstep
