@@ -297,7 +297,7 @@ class ExpressionParser {
           (is_digit(rest[end + 1]) || (rest[end + 1] == '-' && end + 2 < rest.size() && is_digit(rest[end + 2])));
       if (power)
         for (end += 2; end < rest.size() && is_digit(rest[end]);) ++end;
-      if (!dimension_of(rest.substr(0, end))) break;
+      if (!lockstep::dimension_of(rest.substr(0, end))) break;
       whole = end;
     }
     return whole;
@@ -330,7 +330,7 @@ class ExpressionParser {
     const std::string unit = text_.substr(at_, length);
     const Measured si = in_si(node.value, unit);
     if (!si.problem.empty()) fail(node.at, si.problem);
-    node.value = si.value, node.dimension = *dimension_of(unit), node.measured = true;
+    node.value = si.value, node.dimension = *lockstep::dimension_of(unit), node.measured = true;
     at_ += length;
     if (next() == '^')
       fail(at_, "the power of a unit stands directly behind it, as in \"m/s^2\"; a power of the whole needs a bracket");
