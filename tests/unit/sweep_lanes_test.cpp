@@ -81,13 +81,94 @@ TEST_CASE("what lanes cannot is said, what one run cannot is left to it", "[unit
   CHECK(says(why(scene_text(kRun, event)), {"events"}));
   CHECK(says(why(scene_text(R"("until": 1)")), {"every step is recorded"}));
   CHECK(says(why(scene_text(R"("until": 1, "output": 0.1, "integrator": "rk4", "step": 0.01)")), {"dop853"}));
-  CHECK(says(why(scene_text(R"("until": 1, "output": 0.1, "record": ["A.angle_z"])")), {"\"A.angle_z\""}));
+  CHECK(says(why(scene_text(R"("until": 1, "output": 0.1, "record": ["rejected"])")), {"\"rejected\""}));
+  CHECK(says(why(scene_text(R"("until": 1, "output": 0.1, "record": ["solver.residual"])")), {"\"solver.residual\""}));
   CHECK(says(why(scene_text(R"("until": 1, "output": 0.1, "solver": "dense")")), {"schur"}));
   for (const char* vary : {"bodies.bob.sphere.mass=1,-1,2", "run.until=1,2,3"}) {
     Runs group(scene_text(kRun), vary);
     INFO(vary << ": " << group.unsuited());
     CHECK(group.lanes().empty());
     CHECK(group.unsuited().empty());
+  }
+}
+
+namespace {
+
+// A wheel on a hinge, a second one on the first, a spring and a damper between them.
+std::string wheels_text(const std::string& links_and_forces, const std::string& run) {
+  return R"({"lockstep": 1, "gravity": [0, 0, 0], "parameters": {"speed": "40 rad/s"},
+    "bodies": [{"name": "rim", "cylinder": {"mass": 1, "radius": 0.3, "length": 0.1}},
+               {"name": "hub", "cylinder": {"mass": 2, "radius": 0.1, "length": 0.1}}],)" +
+         links_and_forces + R"("run": {"until": 3, "output": 0.5, "integrator": "dop853", "tolerance": 1e-10,)" + run +
+         "}}";
+}
+const std::string kFreeWheels = R"("links": [
+    {"name": "A", "type": "revolute", "p": "rim", "s": "ground", "at": [0,0,0], "start": {"velocity": {"rz": "=speed"}}},
+    {"name": "B", "type": "revolute", "p": "hub", "s": "rim", "at": [0,0,0], "start": {"velocity": {"rz": "=-2*speed"}}}],)";
+
+}  // namespace
+
+TEST_CASE("angles count their turns in lanes", "[unit][scene]") {
+  Runs group(wheels_text(kFreeWheels, R"("record": ["A.angle_z", "B.angle_z", "hub.angle_z"])"),
+             "parameters.speed=10:45:8");
+  INFO(group.unsuited());
+  std::vector<Table> histories(8);
+  const std::vector<SweepRun> lanes = group.lanes(&histories);
+  REQUIRE(lanes.size() == 8);
+  for (std::size_t k = 0; k < 8; ++k) {
+    const double speed = 10 + 5.0 * static_cast<double>(k);  // rad/s: up to seven turns from output to output
+    REQUIRE(lanes[k].status == "ok");
+    REQUIRE(histories[k].n_rows() == 7);
+    for (std::size_t i = 0; i < 7; ++i) {
+      const double t = histories[k]["t"][i];
+      CHECK(std::abs(histories[k]["A.angle_z"][i] - speed * t) < 1e-7);
+      CHECK(std::abs(histories[k]["B.angle_z"][i] + 2 * speed * t) < 1e-7);
+      CHECK(std::abs(histories[k]["hub.angle_z"][i] + speed * t) < 1e-7);
+    }
+  }
+}
+
+TEST_CASE("runs in lanes have verdicts on their energy where no law does work", "[unit][scene]") {
+  const std::string record = R"("record": ["A.angle_z", "energy.dissipated", "energy.balance"])";
+  const std::string damped = kFreeWheels + R"("forces": [{"name": "brake", "type": "torsion_spring_damper", "p": "hub",
+    "s": "rim", "at": [0,0,0], "stiffness": 3, "damping": 0.05}],)";
+  Runs group(wheels_text(damped, record), "parameters.speed=10:24:8");
+  INFO(group.unsuited());
+  const std::vector<SweepRun> braked = group.lanes();
+  REQUIRE(braked.size() == 8);
+  for (std::size_t k = 0; k < 8; ++k) {
+    const SweepRun alone = sweep_run(group.scenes[k], group.registry, group.columns);
+    CHECK(braked[k].energy == "conserved");
+    CHECK(alone.energy == "conserved");
+    CHECK_FALSE(braked[k].wrong);
+    CHECK(braked[k].imbalance < 1e-7);
+    REQUIRE(alone.columns.size() == 3);
+    CHECK(alone.columns[1].last > 1);  // J
+    for (std::size_t c = 0; c < 3; ++c) CHECK(std::abs(braked[k].columns[c].last - alone.columns[c].last) < 1e-6);
+  }
+  Runs coarse(scene_text(R"("until": 20, "output": 5, "integrator": "dopri5", "tolerance": 0.5, "record": ["bob.x"])"),
+              "bodies.bob.sphere.mass=1,2,3");
+  const std::vector<SweepRun> lost = coarse.lanes();
+  REQUIRE(lost.size() == 3);
+  for (std::size_t k = 0; k < 3; ++k) {
+    CHECK(sweep_run(coarse.scenes[k], coarse.registry, coarse.columns).energy == "not conserved");
+    CHECK(lost[k].energy == "not conserved");
+    CHECK(lost[k].wrong);
+    CHECK(lost[k].imbalance > 1e-3);
+  }
+  // Works of laws that move links are not integrated in lanes.
+  Runs driven(wheels_text(R"("links": [
+    {"name": "A", "type": "revolute", "p": "rim", "s": "ground", "at": [0,0,0],
+     "drive": {"axis": "rz", "law": {"type": "ramp", "slope": "=speed"}}},
+    {"name": "B", "type": "revolute", "p": "hub", "s": "rim", "at": [0.1,0,0]}],)",
+                          R"("record": ["A.angle_z"])"),
+              "parameters.speed=10:24:8");
+  const std::vector<SweepRun> lanes = driven.lanes();
+  REQUIRE(lanes.size() == 8);
+  for (std::size_t k = 0; k < 8; ++k) {
+    CHECK(lanes[k].energy == "");
+    CHECK_FALSE(lanes[k].wrong);
+    CHECK(std::abs(lanes[k].columns[0].last - 3 * (10 + 2.0 * static_cast<double>(k))) < 1e-7);
   }
 }
 

@@ -2,6 +2,7 @@
 #include "framework/tools/batch/tree_batch.h"
 
 #include <cmath>
+#include <utility>
 
 #include <lockstep/forces.h>
 #include <lockstep/frame_laws.h>
@@ -259,6 +260,48 @@ TEST_CASE("copies in lanes cross a jump of velocity as a single run does", "[uni
   // The jump itself: the pin moves at 2 m/s at once, and the rod, which hung still, by w = m l 2 m/s / (J + m l^2).
   const RunEnds just = ends_of(family, 0.3 + 1e-9, "dop853", true);
   CHECK(std::abs(just.states[0].v[10]) == Approx(0.5 * 2.0 / (0.1 + 0.25)).epsilon(1e-6));
+}
+
+TEST_CASE("who follows copies sees every step of theirs, and jumps", "[unit][copies]") {
+  for (const bool in_lanes : {true, false}) {
+    Family family(5, [](int k) { return cart(k); });
+    CopiesOptions options;
+    options.tolerance = {1e-8, 1e-10}, options.lanes = in_lanes;
+    Copies copies(family.pointers(), options);
+    struct Seen {
+      long steps = 0, jumps = 0;
+      State last;
+    };
+    std::vector<Seen> seen(5);
+    const std::vector<double> times{0, 0.2, 0.8};
+    const auto output = [&](int k, std::size_t i, const State& s) {  // of the same instant, and told later
+      const Seen& the = seen[static_cast<std::size_t>(k)];
+      if (i == 0) {
+        CHECK(the.steps == 0);
+        return;
+      }
+      CHECK(the.last.t == s.t);
+      CHECK(largest(the.last.q - s.q) == 0);
+    };
+    const auto reports = copies.run(family.starts(), times, output, [&](int k, const State& s, bool jumped) {
+      Seen& the = seen[static_cast<std::size_t>(k)];
+      const State before = std::exchange(the.last, s);
+      ++(jumped ? the.jumps : the.steps);
+      if (!jumped) {
+        CHECK((the.steps == 1 || s.t > before.t));
+        return;
+      }
+      CHECK(s.t == 0.3);
+      CHECK(before.t == Approx(0.3));
+      CHECK(s.v[0] - before.v[0] == Approx(2));  // m/s, of the cart
+    });
+    for (std::size_t k = 0; k < 5; ++k) {
+      INFO((in_lanes ? "in lanes, copy " : "alone, copy ") << k << ": " << reports[k].error);
+      CHECK(reports[k].finished);
+      CHECK(seen[k].steps == reports[k].steps);
+      CHECK(seen[k].jumps == 1);
+    }
+  }
 }
 
 namespace {

@@ -8,7 +8,7 @@
 namespace lockstep {
 
 /// Whether rows of a link may have a part that time alone changes.
-bool may_have_laws(const Lock&);
+LOCKSTEP_API bool may_have_laws(const Lock&);
 
 /// Leaves the rows that are normal to the plane of a tree out of the table of its closures. False, and the table as it
 /// was, where a link does not say that it stays in the plane, where a row is neither in it nor normal to it in the poses

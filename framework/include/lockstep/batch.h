@@ -80,10 +80,14 @@ class LOCKSTEP_API Copies {
   /// Receives the state of a copy (its number, from 0) at one of the times (its number, from 0), in the slots' own
   /// coordinates: the copies in any order, the times of one copy in theirs.
   using Output = std::function<void(int copy, std::size_t time, const State&)>;
-  /// Runs all copies from their starts (assembled, in the slots' own coordinates; each may have its own t) through all `times` (ascending, s), on
-  /// which their steps end. A copy that fails does not stop the others; its report says why. Throws ModelError for
-  /// wrong arguments.
-  std::vector<CopyReport> run(std::span<const State> starts, std::span<const double> times, const Output& output);
+  /// Receives the state of a copy (its number, from 0), in the slots' own coordinates, after each of its steps, before
+  /// what is told of the same instant as an output; where the jump of a law acts there, once more behind it, `jumped`.
+  using Step = std::function<void(int copy, const State&, bool jumped)>;
+  /// Runs all copies from their starts (assembled, in the slots' own coordinates; each may have its own t) through all
+  /// `times` (ascending, s), on which their steps end. A copy that fails does not stop the others; its report says why.
+  /// `step`: who follows every step, as what counts turns does. Throws ModelError for wrong arguments.
+  std::vector<CopyReport> run(std::span<const State> starts, std::span<const double> times, const Output& output,
+                              const Step& step = {});
 
  private:
   struct Work;

@@ -30,12 +30,16 @@ Batch::Batch(std::span<System* const> systems, int first, std::size_t n_q, std::
   }
   for (const auto& link : systems_[0]->links())
     if (link->active_at_start() && link->n_own_states() > 0) stateful_.push_back(link->number());
-  reads_motions_ = has_forces_ || !stateful_.empty();
+  n_controlled_ = systems_[0]->n_error_controlled_states();
+  reads_motions_ = has_forces_ || !stateful_.empty() || !systems_[0]->auxiliaries().empty();
   const int n_slots = systems_[0]->n_slots();
   motions_.resize(static_cast<std::size_t>(n_slots + 1));
   wrench_.assign(kL * 6 * static_cast<std::size_t>(n_slots), 0.0);
   wrench_of_one_.setZero(6 * n_slots);
   rates_of_one_.setZero(systems_[0]->n_states());
+  if (systems_[0]->auxiliaries().empty()) return;
+  systems_[0]->lay_out(std::vector<bool>(systems_[0]->links().size(), false), no_rows_);
+  no_accelerations_.setZero(6 * n_slots);
 }
 
 Batch::~Batch() = default;
@@ -113,7 +117,7 @@ void Batch::state_rates(const double* y, const Numbers8& t, double* rate) {
   if (n_s_ == 0) return;
   for (int l = 0; l < kLanes; ++l) {
     const auto lane = static_cast<std::size_t>(l);
-    if (!stateful_.empty()) see_motions(l);
+    see_motions(l);
     const Inputs in = inputs(l, y, t[lane]);
     rates_of_one_.setZero();
     guarded(l, [&] {
@@ -122,6 +126,9 @@ void Batch::state_rates(const double* y, const Numbers8& t, double* rate) {
         link.stateful()->state_rates(
             in, {rates_of_one_.data() + link.first_state(), static_cast<std::size_t>(link.n_own_states())});
       }
+      const Evaluated values{in, no_accelerations_, no_multipliers_, no_rows_};
+      for (const auto& own : system(l).auxiliaries())
+        own->rates(values, {rates_of_one_.data() + own->first(), static_cast<std::size_t>(own->size())});
     });
     double* to = rate + kL * (n_q_ + n_v_) + lane;
     for (Eigen::Index i = 0; i < rates_of_one_.size(); ++i, to += kLanes) *to = rates_of_one_[i];

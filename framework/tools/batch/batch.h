@@ -116,15 +116,16 @@ class LOCKSTEP_API Batch {
   void fill_wrench(const double* y, const Numbers8& t);
   /// The motion of a slot, as the present evaluation has it.
   virtual void read_motion(int lane, int slot, Motion& out) const = 0;
-  /// Rates of the states of links.
+  /// Rates of the states of links, and of auxiliaries.
   void state_rates(const double* y, const Numbers8& t, double* rate);
 
   int n_ = 0, first_ = 0;
   std::size_t n_q_, n_v_, n_s_, n_followed_ = 0;
+  int n_controlled_ = 0;  // of the states s, those whose errors control the step
   std::array<System*, kLanes> systems_{};
   Passes pass_;
   bool watches_ = false, has_forces_ = false;
-  bool reads_motions_ = false;  // forces, or rates of links' states
+  bool reads_motions_ = false;  // forces, or rates of states
   Flags8 lost_{};               // lanes in which user code threw since this was cleared; alone they are told by name
   Aligned<double> wrench_;  // 6 packs a slot
 
@@ -133,6 +134,8 @@ class LOCKSTEP_API Batch {
   std::vector<Motion> motions_;
   std::array<VecX, kLanes> states_, memory_;
   VecX wrench_of_one_, rates_of_one_;
+  RowTable no_rows_;  // what states of the user's own, which read no solution, get for one
+  VecX no_accelerations_, no_multipliers_;
 };
 
 /// Writes a number, numbers or a matrix, row after row, of one copy.

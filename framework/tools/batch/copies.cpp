@@ -241,8 +241,8 @@ std::vector<bool> Copies::project(std::span<State> states) {
   return converged;
 }
 
-std::vector<CopyReport> Copies::run(std::span<const State> starts, std::span<const double> times,
-                                    const Output& output) {
+std::vector<CopyReport> Copies::run(std::span<const State> starts, std::span<const double> times, const Output& output,
+                                    const Step& step) {
   Work& w = *work_;
   w.check_states(starts);
   if (!std::is_sorted(times.begin(), times.end()) ||
@@ -255,7 +255,8 @@ std::vector<CopyReport> Copies::run(std::span<const State> starts, std::span<con
   std::vector<CopyReport> reports(starts.size());
   if (times.empty()) return reports;
   const bool watches = w.method->info().passes_singular && w.options.stabilization.kind == Stabilization::Kind::project;
-  const lanes::RunTask task{w.options, w.formulation, *w.method->scheme(), watches, w.make_integrator, times, output};
+  const lanes::RunTask task{w.options, w.formulation, *w.method->scheme(), watches, w.make_integrator, times,
+                            output,    step};
   for (const auto& batch : w.batches) {
     const auto n = static_cast<std::size_t>(batch->size());
     const auto states = starts.subspan(w.first(*batch), n);

@@ -63,12 +63,19 @@ void run_alone(System& system, int copy, State state, OutputSchedule schedule, d
     dynamics.to_formulation(state);
     dynamics.accept(state);
     integrator->begin(dynamics, state);
+    const auto tell_step = [&](bool jumped) {
+      if (!task.step) return;
+      State told = state;
+      dynamics.to_slots(told);
+      task.step(copy, told, jumped);
+    };
     const auto arrive = [&] {
       bool output = false;
       const double t = schedule.arrive(output);
       if (!output) {
         pass_jump(dynamics, state, t);
         dynamics.to_formulation(state);
+        tell_step(true);
         return;
       }
       state.t = t;
@@ -98,6 +105,7 @@ void run_alone(System& system, int copy, State state, OutputSchedule schedule, d
       ++report.steps, report.rejected += step.rejected;
       if (step.h_next > 0) h = advised_after(h, asked, step.h, step.h_next);
       report.t = state.t;
+      tell_step(false);
       if (!lands || step.h < asked) continue;
       arrive();
       report.t = state.t;

@@ -42,6 +42,7 @@ struct RunTask {
   const std::function<std::unique_ptr<Integrator>()>& make_integrator;
   std::span<const double> times;
   const Copies::Output& output;
+  const Copies::Step& step;
 };
 
 /// Takes a state from the near side of the jump of a law to its instant t, in the slots' own coordinates: velocities that

@@ -1,8 +1,10 @@
 #include "framework/tools/batch/lane_plan.h"
 
+#include <algorithm>
 #include <typeinfo>
 
 #include <lockstep/joints.h>
+#include "framework/dynamics/tree/rows_in_plane.h"
 #include "framework/tools/batch/link_numbers.h"
 
 namespace lockstep::lanes {
@@ -17,6 +19,12 @@ const MarkerLock* plain_lock(const Lock& link) {
   const bool known = is_any_of<Fixed, PointOnLine, PointOnPlane, PlaneOnPlane, Revolute, Cylindrical, AngularAlignment,
                                Oldham, Prismatic, Rzeppa, Homokinetic, Spherical, GenericLock>(link);
   return known ? static_cast<const MarkerLock*>(&link) : nullptr;
+}
+
+// Whether its rates need more than coordinates and velocities.
+bool reads_solution(const Auxiliary& own, const System& system) {
+  if (!own.reads_solution() || !own.vanishes_without_laws()) return own.reads_solution();
+  return std::ranges::any_of(system.links(), [](const auto& link) { return may_have_laws(*link); });
 }
 
 bool law_on(const Marker& m) { return m.translation_law || m.rotation_law; }
@@ -46,8 +54,9 @@ std::string unsuited_link(const Lock& link) {
 }
 
 std::string unsuited(const System& system) {
-  if (!system.auxiliaries().empty())
-    return "'" + system.auxiliaries().front()->name() + "' integrates states of its own (an auxiliary)";
+  for (const auto& own : system.auxiliaries())
+    if (reads_solution(*own, system))
+      return "the states of '" + own->name() + "' read accelerations or reactions, which lanes do not keep";
   if (system.n_slots() == 0) return "nothing moves";
   for (const auto& force : system.forces())
     if (force->is_switched()) return "force '" + force->name() + "' is switched by events";

@@ -72,6 +72,7 @@ class LaneRun {
   double first_step(int lane, const State&) const;
   void cross_jump(int lane, double t);
   void arrive(int lane);
+  void tell_step(int lane, bool jumped);
   void choose_steps();
   void attempt();
   Flags8 evaluate_stages();
@@ -203,8 +204,24 @@ void LaneRun::arrive(int lane) {
   } catch (const Error& error) {  // a law
     return fail(lane, error);
   }
-  if (output) task_.output(batch_.first() + lane, the.schedule.next() - 1, told);
-  the.going = !the.schedule.done();
+  if (output)
+    task_.output(batch_.first() + lane, the.schedule.next() - 1, told);
+  else
+    tell_step(lane, true);
+  the.going = the.going && !the.schedule.done();
+}
+
+// To those who follow every step.
+void LaneRun::tell_step(int lane, bool jumped) {
+  if (!task_.step) return;
+  State told = state_;
+  try {
+    read(lane, y_.data(), t_[static_cast<std::size_t>(lane)], told);
+    batch_.to_slots(lane, told);
+  } catch (const Error& error) {  // a law
+    return fail(lane, error);
+  }
+  task_.step(batch_.first() + lane, told, jumped);
 }
 
 // Takes a copy from t, on the near side of the jump of a law, to its instant.
@@ -399,7 +416,8 @@ void LaneRun::accept(int lane, double error) {
   } catch (const Error& failure) {
     return fail(lane, failure);
   }
-  if (the.lands) arrive(lane);
+  tell_step(lane, false);
+  if (the.going && the.lands) arrive(lane);
 }
 
 void LaneRun::update_memory(int lane) {

@@ -34,6 +34,9 @@ inline State assembled_start(Dynamics& dynamics, Mechanism& m) {
   return start;
 }
 
+/// Writes what an audit found to the result of a run; `adaptive`: by a method that controls its error.
+void judge(const Audit&, bool adaptive, SweepRun&);
+
 inline StepLoopOptions loop_options(const RunSettings& run) {
   return {.step = run.step,
           .tolerance = run.tolerance,

@@ -25,12 +25,6 @@ ColumnRange range_of(const std::vector<double>& values) {
   return range;
 }
 
-void judge(const Audit& audit, bool adaptive, SweepRun& run) {
-  run.energy = audit.verdict(), run.imbalance = audit.imbalance_share();
-  run.drifted = audit.drifted, run.violation = audit.violation;
-  run.wrong = audit.is_wrong(adaptive);
-}
-
 void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepRun& result,
               const std::function<bool(const State&)>& go_on, Observer* besides) {
   std::vector<Event> events = make_events(m, recorder);
@@ -83,6 +77,12 @@ std::string SweepRun::outcome() const {
 
 bool wrong_by(std::string_view outcome) {
   return outcome == "wrong" || outcome.starts_with("wrong: ") || outcome.starts_with("wrong; ");
+}
+
+void judge(const Audit& audit, bool adaptive, SweepRun& run) {
+  run.energy = audit.verdict(), run.imbalance = audit.imbalance_share();
+  run.drifted = audit.drifted, run.violation = audit.violation;
+  run.wrong = audit.is_wrong(adaptive);
 }
 
 SweepRun recorded_run(const Table& table) {

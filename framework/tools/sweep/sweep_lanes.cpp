@@ -1,14 +1,18 @@
 #include "framework/tools/sweep/sweep_lanes.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <lockstep/batch.h>
 #include <lockstep/error.h>
+#include "framework/dynamics/tree/rows_in_plane.h"
 #include "framework/tools/precision/work_precision.h"
 #include "framework/tools/sweep/scene_run.h"
 
 namespace lockstep {
 namespace {
+
+const StepReport kNoReport{};  // lanes report no steps
 
 struct BrokenOff {};  // thrown by the output, to leave Copies::run
 
@@ -16,6 +20,8 @@ struct BrokenOff {};  // thrown by the output, to leave Copies::run
 struct Lane {
   Mechanism mechanism;
   std::unique_ptr<Recorder> recorder{};
+  std::unique_ptr<EnergyAudit> audit{};  // none where laws do work, which lanes do not integrate
+  bool follows_steps = false;            // columns or the audit look at every step
   std::unique_ptr<Dynamics> dynamics{};
   State start{};
   double violation = 0;  // largest |C| at an output, m
@@ -40,9 +46,9 @@ std::string unsuited(const RunSettings& run) {
 std::string unsuited(Mechanism& m) {
   if (!m.events.empty()) return "the scene has events";
   for (const ChannelRequest& request : m.run.record) {
-    if (request.channel == "step" || request.channel.starts_with("solver.") ||
-        make_channel(m.system, request.channel).track)
-      return "column \"" + request.channel + "\" looks at every step";
+    if (request.channel == "step" || request.channel == "rejected" || request.channel.starts_with("solver."))
+      return "column \"" + request.channel + "\" is about steps and solutions of a run by itself";
+    make_channel(m.system, request.channel);
   }
   return Copies::unsuited(m.system, m.run.formulation);
 }
@@ -77,10 +83,17 @@ std::unique_ptr<Lane> make_lane(const Scene& scene, const Registry& registry) {
 void prepare(Lane& lane, const Registry& registry) {
   Mechanism& m = lane.mechanism;
   lane.recorder = make_recorder(m);
+  if (std::ranges::none_of(m.system.links(), [](const auto& link) { return may_have_laws(*link); }))
+    lane.audit = std::make_unique<EnergyAudit>(m.system, m.run.limits);
+  lane.follows_steps = lane.audit != nullptr || std::ranges::any_of(m.run.record, [&](const ChannelRequest& request) {
+                         return make_channel(m.system, request.channel).track != nullptr;
+                       });
   lane.dynamics = std::make_unique<Dynamics>(m.system, make_solver(m.run, registry),
                                              DynamicsOptions{m.run.formulation, m.run.stabilization});
   lane.start = assembled_start(*lane.dynamics, m);
-  lane.recorder->start(Sample(*lane.dynamics, lane.start, {}));
+  const Sample first(*lane.dynamics, lane.start, kNoReport);
+  lane.recorder->start(first);
+  if (lane.audit) lane.audit->start(first);
 }
 
 CopiesOptions options_of(const RunSettings& run, const Registry& registry) {
@@ -98,12 +111,32 @@ std::vector<CopyReport> run_together(std::vector<std::unique_ptr<Lane>>& lanes, 
   std::vector<State> starts;
   for (const auto& lane : lanes) systems.push_back(&lane->mechanism.system), starts.push_back(lane->start);
   Copies copies(systems, options_of(lanes.front()->mechanism.run, registry));
-  return copies.run(starts, times, [&](int copy, std::size_t, const State& state) {
-    Lane& lane = *lanes[copy];
-    lane.recorder->output(Sample(*lane.dynamics, state, {}));
+  const auto output = [&](int copy, std::size_t, const State& state) {
+    Lane& lane = *lanes[static_cast<std::size_t>(copy)];
+    const Sample sample(*lane.dynamics, state, kNoReport);
+    lane.recorder->output(sample);
+    if (lane.audit) lane.audit->output(sample);
     if (const double now = lane.dynamics->violation(state); !(now <= lane.violation)) lane.violation = now;
     if (go_on && !go_on(state)) throw BrokenOff();
-  });
+  };
+  Copies::Step step;
+  if (std::ranges::any_of(lanes, [](const auto& lane) { return lane->follows_steps; }))
+    step = [&](int copy, const State& state, bool jumped) {
+      Lane& lane = *lanes[static_cast<std::size_t>(copy)];
+      Sample sample(*lane.dynamics, state, kNoReport);
+      if (jumped) sample.cause = "the jump of a law";
+      jumped ? lane.recorder->jumped(sample) : lane.recorder->step(sample);
+      if (lane.audit) jumped ? lane.audit->jumped(sample) : lane.audit->step(sample);
+    };
+  return copies.run(starts, times, output, step);
+}
+
+// Energy and drift; in lanes the latter is seen at outputs.
+void judge(const Lane& lane, SweepRun& run) {
+  if (lane.audit) judge(lane.audit->result(), true, run);
+  run.violation = lane.violation;
+  run.drifted = !(run.violation <= lane.mechanism.run.limits.of(lane.mechanism.system.length()).violation);
+  run.wrong = run.wrong || run.drifted;
 }
 
 }  // namespace
@@ -149,9 +182,7 @@ std::vector<SweepRun> sweep_lanes(std::span<const Scene> scenes, const Registry&
     }
     SweepRun run = recorded_run(lanes[i]->recorder->table());
     run.steps = reports[i].steps, run.cpu = cpu;
-    const Mechanism& m = lanes[i]->mechanism;
-    run.violation = lanes[i]->violation;
-    run.drifted = run.wrong = !(run.violation <= m.run.limits.of(m.system.length()).violation);
+    judge(*lanes[i], run);
     runs.push_back(std::move(run));
     if (history != nullptr) *history = lanes[i]->recorder->table();
   }

@@ -10,8 +10,7 @@
 
 namespace lockstep {
 
-/// Why a run of this scene cannot be in a lane: events, columns that need every step (angles count turns), output at
-/// every step, integrators other than dop853 and dopri5, and what Copies refuses; "" if it can. Throws what
+/// Why a run of this scene cannot be in a lane: events, columns about steps and solutions, output at every step, integrators other than dop853 and dopri5, and what Copies refuses; "" if it can. Throws what
 /// build_mechanism() throws.
 LOCKSTEP_API std::string unsuited_for_lanes(const Scene&, const Registry&);
 
