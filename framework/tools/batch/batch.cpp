@@ -31,13 +31,16 @@ Batch::Batch(std::span<System* const> systems, int first, std::size_t n_q, std::
   for (const auto& link : systems_[0]->links())
     if (link->active_at_start() && link->n_own_states() > 0) stateful_.push_back(link->number());
   n_controlled_ = systems_[0]->n_error_controlled_states();
-  reads_motions_ = has_forces_ || !stateful_.empty() || !systems_[0]->auxiliaries().empty();
+  const auto& auxiliaries = systems_[0]->auxiliaries();
+  for (std::size_t k = 0; k < auxiliaries.size(); ++k)
+    if (!(auxiliaries[k]->reads_solution() && auxiliaries[k]->vanishes_without_laws())) integrated_.push_back(k);
+  reads_motions_ = has_forces_ || !stateful_.empty() || !integrated_.empty();
   const int n_slots = systems_[0]->n_slots();
   motions_.resize(static_cast<std::size_t>(n_slots + 1));
   wrench_.assign(kL * 6 * static_cast<std::size_t>(n_slots), 0.0);
   wrench_of_one_.setZero(6 * n_slots);
   rates_of_one_.setZero(systems_[0]->n_states());
-  if (systems_[0]->auxiliaries().empty()) return;
+  if (integrated_.empty()) return;
   systems_[0]->lay_out(std::vector<bool>(systems_[0]->links().size(), false), no_rows_);
   no_accelerations_.setZero(6 * n_slots);
 }
@@ -115,6 +118,10 @@ void Batch::fill_wrench(const double* y, const Numbers8& t) {
 
 void Batch::state_rates(const double* y, const Numbers8& t, double* rate) {
   if (n_s_ == 0) return;
+  if (stateful_.empty() && integrated_.empty()) {
+    std::fill_n(rate + kL * (n_q_ + n_v_), kL * n_s_, 0.0);
+    return;
+  }
   for (int l = 0; l < kLanes; ++l) {
     const auto lane = static_cast<std::size_t>(l);
     see_motions(l);
@@ -127,8 +134,10 @@ void Batch::state_rates(const double* y, const Numbers8& t, double* rate) {
             in, {rates_of_one_.data() + link.first_state(), static_cast<std::size_t>(link.n_own_states())});
       }
       const Evaluated values{in, no_accelerations_, no_multipliers_, no_rows_};
-      for (const auto& own : system(l).auxiliaries())
-        own->rates(values, {rates_of_one_.data() + own->first(), static_cast<std::size_t>(own->size())});
+      for (const std::size_t k : integrated_) {
+        const Auxiliary& own = *system(l).auxiliaries()[k];
+        own.rates(values, {rates_of_one_.data() + own.first(), static_cast<std::size_t>(own.size())});
+      }
     });
     double* to = rate + kL * (n_q_ + n_v_) + lane;
     for (Eigen::Index i = 0; i < rates_of_one_.size(); ++i, to += kLanes) *to = rates_of_one_[i];

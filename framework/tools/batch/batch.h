@@ -130,7 +130,8 @@ class LOCKSTEP_API Batch {
   Aligned<double> wrench_;  // 6 packs a slot
 
  private:
-  std::vector<int> stateful_;  // numbers of links in force with states of their own
+  std::vector<int> stateful_;            // numbers of links in force with states of their own
+  std::vector<std::size_t> integrated_;  // auxiliaries whose rates are not zero: there are no laws where others are
   std::vector<Motion> motions_;
   std::array<VecX, kLanes> states_, memory_;
   VecX wrench_of_one_, rates_of_one_;

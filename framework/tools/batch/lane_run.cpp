@@ -106,7 +106,7 @@ class LaneRun {
   bool first_done_ = false;  // the first stage is evaluated: no lane has moved since
   Numbers8 first_a_{}, first_alpha_{};  // largest accelerations there
   bool jumped_ = false;                 // a copy was moved otherwise than by a step
-  State state_, state_end_;  // scratch of one lane
+  State state_, state_end_, told_;      // scratch of one lane
   StateRate rate_, rate_error_;
   StateInputs inputs_;
   std::vector<State> starts_;  // in the coordinates of the batch
@@ -193,11 +193,11 @@ void LaneRun::arrive(int lane) {
   const double before = t_[l];
   bool output = false;
   t_[l] = reports_[l].t = the.schedule.arrive(output);
-  State told = state_;
+  told_ = state_;
   try {
     if (output) {
-      read(lane, y_.data(), t_[l], told);
-      batch_.to_slots(lane, told);
+      read(lane, y_.data(), t_[l], told_);
+      batch_.to_slots(lane, told_);
     } else {
       cross_jump(lane, before);
     }
@@ -205,7 +205,7 @@ void LaneRun::arrive(int lane) {
     return fail(lane, error);
   }
   if (output)
-    task_.output(batch_.first() + lane, the.schedule.next() - 1, told);
+    task_.output(batch_.first() + lane, the.schedule.next() - 1, told_);
   else
     tell_step(lane, true);
   the.going = the.going && !the.schedule.done();
@@ -214,14 +214,14 @@ void LaneRun::arrive(int lane) {
 // To those who follow every step.
 void LaneRun::tell_step(int lane, bool jumped) {
   if (!task_.step) return;
-  State told = state_;
+  told_ = state_;
   try {
-    read(lane, y_.data(), t_[static_cast<std::size_t>(lane)], told);
-    batch_.to_slots(lane, told);
+    read(lane, y_.data(), t_[static_cast<std::size_t>(lane)], told_);
+    batch_.to_slots(lane, told_);
   } catch (const Error& error) {  // a law
     return fail(lane, error);
   }
-  task_.step(batch_.first() + lane, told, jumped);
+  task_.step(batch_.first() + lane, told_, jumped);
 }
 
 // Takes a copy from t, on the near side of the jump of a law, to its instant.
