@@ -109,20 +109,22 @@ const std::string kFreeWheels = R"("links": [
 }  // namespace
 
 TEST_CASE("angles count their turns in lanes", "[unit][scene]") {
-  Runs group(wheels_text(kFreeWheels, R"("record": ["A.angle_z", "B.angle_z", "hub.angle_z"])"),
-             "parameters.speed=10:45:8");
+  const std::string pushed = kFreeWheels + R"("forces": [{"name": "push", "type": "applied_torque", "p": "rim",
+    "at": [0,0,0], "direction": "z", "law": {"type": "sine", "amplitude": 0.9, "omega": 2}}],)";  // 20 rad/s^2 sin(2 t)
+  Runs group(wheels_text(pushed, R"("record": ["A.angle_z", "B.angle_z", "hub.angle_z"])"), "parameters.speed=10:45:8");
   INFO(group.unsuited());
   std::vector<Table> histories(8);
   const std::vector<SweepRun> lanes = group.lanes(&histories);
   REQUIRE(lanes.size() == 8);
   for (std::size_t k = 0; k < 8; ++k) {
-    const double speed = 10 + 5.0 * static_cast<double>(k);  // rad/s: up to seven turns from output to output
+    const double speed = 10 + 5.0 * static_cast<double>(k);  // rad/s: up to eight turns from output to output
     REQUIRE(lanes[k].status == "ok");
     REQUIRE(histories[k].n_rows() == 7);
     for (std::size_t i = 0; i < 7; ++i) {
       const double t = histories[k]["t"][i];
-      CHECK(std::abs(histories[k]["A.angle_z"][i] - speed * t) < 1e-7);
-      CHECK(std::abs(histories[k]["B.angle_z"][i] + 2 * speed * t) < 1e-7);
+      const double pushed_by = 10 * t - 5 * std::sin(2 * t);  // more than the mean of two rates tells, by turns
+      CHECK(std::abs(histories[k]["A.angle_z"][i] - speed * t - pushed_by) < 1e-7);
+      CHECK(std::abs(histories[k]["B.angle_z"][i] + 2 * speed * t + pushed_by) < 1e-7);
       CHECK(std::abs(histories[k]["hub.angle_z"][i] + speed * t) < 1e-7);
     }
   }
