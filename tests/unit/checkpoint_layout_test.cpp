@@ -15,6 +15,7 @@
 #include <lockstep/laws.h>
 #include <lockstep/recorder.h>
 #include <lockstep/simulation.h>
+#include "framework/tools/analysis/doubts.h"
 #include "framework/tools/simulation/checkpoint.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
@@ -27,10 +28,10 @@ namespace {
 
 constexpr double kSaved = 0.25, kEnd = 0.5;  // s
 
-/// A run with what checkpoints hold: counted turns, an integrated state, a rope that jerks, an event, rows, an audit.
+/// A run with what checkpoints hold: counted turns, an integrated state, a rope that jerks, an event, rows, and what watches a run.
 struct Kept {
   System system{System::Options{{0, -9.81, 0}}};
-  std::unique_ptr<EnergyAudit> audit;
+  std::vector<std::unique_ptr<Observer>> watches;
   std::unique_ptr<Simulation> run;
 
   explicit Kept(SimulationOptions options) {
@@ -51,8 +52,9 @@ struct Kept {
     options.dynamics.formulation = options.solver.empty() ? Formulation::automatic : Formulation::omega;
     run = std::make_unique<Simulation>(system, options);
     run->record({"rod.angle_z", "energy.balance"});
-    audit = std::make_unique<EnergyAudit>(system);
-    run->add_observer(*audit);
+    watches.push_back(std::make_unique<EnergyAudit>(system));
+    watches.push_back(std::make_unique<Doubts>(true, options.tolerance));
+    for (const auto& watch : watches) run->add_observer(*watch);
     run->add_event({.name = "halt", .at = 5, .stop = true});
   }
 };
