@@ -25,9 +25,10 @@ Wanted wanted_of(const CsvReader& lines, const std::string& name) {
   return {k, one.value == 1 ? "" : unit};
 }
 
-double number_of(const CsvReader& lines, const std::vector<std::string>& cells, const Wanted& w) {
+double number_of(CsvReader& lines, const std::vector<std::string>& cells, const Wanted& w) {
   double value = 0;
   const std::string& cell = cells[w.k];
+  lines.refuse_both_signs(cells, w.k);
   if (!lines.number(cell, value) || !std::isfinite(value))
     lines.refuse("column " + std::to_string(w.k + 1) + ", '" + cell + "' is not a finite number" +
                  (cell.find(',') != std::string::npos && lines.separator() == ','

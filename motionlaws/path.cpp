@@ -2,6 +2,8 @@
 
 #include <lockstep/laws.h>
 
+#include "motionlaws/built_in.h"
+
 namespace lockstep {
 namespace {
 
@@ -26,7 +28,7 @@ PathLaw::PathLaw(const Points& points, const SplineSettings& k, const PathEndVal
 
 TranslationValue PathLaw::at(double t) const {
   TranslationValue r;
-  curve_.at(t, r.x.data(), r.v.data(), r.a.data());
+  as_built_in_law("path", [&] { curve_.at(t, r.x.data(), r.v.data(), r.a.data()); });
   return r;
 }
 

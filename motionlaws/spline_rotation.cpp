@@ -2,8 +2,9 @@
 
 #include <cmath>
 
-#include "framework/mechanism/params/read.h"
 #include <lockstep/laws.h>
+#include "framework/mechanism/params/read.h"
+#include "motionlaws/built_in.h"
 
 namespace lockstep {
 namespace {
@@ -62,7 +63,7 @@ SplineRotation::SplineRotation(const Points& points, const SplineSettings& k) : 
 
 RotationValue SplineRotation::at(double t) const {
   Vec4 r, rd, rdd;
-  curve_.at(t, r.data(), rd.data(), rdd.data());
+  as_built_in_law(kLaw, [&] { curve_.at(t, r.data(), rd.data(), rdd.data()); });
   const auto jet = [&](int k) { return Time(r[k], rd[k], rdd[k]); };
   return rotation_value({jet(0), jet(1), jet(2), jet(3)});
 }

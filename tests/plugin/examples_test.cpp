@@ -14,7 +14,7 @@
 namespace examples_test {
 
 using namespace lockstep;
-using lockstep::testing::contains;
+using lockstep::testing::call, lockstep::testing::Called, lockstep::testing::contains, lockstep::testing::scene_file;
 
 namespace {
 
@@ -75,6 +75,23 @@ TEST_CASE("the plugin drag passes check_force and slows a ball to its terminal s
   };
   CHECK(contains(make({}), "give one of the two"));
   CHECK(contains(make({{"coefficient", -1}}), "must not be negative"));
+}
+
+TEST_CASE("the example of a plugin's force builds, with one of the keys that it wants", "[plugin]") {
+  const Called described = call("describe drag --plugin drag");
+  INFO(described.text);
+  const std::size_t from = described.text.find("{\"name\": \"F\", \"type\": \"drag\"");
+  REQUIRE(from != std::string::npos);
+  const std::string example = described.text.substr(from, described.text.find('\n', from) - from);
+  CHECK(contains(example, "\"coefficient\": 1}"));
+  const std::string scene = scene_file(
+      "drag_example",
+      R"("requires": ["drag"], "bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}}],
+    "forces": [)" +
+          example + R"(], "run": {"until": 1})");
+  const Called checked = call("check '" + scene + "'");
+  INFO(checked.text);
+  CHECK(checked.exit == 0);
 }
 
 TEST_CASE("the plugin adams_bashforth passes check_integrator in every order", "[plugin][check]") {

@@ -249,6 +249,43 @@ TEST_CASE("each kind of failure has its number", "[runner]") {
   CHECK(exit_of("run '" + torn + "'", "cannot hold together") == 6);
 }
 
+TEST_CASE("a run beyond the end of a spline is a scene that is wrong, and says which", "[runner]") {
+  const std::string spline = R"({"type": "spline", "points": [[0, 1], [0.2, 1.1], [0.5, 1.3]]})";
+  const std::string path = R"({"type": "path", "points": [[0, 0,0,0], [0.2, 0.1,0,-0.1], [0.5, 0.3,0,-0.2]]})";
+  const std::string end = "is outside of its range [0, 0.5] s; give points up to there, or set outside to \"hold\"";
+  const auto driven = [&](const std::string& law) {
+    return R"("links": [{)" + kHinge + R"(, "drive": {"axis": "rz", "law": )" + law + "}}], ";
+  };
+  const auto check = [&](const std::string& members, const std::string& whose, const std::string& record = "arm.x") {
+    const std::string scene =
+        scene_file("ends", members + R"("run": {"until": 1, "output": 0.1, "record": [")" + record + "\"]}");
+    const Called r = call("run '" + scene + "'");
+    INFO(r.text);
+    CHECK(r.exit == 3);
+    CHECK(contains(r.text, whose));
+    CHECK(contains(r.text, end));
+    CHECK(contains(r.text, "lockstep: t = 0."));
+  };
+  check(kArm + driven(spline), "s: link 'A' (revolute): the law of drive rz ('spline') threw: law 'spline': t = 0.5");
+  check(kArm + driven(R"({"type": "sum", "laws": [)" + spline + "]}"),
+        "s: link 'A' (revolute): the law of drive rz ('sum') threw: law 'spline': t = 0.5");
+  check(kArm + R"("links": [{)" + kHinge +
+            R"(}], "forces": [{"name": "M", "type": "torque_motor", "p": "arm", "s": "ground",
+    "at": [0,0,0], "torque": )" +
+            spline + "}], ",
+        "s: force 'M' (torque_motor): its law ('spline') threw: law 'spline': t = 0.5");
+  check(kArm + R"("markers": [{"name": "K", "body": "ground", "translation": )" + path + R"(}],
+    "links": [{"name": "A", "type": "spherical", "p": "arm", "s": "K", "at_p": [0,0,0]}], )",
+        "s: link 'A' (spherical): the translation law of marker 'K' ('path') threw: law 'path': t = 0.5");
+  check(R"("gravity": [0,0,-9.81], "bodies": [{"name": "bead", "particle": 0.1}],
+    "links": [{"name": "wire", "type": "point_on_curve", "p": "bead", "s": "ground", "at_s": [0,0,0], "path": )" +
+            path + "}], ",
+        "s: link 'wire' (point_on_curve): law 'path': t = 0.5", "bead.x");
+  check(kArm + R"("markers": [{"name": "K", "body": "ground", "translation": )" + path + R"(}], "links": [{)" + kHinge +
+            "}], ",
+        "s: channel 'K.x': law 'path': t = 0.6", "K.x");
+}
+
 TEST_CASE("a run whose energy is not conserved ends with its own status", "[runner]") {
   const std::string scene = scene_file("coarse", kArm + R"("gravity": [0,-9.81,0], "links": [{)" + kHinge + R"(}],
     "run": {"integrator": "dopri5", "tolerance": 10, "until": 20, "output": 0.1})");

@@ -113,7 +113,7 @@ TEST_CASE("a simulation goes on from a checkpoint to the last bit") {
   }
 }
 
-TEST_CASE("a checkpoint that is damaged, cut or of another format is refused") {
+TEST_CASE("a checkpoint that is damaged, cut or of another layout is refused") {
   const Folder folder;
   Pendulum pendulum;
   Simulation run(pendulum.system, options_with("dopri5"));
@@ -140,8 +140,16 @@ TEST_CASE("a checkpoint that is damaged, cut or of another format is refused") {
   CHECK(says(refusal(whole + "x"), {"is cut or damaged"}));
   CHECK(says(refusal("{\"lockstep\": 1}"), {"is none"}));
   std::string later = whole;
-  later[20] = '2';
-  CHECK(says(refusal(later), {"of another format"}));
+  REQUIRE(later.starts_with("lockstep checkpoint " + std::to_string(kCheckpointLayout) + "\n"));
+  later[20] = static_cast<char>(later[20] + 1);
+  const std::string numbers = "of another layout (" + std::to_string(kCheckpointLayout + 1) + " instead of " +
+                              std::to_string(kCheckpointLayout) + ")";
+  CHECK(says(refusal(later), {numbers.c_str(), "run the scene again from its start"}));
+  std::string first = whole;
+  first[20] = '1';  // which said nothing of the layout
+  CHECK(says(refusal(first), {"of another layout (1 instead of "}));
+  CHECK(says(refusal("lockstep checkpoint "), {"no number of a layout"}));
+  CHECK(says(refusal("lockstep checkpoint 2"), {"no number of a layout"}));
   CHECK(says(message_of<FileError>([&] { run.load(folder / "nowhere"); }), {"cannot be read"}));
 }
 

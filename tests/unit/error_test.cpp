@@ -104,6 +104,32 @@ TEST_CASE("built-in code without a law at fault passes what is no Error, with on
         }) == "t = 1 s: link 'A' (revolute): the law of drive rz threw: no more");
 }
 
+TEST_CASE("what a built-in law refuses stays a ModelError, with link, law and time", "[unit][errors]") {
+  const ModelError end("law 'spline': the end", {.thing = {.kind = "law", .type = "spline", .origin = "built in"}});
+  for (const Thing& whose : {kOurs, Thing{.kind = "link", .name = "A", .type = "revolute"}}) {
+    const auto refused = error_of<ModelError>(
+        {.thing = whose, .t = 1, .fault = "the law of drive rz threw: law 'spline': the end"}, end);
+    CHECK(std::string(refused.what()) ==
+          "t = 1 s: link 'A' (revolute): the law of drive rz threw: law 'spline': the end");
+    CHECK(refused.thing.name == "A");
+    CHECK(refused.t == 1);
+    CHECK(refused.kind() == Error::Kind::model);
+  }
+  // the law is none of those that the link names: a curve asked at another argument than the time
+  CHECK(message_of<ModelError>([&] { throw_in({.thing = kOurs, .t = 1}, end); }) ==
+        "t = 1 s: link 'A' (revolute): law 'spline': the end");
+  // what asks on the way to the host adds nothing
+  CHECK(message_of<ModelError>([&] {
+          in_context([] { return ErrorContext{.thing = {.kind = "observer"}, .t = 2}; },
+                     [&] { throw_in({.thing = kOurs, .t = 1}, end); });
+        }) == "t = 1 s: link 'A' (revolute): law 'spline': the end");
+  // of a plugin, and of a law of the host
+  CHECK(error_of<UserCodeError>({.thing = kPlugins, .t = 1}, end).thing.origin == "weather");
+  CHECK(message_of<UserCodeError>([&] {
+          throw_in({.thing = kOurs, .t = 1, .fault = "the law of drive rz threw: the end"}, ModelError("the end"));
+        }) == "t = 1 s: link 'A' (revolute): the law of drive rz threw: the end");
+}
+
 TEST_CASE("an Error of a plugin is its own in use and keeps its type where it refuses", "[unit][errors]") {
   CHECK(message_of<UserCodeError>([] { throw_in({.thing = kPlugins, .t = 1}, ModelError("no speed")); }) ==
         "t = 1 s: force 'F' (wind of plugin weather) threw: no speed");

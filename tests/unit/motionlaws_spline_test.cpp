@@ -152,6 +152,18 @@ TEST_CASE("spline outside of its points: refused, or held with its jumps", "[uni
                        {"spline", "t = 2.1 s", "[0, 2] s"});
   CHECK_THROWS_WITH(laws::spline(kRough)->at(-0.5), says("spline") && says("t = -0.5 s") && says("[0, 2] s") && says("hold"));
   CHECK(laws::spline(kRough)->at(2.0 + 1e-12).y == Approx(0.3));
+  const auto whose = [](const auto& law) {
+    try {
+      law->at(9);
+    } catch (const ModelError& error) {
+      return error.thing.kind + " " + error.thing.type + " " + error.thing.origin;
+    }
+    return std::string("no error");
+  };
+  CHECK(whose(laws::spline(kRough)) == "law spline built in");
+  CHECK(whose(std::make_shared<const PathLaw>(PathLaw::Points{{0, Vec3(0, 0, 0)}, {1, Vec3(1, 0, 0)}})) ==
+        "law path built in");
+  CHECK(whose(laws::spline_rotation({{0, Quat{}}, {1, Quat{}}})) == "law spline_rotation built in");
   const auto held = laws::spline(kRough, {.outside = SplineOutside::hold});
   CHECK(held->at(7).y == Approx(0.3));
   CHECK(held->at(7).yd == 0);
@@ -221,6 +233,16 @@ TEST_CASE("columns of a CSV file, and errors with file and line", "[unit][motion
                        {path + ":4: column 'y' holds 1,5, with a decimal comma", "line 3", "one decimal sign"});
   write("0,5;1\n1.5;2\n");
   CHECK_THROWS_WITH(read_columns(path, "1", {"2"}), says(path + ":2: column 1 holds 1.5, with a decimal point"));
+  // Of columns that are read: notes and numbers of others may be written otherwise.
+  write("t;y;note;other\n0;0,5;1.2;1.5\n1;1,5;v 2.0;1,5\n2;0;3,4;1.234,5\n");
+  CHECK(read_columns(path, "t", {"y"}).y(1, 0) == 1.5);
+  testing::check_words(testing::message_of<FileError>([&] {
+                         read_columns(path, "t", {"y", "other"});
+                       }),
+                       {path + ":2: column 'other' holds 1.5, with a decimal point", "line 2"});
+  write("t;y;z\n0;0;1.5\n1;0,5;1\n");  // in two columns that are read
+  CHECK_THROWS_WITH(read_columns(path, "t", {"y", "z"}), says(path + ":3: column 'y' holds 0,5") && says("line 2"));
+  CHECK(read_columns(path, "t", {"z"}).y(0, 0) == 1.5);
   write("t;y\n0;1,234.5\n");
   CHECK_THROWS_WITH(read_columns(path, "t", {"y"}), says(path + ":2: column 2, '1,234.5'"));
   write("t,y\n0,1\n0.2,0,02\n");

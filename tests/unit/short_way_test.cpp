@@ -43,15 +43,21 @@ TEST_CASE("A simulation by names is the run that its layers make, to the last bi
 }
 
 TEST_CASE("A simulation with a named solver runs in omega", "[simulation]") {
-  System by_itself = pendulum(), named = pendulum(), told = pendulum();
+  System by_itself = pendulum(), told = pendulum(), turned = pendulum();
   const auto in_joints = [](System& system, SimulationOptions options) {
     Simulation run(system, std::move(options));
     run.run_until(0.1);
     return run.state().coordinates != nullptr;
   };
   CHECK(in_joints(by_itself, {}));
-  CHECK_FALSE(in_joints(named, {.solver = "dense"}));
+  for (const char* solver : {"dense", "schur"}) {
+    System own = pendulum();
+    CAPTURE(solver);
+    CHECK_FALSE(in_joints(own, {.solver = solver}));
+  }
   CHECK(in_joints(told, {.solver = "dense", .dynamics = {.formulation = Formulation::joint, .stabilization = {}}}));
+  Simulation run(turned, {.dynamics = {.formulation = Formulation::quaternion, .stabilization = {}}});
+  CHECK(run.dynamics().solver().name() == "sparse");  // as of a scene: the default needs six velocities per body
 }
 
 TEST_CASE("A simulation assembles its start, or refuses it where that is not wanted", "[simulation]") {

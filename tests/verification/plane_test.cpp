@@ -206,6 +206,16 @@ TEST_CASE("what does not say that it stays in the plane keeps the mechanism in s
   const Vec3 tip(0.5, 0, 0);
   const auto late = laws::sequence({{5, laws::constant(0)}, {5, laws::constant(1)}});  // zero wherever it is evaluated
   CHECK(found([](Rod&) {}));
+  SECTION("laws that end") {  // before the times at which the plane is looked at
+    CHECK(found([](Rod& r) { r.joint.drive(Axis::rz, laws::spline({{0, 0}, {0.005, 0.1}, {0.01, 0.1}})); }));
+    struct Ends final : MotionLaw {
+      LawValue at(double t) const override {
+        if (t > 0.01) throw std::out_of_range("no more");
+        return {};
+      }
+    };
+    CHECK(found([](Rod& r) { r.joint.drive(Axis::rz, std::make_shared<Ends>()); }));
+  }
   SECTION("forces") {
     const auto function = [](const Inputs&, WrenchSum&) {};
     CHECK_FALSE(found([&](Rod& r) {

@@ -103,6 +103,16 @@ Value::Object with_places(const Description& d) {
   return all;
 }
 
+// The keys of a type without a sample. One of a plugin may want one of several keys that each may be left out, as 'drag'
+// a coefficient or an area: the first number among them is shown.
+std::string keys_of_plugin(const Description& d) {
+  if (d.origin == "built in") return "{}";
+  for (const Key& key : d.info.keys)
+    if ((key.form == Form::number || key.form == Form::integer) && !key.required() && key.default_value() == nullptr)
+      return "{\"" + key.name + "\": 1}";
+  return "{}";
+}
+
 }  // namespace
 
 std::string example_keys(const std::string& kind, const std::string& type) {
@@ -123,9 +133,9 @@ std::string example_of(const Description& d) {
     return key.required() && key.name != "name" && key.name != "type";
   });
   if (needs && keys == "{}") return "";
+  const Value own = read_json(keys == "{}" ? keys_of_plugin(d) : keys, "example of " + d.info.name);
   Value::Object all =
       kind == "link" || kind == "force" ? with_places(d) : Value::Object{{"type", Value(d.info.name), {}}};
-  const Value own = read_json(keys, "example of " + d.info.name);
   for (const auto& member : *own.object()) all.push_back(member);
   return write_json_line(Value(std::move(all)));
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <lockstep/error.h>
 #include "framework/dynamics/integrate/speed_of.h"
 
 namespace lockstep {
@@ -59,7 +60,7 @@ void SingularRate::probe_along_forces(Dynamics& dynamics, const State& state) {
   dynamics.rate(off_, behind_);
 }
 
-bool SingularRate::probe(Dynamics& dynamics, const State& state, double delta, double time, StateRate& mean) {
+bool SingularRate::probe(Dynamics& dynamics, const State& state, double delta, double time, StateRate& mean) try {
   for (const double sign : {1.0, -1.0}) {
     off_ = state;
     dynamics.advance(off_, sign * time, state.v);
@@ -73,6 +74,10 @@ bool SingularRate::probe(Dynamics& dynamics, const State& state, double delta, d
   mean.v = 0.5 * (ahead_.v + behind_.v);
   mean.s = 0.5 * (ahead_.s + behind_.s);
   return true;
+} catch (const ModelError&) {  // a law that begins or ends here, a spline
+  return false;
+} catch (const UserCodeError&) {  // the same of a plugin or the host
+  return false;
 }
 
 }  // namespace lockstep

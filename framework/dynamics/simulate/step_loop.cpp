@@ -226,7 +226,10 @@ void StepLoop::make_start() {
 void StepLoop::advance(double limit, double largest) {
   auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause,
          detailed] = *parts_;
-  const auto who = [&] { return parts_->who_slows(dynamics_, state_, report_.steps); };
+  const auto who = [&] {
+    const double tolerance = method_->info().adaptive ? options_.tolerance.relative : HUGE_VAL;
+    return parts_->who_slows(dynamics_, state_, report_.steps, tolerance);
+  };
   const auto with_culprit = [&](auto&& ask) {
     try {
       return ask();

@@ -11,6 +11,8 @@
 #include "framework/dynamics/simulate/detail_observer.h"
 #include "framework/dynamics/simulate/step_loop_parts.h"
 #include "framework/dynamics/simulate/step_rules.h"
+#include "framework/dynamics/tree/joint_tree.h"
+#include "framework/dynamics/tree/slender_bodies.h"
 
 namespace lockstep {
 
@@ -65,15 +67,28 @@ double fastest_rate(Dynamics& dynamics, const State& state) {
   return most;
 }
 
+// Who keeps steps short in joint coordinates whatever the state is; "" for nobody.
+std::string below_rounding(const System& system, const State& state, double tolerance) {
+  const auto* tree = dynamic_cast<const JointTree*>(state.coordinates.get());
+  const std::string body = tree == nullptr ? "" : slender_body(*tree, system, slenderness_at(tolerance));
+  if (body.empty()) return {};
+  return fmt::format(
+      "; the tolerance of {:g} is below what rounding allows in joint coordinates: {}; take the formulation omega, or "
+      "a "
+      "looser tolerance",
+      tolerance, body);
+}
+
 }  // namespace
 
 // Links and forces are compared over ten steps. In a run that is too long for its steps every row changes from step to
 // step: only those that contradict each other are blamed.
-std::string StepLoop::Parts::who_slows(Dynamics& dynamics, const State& state, long n) const {
+std::string StepLoop::Parts::who_slows(Dynamics& dynamics, const State& state, long n, double tolerance) const {
   constexpr long kEnough = 100;       // steps that tell what cuts them
   constexpr double kLongStep = 1e-3;  // of the time in which something turns by a radian, or moves by its size
   const long paced = clock.paced() > 0 ? clock.paced() : Clock::kPaced;
   if (const std::string stops = paced < kEnough ? "" : contacts.who_engaged(paced); !stops.empty()) return "; " + stops;
+  if (const std::string slender = below_rounding(dynamics.system(), state, tolerance); !slender.empty()) return slender;
   std::string words;
   double mean = clock.too_long_by(state.t, n);
   if (!(mean * fastest_rate(dynamics, state) > kLongStep)) mean = 0;  // the steps are short, not the run long

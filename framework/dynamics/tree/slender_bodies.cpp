@@ -13,11 +13,11 @@
 
 namespace lockstep {
 
-std::string slender_body(const JointTree& tree, const System& system) {
-  constexpr double kMost = 1e6;  // m r^2 / J
+std::string slender_body(const JointTree& tree, const System& system, double most) {
   if (tree.planar()) return "";
   const std::vector<TreeNode>& nodes = tree.nodes();
   std::vector<double> m(nodes.size(), 0.0), r2(nodes.size(), 0.0);
+  std::string words;
   for (std::size_t k = nodes.size(); k-- > 0;) {
     const TreeNode& n = nodes[k];
     const Slot& slot = system.slot(n.slot);
@@ -29,13 +29,15 @@ std::string slender_body(const JointTree& tree, const System& system) {
     }
     if (n.turn != TreeTurn::ball || slot.freedoms == Freedoms::particle) continue;
     const double least = Eigen::SelfAdjointEigenSolver<Mat3>(slot.J, Eigen::EigenvaluesOnly).eigenvalues()[0];
-    if (m[k] * r2[k] > kMost * least)
-      return fmt::format(
-          "body '{}' turns about all axes with a least inertia of {} kg m^2, and carries {} kg by arms of "
-          "{} m, of which its turn is a rounding",
-          system.body_of_slot(n.slot).name, text::brief(least), text::brief(m[k]), text::brief(std::sqrt(r2[k])));
+    const double slenderness = m[k] * r2[k] / least;
+    if (!(slenderness > most)) continue;
+    most = slenderness;
+    words = fmt::format(
+        "body '{}' turns about all axes with a least inertia of {} kg m^2, and carries {} kg by arms of "
+        "{} m, of which its turn is a rounding",
+        system.body_of_slot(n.slot).name, text::brief(least), text::brief(m[k]), text::brief(std::sqrt(r2[k])));
   }
-  return "";
+  return words;
 }
 
 }  // namespace lockstep

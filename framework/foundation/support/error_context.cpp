@@ -5,6 +5,14 @@
 #include "framework/foundation/support/thrown.h"
 
 namespace lockstep {
+namespace {
+
+// A built-in law that refuses to be asked there: the end of a spline. It is the model that is wrong, whoever asks.
+bool from_our_law(const Error& error) {
+  return error.kind() == Error::Kind::model && error.thing.kind == "law" && error.thing.origin == "built in";
+}
+
+}  // namespace
 
 void rethrow_in(const ErrorContext& context) {
   const Thing& thing = context.thing;
@@ -22,6 +30,11 @@ void rethrow_in(const ErrorContext& context) {
       const bool its_own = error.kind() != Error::Kind::solve && error.kind() != Error::Kind::assembly;
       if (its_own) error.attribute(thing, foreign ? at_time(context.t) + label : "");
       throw;
+    }
+    if (!foreign && from_our_law(error)) {
+      ModelError refused(context.fault.empty() ? error.what() : context.fault, {.thing = thing, .t = context.t});
+      refused.attribute(thing, at_time(context.t) + context.before + label);
+      std::throw_with_nested(refused);
     }
     if (!foreign && context.fault.empty()) {
       error.attribute(thing, "");

@@ -15,7 +15,9 @@ namespace lockstep {
 /// Methods by name, tolerances and outputs of a simulation.
 struct SimulationOptions {
   std::string integrator = "dopri5";  ///< a name of the registry, with keys where wanted: "dop853:stages=auto"
-  std::string solver = "schur";       ///< the same for the linear solver
+  /// The same for the linear solver. One that is named means the formulation omega, unless `dynamics` names another.
+  /// Empty: as of a scene that names none, schur (with the formulation quaternion sparse), or joint coordinates.
+  std::string solver{};
   double tolerance = 1e-8;            ///< relative error of a step, for integrators that control it
   double absolute_tolerance = 0;      ///< m, m/s, rad, rad/s; 0: a hundredth of `tolerance`
   double step = 0;    ///< s; integrators with fixed steps need one, for the others it is the largest step (0: no limit)

@@ -83,31 +83,28 @@ bool CsvReader::next(std::vector<std::string>& cells) {
   if (!first_.empty()) {
     cells = std::move(first_);
     first_.clear();
-    return refuse_both_signs(cells), true;
+    return true;
   }
   if (!next_line(cells)) return false;
-  if (cells.size() == columns_.size()) return refuse_both_signs(cells), true;
+  if (cells.size() == columns_.size()) return true;
   const bool commas = separator_ == ',' && cells.size() > columns_.size();
   refuse("has " + std::to_string(cells.size()) + " cells, the first line has " + std::to_string(columns_.size()) +
          (commas ? "; if a comma is a decimal one, write a point, or separate cells by semicolons" : ""));
 }
 
-// Numbers with decimal points and others with decimal commas: one of the two may separate thousands.
-void CsvReader::refuse_both_signs(const std::vector<std::string>& cells) {
-  if (separator_ == ',') return;
-  for (std::size_t k = 0; k < cells.size(); ++k) {
-    const bool point = cells[k].find('.') != std::string::npos, comma = cells[k].find(',') != std::string::npos;
-    double ignored = 0;
-    if (point == comma || !number(cells[k], ignored)) continue;
-    const char sign = point ? '.' : ',';
-    if (sign_ == 0) sign_ = sign, sign_line_ = number_;
-    if (sign == sign_) continue;
-    const std::string& name = columns_[k].name;
-    refuse("column " + (name.empty() ? std::to_string(k + 1) : "'" + name + "'") + " holds " + cells[k] +
-           ", with a decimal " + (point ? "point" : "comma") + ", and line " + std::to_string(sign_line_) +
-           " a number with a decimal " + (point ? "comma" : "point") +
-           "; write all numbers of the file with one decimal sign, and no other in them");
-  }
+void CsvReader::refuse_both_signs(const std::vector<std::string>& cells, std::size_t column) {
+  const std::string& cell = cells[column];
+  const bool point = cell.find('.') != std::string::npos, comma = cell.find(',') != std::string::npos;
+  double ignored = 0;
+  if (separator_ == ',' || point == comma || !number(cell, ignored)) return;
+  const char sign = point ? '.' : ',';
+  if (sign_ == 0) sign_ = sign, sign_line_ = number_;
+  if (sign == sign_) return;
+  const std::string& name = columns_[column].name;
+  refuse("column " + (name.empty() ? std::to_string(column + 1) : "'" + name + "'") + " holds " + cell +
+         ", with a decimal " + (point ? "point" : "comma") + ", and line " + std::to_string(sign_line_) +
+         " a number with a decimal " + (point ? "comma" : "point") +
+         "; write all numbers that are read with one decimal sign, and no other in them");
 }
 
 bool CsvReader::number(std::string cell, double& value) const {

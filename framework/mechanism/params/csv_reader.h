@@ -28,6 +28,9 @@ class LOCKSTEP_API CsvReader {
   bool next(std::vector<std::string>& cells);
   /// A cell as a number, its decimal comma a point where commas separate nothing; false if it is none.
   bool number(std::string cell, double& value) const;
+  /// Throws FileError where a cell of this column has a decimal point, and one that was given here before a decimal comma,
+  /// or the other way round: one of the two may separate thousands. For the columns that are read; others may hold both.
+  void refuse_both_signs(const std::vector<std::string>& cells, std::size_t column);
   /// What separates the cells.
   char separator() const { return separator_; }
   /// Throws FileError with file and line.
@@ -36,12 +39,11 @@ class LOCKSTEP_API CsvReader {
  private:
   bool next_line(std::vector<std::string>& cells);
   void read_header();
-  void refuse_both_signs(const std::vector<std::string>& cells);
   std::string path_;
   std::ifstream file_;
   int number_ = 0;
   char separator_ = 0;
-  char sign_ = 0;      // the decimal sign of the first number that has one
+  char sign_ = 0;      // the decimal sign of the first number that has one, of those that are read
   int sign_line_ = 0;  // its line
   std::vector<CsvColumn> columns_;
   std::vector<std::string> first_;  // the first row, where there is no header

@@ -320,7 +320,7 @@ std::optional<ModelError> System::setup_plane() {
     } borrowed{ready_ = true};
     try {
       look = look_in_plane(*this, true);
-    } catch (const ModelError&) {
+    } catch (const Error&) {  // laws of plugins and of the host end, too
       look = look_in_plane(*this, false);
     }
   } catch (const ModelError& error) {  // a link or force that cannot be evaluated in planar poses

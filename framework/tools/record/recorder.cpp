@@ -20,10 +20,7 @@ Recorder::Recorder(System& system, std::vector<Request> requests) {
 Recorder::~Recorder() = default;
 
 void Recorder::add(const std::string& name, const std::string& unit, std::function<double(const Sample&)> value) {
-  if (!value) return add(Channel{name, unit, {}});
-  add(Channel{name, unit, [name, value = std::move(value)](const Sample& s) {
-                return user_code("channel", name, s.state.t, [&] { return value(s); });
-              }});
+  add(Channel{name, unit, std::move(value)});
 }
 
 void Recorder::add(Channel channel) {
@@ -59,7 +56,8 @@ void Recorder::jumped(const Sample& sample) { call(&Channel::jumped, channels_, 
 
 void Recorder::output(const Sample& sample) {
   row_[0] = sample.state.t;
-  for (std::size_t k = 0; k < channels_.size(); ++k) row_[k + 1] = channels_[k].value(sample);
+  for (std::size_t k = 0; k < channels_.size(); ++k)
+    row_[k + 1] = user_code("channel", channels_[k].name, sample.state.t, [&] { return channels_[k].value(sample); });
   table_.add_row(row_);
 }
 

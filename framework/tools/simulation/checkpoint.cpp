@@ -6,6 +6,7 @@
 
 #include <bit>
 #include <cerrno>
+#include <charconv>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -22,8 +23,9 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "checkpoints are written as numbers are in memory");
 
 constexpr std::string_view kMagic = "lockstep checkpoint ";
-constexpr std::string_view kFormat = "1\n";
-constexpr std::size_t kHead = kMagic.size() + kFormat.size() + 8;  // bytes before the numbers
+
+// The first line.
+std::string first_line() { return fmt::format("{}{}\n", kMagic, kCheckpointLayout); }
 
 std::uint64_t number_at(std::string_view bytes, std::size_t at) {
   std::uint64_t n = 0;
@@ -35,6 +37,21 @@ void append(std::string& bytes, std::uint64_t n) { bytes.append(reinterpret_cast
 
 [[noreturn]] void refuse(const std::string& file, const std::string& why) {
   throw FileError(fmt::format("checkpoint '{}' {}", file, why));
+}
+
+// Throws FileError where the first line is none of this layout. Behind kMagic there are a number and the line's end.
+void check_layout(std::string_view bytes, const std::string& file) {
+  if (!bytes.starts_with(kMagic)) refuse(file, "is none: it was not written by lockstep (run --checkpoint)");
+  const std::string_view rest = bytes.substr(kMagic.size());
+  int layout = 0;
+  const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), layout);
+  if (error != std::errc{} || end == rest.data() + rest.size() || *end != '\n')
+    refuse(file, "is cut or damaged: its first line holds no number of a layout; take an older one");
+  if (layout != kCheckpointLayout)
+    refuse(file,
+           fmt::format("is of another layout ({} instead of {}): another version or build of lockstep made it; go "
+                       "on with that one, or run the scene again from its start",
+                       layout, kCheckpointLayout));
 }
 
 // Closes the file, and removes it unless it was finished.
@@ -67,8 +84,9 @@ void write_checkpoint(const std::string& file, const Snapshot& snapshot) {
   all.put_text(kVersion);
   const std::vector<double>&head = all.numbers(), &rest = snapshot.numbers();
   std::string bytes;
-  bytes.reserve(kHead + 8 * (head.size() + rest.size()) + 8);
-  bytes.append(kMagic).append(kFormat);
+  const std::string line = first_line();
+  bytes.reserve(line.size() + 8 * (head.size() + rest.size()) + 16);
+  bytes.append(line);
   append(bytes, head.size() + rest.size());
   for (const std::vector<double>* part : {&head, &rest})
     bytes.append(reinterpret_cast<const char*>(part->data()), 8 * part->size());
@@ -93,17 +111,16 @@ void write_checkpoint(const std::string& file, const Snapshot& snapshot) {
 }
 
 Snapshot checkpoint_from(std::string_view bytes, const std::string& file) {
-  if (!bytes.starts_with(kMagic)) refuse(file, "is none: it was not written by lockstep (run --checkpoint)");
-  if (!bytes.substr(kMagic.size()).starts_with(kFormat))
-    refuse(file, "is of another format than this lockstep reads (1); run it by the version that wrote it");
-  const std::uint64_t n = bytes.size() < kHead + 8 ? 0 : number_at(bytes, kHead - 8);
-  if (bytes.size() < kHead + 8 || (bytes.size() - kHead - 8) / 8 != n || (bytes.size() - kHead) % 8 != 0)
+  check_layout(bytes, file);
+  const std::size_t head = first_line().size() + 8;  // bytes before the numbers
+  const std::uint64_t n = bytes.size() < head + 8 ? 0 : number_at(bytes, head - 8);
+  if (bytes.size() < head + 8 || (bytes.size() - head - 8) / 8 != n || (bytes.size() - head) % 8 != 0)
     refuse(file, fmt::format("is cut or damaged: {} bytes do not hold what its beginning says; take an older one",
                              bytes.size()));
   if (hash_of(bytes.substr(0, bytes.size() - 8)) != number_at(bytes, bytes.size() - 8))
     refuse(file, "is damaged: its content does not fit its hash; take an older one");
   std::vector<double> numbers(n);
-  if (n > 0) std::memcpy(numbers.data(), bytes.data() + kHead, 8 * n);
+  if (n > 0) std::memcpy(numbers.data(), bytes.data() + head, 8 * n);
   Snapshot snapshot;
   snapshot.assign(std::move(numbers));
   if (const std::string version = snapshot.get_text(); version != kVersion)

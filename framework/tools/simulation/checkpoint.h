@@ -1,7 +1,9 @@
 // Checkpoints as files.
 //
-//   "lockstep checkpoint 1\n", the length n, n numbers as they are in memory, a hash of all of it
+//   "lockstep checkpoint 2\n", the length n, n numbers as they are in memory, a hash of all of it
 //
+// The number in the first line is that of the layout: which numbers follow one another, down to those of integrators,
+// solvers and observers. Whoever changes what one of them saves gives the layout another number.
 // The first numbers are the version of lockstep as a text. Numbers are little-endian IEEE doubles, lengths and the hash
 // unsigned 64-bit numbers. The hash (FNV-1a) tells any changed byte.
 #pragma once
@@ -15,6 +17,9 @@
 
 namespace lockstep {
 
+/// The number of the layout that is written and read. A test holds kept checkpoints against it.
+inline constexpr int kCheckpointLayout = 2;
+
 /// FNV-1a, 64 bits, byte by byte; `hash`: of what came before.
 LOCKSTEP_API std::uint64_t hash_of(std::string_view bytes, std::uint64_t hash = 0xcbf29ce484222325u);
 
@@ -22,7 +27,7 @@ LOCKSTEP_API std::uint64_t hash_of(std::string_view bytes, std::uint64_t hash = 
 LOCKSTEP_API void check_replaceable(const std::string& file);
 /// Writes a checkpoint to FILE.partial, which replaces FILE when it is whole and on the disk. Throws FileError.
 LOCKSTEP_API void write_checkpoint(const std::string& file, const Snapshot&);
-/// Reads a checkpoint. Throws FileError: there is none, it is cut or damaged, or of another version.
+/// Reads a checkpoint. Throws FileError: there is none, it is cut or damaged, of another layout or version.
 LOCKSTEP_API Snapshot read_checkpoint(const std::string& file);
 /// The same of the bytes of a file. `file`: its name in messages.
 LOCKSTEP_API Snapshot checkpoint_from(std::string_view bytes, const std::string& file);

@@ -9,6 +9,16 @@
 
 namespace lockstep {
 
+namespace {
+
+// The solver that is taken: the default needs six velocities per body.
+std::string solver_of(const SimulationOptions& options) {
+  if (!options.solver.empty()) return options.solver;
+  return options.dynamics.formulation == Formulation::quaternion ? "sparse" : "schur";
+}
+
+}  // namespace
+
 Simulation::Simulation(System& system, SimulationOptions options, const Registry& registry)
     : system_(system), options_(std::move(options)), recorder_(system) {
   if (!(options_.tolerance > 0) || !(options_.absolute_tolerance >= 0))
@@ -21,7 +31,8 @@ Simulation::Simulation(System& system, SimulationOptions options, const Registry
   if (!integrator_->info().adaptive && !(options_.step > 0))
     throw ModelError("simulation: integrator \"" + method.type +
                      "\" takes fixed steps and no step is given; set .step, for instance .step = 1e-3");
-  solver_ = make_solver(read_method_spec(options_.solver, types_of(registry.solvers)), registry, "simulation.solver");
+  solver_ =
+      make_solver(read_method_spec(solver_of(options_), types_of(registry.solvers)), registry, "simulation.solver");
 }
 
 Simulation::~Simulation() = default;
@@ -40,8 +51,7 @@ const Table& Simulation::record(std::vector<Request> requests) {
 void Simulation::begin() {
   if (loop_) return;
   DynamicsOptions taken = options_.dynamics;
-  const bool solver_named = options_.solver != SimulationOptions{}.solver;
-  if (solver_named && taken.formulation == Formulation::automatic) taken.formulation = Formulation::omega;
+  if (!options_.solver.empty() && taken.formulation == Formulation::automatic) taken.formulation = Formulation::omega;
   dynamics_ = std::make_unique<Dynamics>(system_, std::move(solver_), taken);
   StepLoopOptions loop;
   loop.step = options_.step;
@@ -86,7 +96,7 @@ Dynamics& Simulation::dynamics() {
 // What a checkpoint of another simulation would differ in, beside what the loop compares itself.
 std::string Simulation::fingerprint() const {
   return fmt::format("integrator {}, solver {}, tolerance {:a} {:a}, step {:a}, output {:a}", options_.integrator,
-                     options_.solver, tolerance_.relative, tolerance_.atol_x, options_.step, options_.output);
+                     solver_of(options_), tolerance_.relative, tolerance_.atol_x, options_.step, options_.output);
 }
 
 void Simulation::save(const std::string& file) {

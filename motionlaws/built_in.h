@@ -1,0 +1,15 @@
+// Private to the room: laws that refuse to be asked say whose they are.
+#pragma once
+
+#include <lockstep/error.h>
+
+namespace lockstep {
+
+/// Calls `act`; an Error that it throws has the law of this type, built in, as its thing. So a run that goes beyond the
+/// end of a spline is told from what the code of users throws. Costs nothing unless something is thrown.
+template <class Act>
+void as_built_in_law(const char* type, Act&& act) {
+  in_context([&] { return ErrorContext{.thing = {.kind = "law", .type = type, .origin = "built in"}}; }, act);
+}
+
+}  // namespace lockstep
