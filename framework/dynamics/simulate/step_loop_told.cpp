@@ -74,8 +74,7 @@ std::string below_rounding(const System& system, const State& state, double tole
   if (body.empty()) return {};
   return fmt::format(
       "; the tolerance of {:g} is below what rounding allows in joint coordinates: {}; take the formulation omega, or "
-      "a "
-      "looser tolerance",
+      "a looser tolerance",
       tolerance, body);
 }
 

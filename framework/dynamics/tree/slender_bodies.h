@@ -9,9 +9,9 @@ class JointTree;
 class System;
 
 /// A body that turns freely about all axes, and carries by arms up to r a mass m on its least principal inertia J, in a
-/// tree in space: "" where m r^2 <= `most` J for all of them, else the one with the most m r^2 / J. Its turn about that axis comes out of sums
-/// whose terms are as large as m r^2, with a relative error of 1e-16 m r^2 / J, which at tight tolerances no step brings
-/// below the tolerance; omega finds it from the body's own inertia.
+/// tree in space: "" where m r^2 <= `most` J for all of them, else the one with the most m r^2 / J. Its turn about that
+/// axis comes out of sums whose terms are as large as m r^2, with a relative error of 1e-16 m r^2 / J, which at tight
+/// tolerances no step brings below the tolerance; omega finds it from the body's own inertia.
 std::string slender_body(const JointTree&, const System&, double most = 1e6);
 
 /// The m r^2 / J from which on steps grow short by it at this relative tolerance: a chain of four rods on balls took 2 to

@@ -201,6 +201,8 @@ struct ErrorContext {
 /// - Any other Error that is a refusal is rethrown with the thing in its data, and with the label in front of its
 ///   sentence when the thing is a plugin's. SolveError and AssemblyError are about the mechanism: they are rethrown as
 ///   they are.
+/// - A ModelError that a built-in law put its name to, as a spline that is asked beyond its end, stays one, with thing, law
+///   and time, unless the thing is a plugin's.
 /// - Any other Error of a thing that no plugin brought and whose laws are sound is rethrown with the thing in its data.
 /// - Everything else (an int as well) becomes a UserCodeError with thing and time, and the original nested in it. Only
 ///   what built-in code throws that is not an Error (std::bad_alloc) is rethrown as it is, when its laws are sound.
