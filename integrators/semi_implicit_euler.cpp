@@ -8,7 +8,7 @@ TypeInfo SemiImplicitEuler::type_info() {
       "semi_implicit_euler", "velocities first, then positions; order 1, fixed step: games, real time, comparison", {}};
 }
 
-IntegratorInfo SemiImplicitEuler::info() const { return {"semi_implicit_euler", 1, false, false, 1}; }
+IntegratorInfo SemiImplicitEuler::info() const { return {"semi_implicit_euler", 1, false, false, 1, true}; }
 
 void SemiImplicitEuler::begin(Dynamics& dynamics, const State& state) {
   AdaptiveStepper::begin(dynamics, state);
@@ -16,7 +16,7 @@ void SemiImplicitEuler::begin(Dynamics& dynamics, const State& state) {
 }
 
 double SemiImplicitEuler::start_step(Dynamics& dynamics, double h) {
-  dynamics.rate(start_, rate_);
+  dynamics.rates(start_, rate_);
   return h;
 }
 
