@@ -144,4 +144,8 @@ class LOCKSTEP_API JointTree final : public Coordinates {
   bool has_laws_ = false, has_rows_ = false, may_be_redundant_ = false;
 };
 
+/// Takes whole turns off an angle of more than 1000, which is known to 1e-12 rad only: twice a whole number of them, which
+/// leaves the sign of quaternions. Returns whether there were so many.
+LOCKSTEP_API bool shed_turns(double& angle);
+
 }  // namespace lockstep

@@ -100,19 +100,19 @@ void JointTree::normalize(State& y) const {
     if (node.turn == TreeTurn::ball) y.q.segment<4>(node.first_q + node.n_slides).normalize();
 }
 
-// An angle of 1000 turns is known to 1e-12 rad. Twice a whole number of turns leaves the sign of quaternions.
-bool JointTree::take_off_turns(State& y) const {
+bool shed_turns(double& angle) {
   constexpr double kMost = 1000 * kTwoPi, kTwoTurns = 2 * kTwoPi,
                    kLow = 4.8985871965894128e-16;  // 4 pi less kTwoTurns
+  if (!(std::abs(angle) > kMost)) return false;
+  const double n = std::round(angle / kTwoTurns);
+  angle = std::fma(-n, kTwoTurns, angle) - n * kLow;
+  return true;
+}
+
+bool JointTree::take_off_turns(State& y) const {
   bool any = false;
-  for (const TreeNode& node : nodes_) {
-    if (node.turn != TreeTurn::hinge) continue;
-    double& angle = y.q[node.first_q + node.n_slides];
-    if (!(std::abs(angle) > kMost)) continue;
-    const double n = std::round(angle / kTwoTurns);
-    angle = std::fma(-n, kTwoTurns, angle) - n * kLow;
-    any = true;
-  }
+  for (const TreeNode& node : nodes_)
+    if (node.turn == TreeTurn::hinge && shed_turns(y.q[node.first_q + node.n_slides])) any = true;
   return any;
 }
 

@@ -74,6 +74,8 @@ class LOCKSTEP_API Batch {
   virtual void weigh(const double*, std::array<Change, kLanes>&) {}
   /// The step of a copy that change_to() saw last is accepted.
   virtual void accept(int) {}
+  /// Takes whole turns off the angles of a copy in the states y, as Coordinates::take_off_turns does.
+  virtual void take_off_turns(int, double*) const {}
   /// Angular velocity of the slot of a copy that turns fastest, at the start of the step y, rad/s.
   virtual double fastest_turn(int lane, const double* y) const = 0;
   /// Whether links count turns; whether a step of a copy outruns them, as Dynamics::miscounts has it.

@@ -102,6 +102,7 @@ void run_alone(System& system, int copy, State state, OutputSchedule schedule, d
       const bool lands = schedule.lands(state.t, asked);
       const StepReport step = integrator->step(dynamics, state, asked);
       dynamics.accept(state);
+      if (state.coordinates) state.coordinates->take_off_turns(state);
       ++report.steps, report.rejected += step.rejected;
       if (step.h_next > 0) h = advised_after(h, asked, step.h, step.h_next);
       report.t = state.t;

@@ -401,6 +401,7 @@ void LaneRun::accept(int lane, double error) {
   if (batch_.watches())
     the.singular.add(std::min(the.first.smallest, the.stages.smallest), h_[l] * batch_.fastest_turn(lane, y_.data()));
   for (std::size_t i = l; i < y_.size(); i += kL) y_[i] = end_[i];
+  batch_.take_off_turns(lane, y_.data());
   batch_.accept(lane);
   first_done_ = false;
   t_[l] += h_[l];

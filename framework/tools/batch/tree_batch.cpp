@@ -241,6 +241,12 @@ bool TreeBatch::miscounts(int lane, const State& from, const State& to) const {
   return tree(lane).miscounts(from, to) >= 0;
 }
 
+void TreeBatch::take_off_turns(int lane, double* y) const {
+  for (const TreeNode& node : tree(lane).nodes())
+    if (node.turn == TreeTurn::hinge)
+      shed_turns(y[kL * static_cast<std::size_t>(node.first_q + node.n_slides) + static_cast<std::size_t>(lane)]);
+}
+
 double TreeBatch::largest_a(std::size_t lane) const { return std::sqrt(largest_[lane]); }
 double TreeBatch::largest_alpha(std::size_t lane) const { return std::sqrt(largest_[kL + lane]); }
 

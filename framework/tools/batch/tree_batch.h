@@ -21,6 +21,7 @@ class LOCKSTEP_API TreeBatch final : public Batch {
   double largest_a(std::size_t lane) const override;
   double largest_alpha(std::size_t lane) const override;
   bool weighs_errors() const override { return n_controlled_ == 0; }
+  void take_off_turns(int lane, double* y) const override;
   void start_from(const double* y, const Numbers8& t) override;
   Flags8 change_to(const double* y, const Numbers8& t, const Numbers8& h, std::array<Change, kLanes>& out) override;
   void weigh(const double* error, std::array<Change, kLanes>& out) override;
