@@ -22,7 +22,7 @@ void ClosureRows::begin(ClosureFronts fronts, double length) {
   V_.assign(static_cast<std::size_t>(fronts_.n_V), 0.0);
   l_.assign(fronts_.rows.size(), 0.0);
   const auto n = static_cast<Eigen::Index>(fronts_.sources.size());
-  for (VecX* v : {&c_, &E_, &diagonal_, &scale_, &d_, &d_1_, &lambda_, &r_, &size_, &dlambda_}) v->setZero(n);
+  for (VecX* v : {&c_, &E_, &diagonal_, &scale_, &d_, &lambda_, &r_, &size_, &dlambda_}) v->setZero(n);
   watch_.begin(static_cast<int>(n));
 }
 

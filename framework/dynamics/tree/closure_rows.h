@@ -58,7 +58,7 @@ class LOCKSTEP_API ClosureRows {
 
   ClosureFronts fronts_;
   std::vector<double> Lambda_, V_, l_;                     // l by place
-  VecX c_, E_, diagonal_, scale_, d_, d_1_, lambda_, r_, size_;  // by row; scale_: s_j, d_1_: 1 / d_
+  VecX c_, E_, diagonal_, scale_, d_, lambda_, r_, size_;  // by row; scale_: s_j
   VecX dlambda_, du_;                                      // of a correction: by row, by coordinate
   bool floors_known_ = false;
   int n_small_ = 0;  // pivots of the last elimination that got a proximal term
@@ -78,7 +78,7 @@ LOCKSTEP_INLINE double ClosureRows::multiplier(const ClosureFront& front, int j,
                                                const VecX& lambda) const {
   const double* at = Lambda(front, j);
   for (int i = 0; i < j; ++i) with -= at[i] * lambda[row_of(front, i)];
-  return with * d_1_[row_of(front, j)];
+  return with / d_[row_of(front, j)];
 }
 
 }  // namespace lockstep

@@ -178,7 +178,7 @@ LOCKSTEP_INLINE void LoopClosures<Wrench, Twist>::eliminate(const ClosureFront& 
   const double* at = Lambda(front, j);
   const bool small = at[j] < kSmallPivot * scale_[row];
   const double d = small ? std::max(at[j], 0.0) + E_[row] : at[j], d_1 = 1.0 / d;  // rounding may leave less than zero
-  d_[row] = d, d_1_[row] = d_1, n_small_ += small ? 1 : 0;
+  d_[row] = d, n_small_ += small ? 1 : 0;
   for (int i = 0; i < j; ++i) {
     const double x = at[i] * d_1;
     if constexpr (!kAtGround) K[i] -= x * K[j];
@@ -195,7 +195,7 @@ LOCKSTEP_INLINE void LoopClosures<Wrench, Twist>::close(std::size_t k, Inertia& 
   for (int j = front.n - 1; j >= front.n_open; --j) {
     eliminate<false>(front, j);
     const auto place = static_cast<std::size_t>(front.first + j);
-    IA.add_row(K_[place], l_[place], d_1_[row_of(front, j)]);
+    IA.add_row(K_[place], l_[place], 1.0 / d_[row_of(front, j)]);
   }
 }
 
@@ -289,7 +289,7 @@ LOCKSTEP_INLINE void LoopClosures<Wrench, Twist>::close_again(const ClosureFront
   double* l = l_.data() + front.first;
   for (int j = front.n - 1; j >= front.n_open; --j) {
     const double* at = Lambda(front, j);
-    const double x = l[j] * d_1_[row_of(front, j)];
+    const double x = l[j] / d_[row_of(front, j)];
     if (p) *p += x * K_[static_cast<std::size_t>(front.first + j)];
     for (int i = 0; i < j; ++i) l[i] -= at[i] * x;
   }

@@ -26,7 +26,6 @@ PlanarBodies::PlanarBodies(const JointTree& tree, const System& system, bool) {
     Node& b = nodes_[k + 1];
     b.normal = posture != nullptr ? posture->normal : Vec3(Vec3::Unit(tree.planar()->plane().n));
     b.m = slot.mass, b.J = b.normal.dot(slot.J * b.normal);
-    b.m_1 = 1.0 / b.m, b.J_1 = b.J > 0 ? 1.0 / b.J : 0.0;  // a particle has no turn
     static_cast<InwardPlace&>(b) = places[k];
   }
   waiting_.assign(n_waiting, Inertia());
@@ -218,7 +217,8 @@ LOCKSTEP_INLINE FlatWrench PlanarBodies::read_side(const RowView& rows, int i, i
     const std::array<double, 6> all = rows.J(i, k);
     J = {all[plane_i_], all[plane_j_], b.normal.dot(Vec3(all[3], all[4], all[5]))};
   }
-  diagonal += (J[0] * J[0] + J[1] * J[1]) * b.m_1 + J[2] * J[2] * b.J_1;
+  diagonal += (J[0] * J[0] + J[1] * J[1]) / b.m;
+  if (b.J > 0) diagonal += J[2] * J[2] / b.J;  // else a particle
   return {{J[0], J[1]}, J[2]};
 }
 

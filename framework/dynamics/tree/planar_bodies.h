@@ -56,8 +56,7 @@ class LOCKSTEP_API PlanarBodies {
         u = 0, gs = 0, D_1 = 0;
     FlatTwist found;             // of the joint's point
     Flat centre;                 // acceleration of the mass centre
-    double m = 0, J = 0,         // mass of the slot alone, inertia about its mass centre
-        m_1 = 0, J_1 = 0;        // their inverses
+    double m = 0, J = 0;         // mass of the slot alone, inertia about its mass centre
     Vec3 normal = Vec3::Zero();  // in slot axes
   };
   // A translation: direction l, U = IA l.
