@@ -13,6 +13,7 @@
 #include "framework/dynamics/simulate/consistency.h"
 #include "framework/dynamics/simulate/coordinate_row.h"
 #include "framework/dynamics/simulate/nearest_start.h"
+#include "framework/dynamics/simulate/start_turns.h"
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
@@ -44,6 +45,13 @@ double round_off(const State& state, double length) {
   return 1e-14 * length + 8 * std::numeric_limits<double>::epsilon() * x_max;
 }
 
+// The share of a step that turns no body by more than a quarter turn.
+double short_share(int n_slots, const VecX& d) {
+  double most = 0;
+  for (int k = 0; k < n_slots; ++k) most = std::max(most, d.segment<3>(6 * k + 3).norm());
+  return most > 0.5 * kPi ? 0.5 * kPi / most : 1.0;
+}
+
 constexpr double kVelocityLimit = 1e-6;  // m/s, residual |Jh v + Ct|: more is a contradiction, not round-off
 
 class Assembler {
@@ -51,7 +59,8 @@ class Assembler {
   Assembler(Dynamics& dynamics, State& state, const AssemblyOptions& options)
       : dynamics_(dynamics), state_(state), options_(options), n_(dynamics.system().n_slots()) {}
 
-  void positions(AssemblyReport& report) {
+  /// `follows`: what counts turns follows the iterations; `short_steps`: no step turns a body by more than a quarter turn.
+  void positions(AssemblyReport& report, bool follows, bool short_steps) {
     dynamics_.normalize(state_);
     const VecX zero = VecX::Zero(6 * n_);
     VecX d, lambda;
@@ -66,7 +75,7 @@ class Assembler {
       dynamics_.factor(*now_).solve(*now_, zero, c, d, lambda);
       const State from = state_;
       double next = 0;
-      for (double share = 1.0;; share *= 0.5) {
+      for (double share = short_steps ? short_share(n_, d) : 1.0;; share *= 0.5) {
         state_ = from;
         cayley_move(state_, n_, share, d);
         next = residual();
@@ -80,6 +89,7 @@ class Assembler {
         break;
       }
       now = next;
+      if (follows) follow_turns(dynamics_, state_), now = residual();
     }
     residual();
     report.after = start_distance(*now_, C_);
@@ -303,12 +313,37 @@ LOCKSTEP_API std::string AssemblyReport::text() const {
 
 namespace {
 
-void find_positions(Dynamics& dynamics, State& work, const AssemblyOptions& options, Assembler& assembler,
-                    AssemblyReport& report) {
+void find_positions_from(Dynamics& dynamics, State& work, const AssemblyOptions& options, Assembler& assembler,
+                         AssemblyReport& report, bool follows, bool short_steps) {
   const double before = options.coordinates.empty() && options.poses.empty() ? -1 : dynamics.violation(work);
-  const int rounds = before < 0 ? 0 : nearest_start(dynamics, work, options);
-  assembler.positions(report);
+  const int rounds = before < 0 ? 0 : nearest_start(dynamics, work, options, follows);
+  assembler.positions(report, follows, short_steps);
   if (before >= 0) report.before = before, report.iterations += rounds;
+}
+
+/// Once more where drives begin more than a quarter turn away and Newton's method was lost: with the bodies of open chains
+/// turned there, by shorter steps. Returns whether what counts turns is led.
+bool find_positions(Dynamics& dynamics, State& work, const AssemblyOptions& options, Assembler& assembler,
+                    AssemblyReport& report) {
+  const bool led = begin_turns(dynamics, work, options),
+             follows = led || (!options.coordinates.empty() && has_counting_links(dynamics.system()));
+  const State given = work;
+  try {
+    find_positions_from(dynamics, work, options, assembler, report, follows, false);
+    return follows;
+  } catch (const AssemblyError& error) {
+    work = given;
+    const std::string drive = farthest_drive(dynamics, work);
+    if (!turn_to_drives(dynamics, work)) throw;
+    const double before = report.before;
+    try {
+      find_positions_from(dynamics, work, options, assembler, report, follows, true);
+    } catch (const AssemblyError&) {
+      throw AssemblyError(error.what() + drive);
+    }
+    report.before = before;
+  }
+  return follows;
 }
 
 }  // namespace
@@ -328,9 +363,10 @@ AssemblyReport assemble(Dynamics& dynamics, State& state, const std::vector<Velo
   dynamics.system().check_size(state);
   State work = state;
   Assembler assembler(dynamics, work, options);
-  find_positions(dynamics, work, options, assembler, report);
+  const bool follows = find_positions(dynamics, work, options, assembler, report);
   report.kinetic_before = kinetic_energy(dynamics, work);
   assembler.velocities(targets, report);
+  if (follows) follow_turns(dynamics, work);  // with the rates of the start
   report.kinetic_after = kinetic_energy(dynamics, work);
   measure_move(dynamics.system(), state, work, report);
   add_warnings(dynamics, state, work, options, report);

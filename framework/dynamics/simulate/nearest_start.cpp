@@ -10,24 +10,27 @@
 #include <lockstep/relative.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/simulate/coordinate_row.h"
+#include "framework/dynamics/simulate/start_turns.h"
 
 namespace lockstep {
 
 namespace {
 
 constexpr int kMostUnknowns = 1500;  // a dense decomposition of them takes a second
+constexpr int kMostShort = 2000;     // steps that are cut to a quarter turn, beside the rounds
 
 // An angle as the nearest to zero.
 double wrapped(double angle) { return std::remainder(angle, kTwoPi); }
 
 class NearestStart {
  public:
-  NearestStart(Dynamics& dynamics, State& state, const AssemblyOptions& options)
+  NearestStart(Dynamics& dynamics, State& state, const AssemblyOptions& options, bool follows)
       : dynamics_(dynamics),
         system_(dynamics.system()),
         state_(state),
         given_(state),
         options_(options),
+        follows_(follows),
         n_(6 * system_.n_slots()),
         length_(system_.length()) {
     if (n_ > kMostUnknowns)
@@ -172,9 +175,9 @@ class NearestStart {
   int restore(bool from_afar) {
     linearise();
     const double goal = std::max(options_.tolerance, 1e-13 * length_);
-    int round = 0;
+    int round = 0, cut = 0;
     for (; off() > goal; ++round) {
-      if (round == options_.iterations) stop(round);
+      if (round - cut == options_.iterations) stop(round);
       VecX easy(n_);  // root of how easily each unknown moves
       for (int i = 0; i < n_; ++i) {
         const double w = weights_[i / 6];
@@ -184,7 +187,9 @@ class NearestStart {
       const VecX d = easy.asDiagonal() * Eigen::CompleteOrthogonalDecomposition<MatX>(rows).solve(-c_);
       const State from = state_;
       const double now = off();
-      for (double share = 1;; share *= 0.5) {
+      const double whole = follows_ ? short_share(d) : 1.0;
+      if (whole < 1 && cut < kMostShort) ++cut;
+      for (double share = whole;; share *= 0.5) {
         state_ = from;
         move(share, d);
         linearise();
@@ -198,8 +203,16 @@ class NearestStart {
         }
         if (!from_afar || ++stalls_ > 5) stop(round);
       }
+      if (follows_) follow_turns(dynamics_, state_), linearise();
     }
     return round;
+  }
+
+  // The share of a step that turns no body by more than a quarter turn.
+  double short_share(const VecX& d) const {
+    double most = 0;
+    for (int k = 0; k < system_.n_slots(); ++k) most = std::max(most, d.segment<3>(6 * k + 3).norm() / length_);
+    return most > 0.5 * kPi ? 0.5 * kPi / most : 1.0;
   }
 
   void move(double share, const VecX& d) {
@@ -238,6 +251,7 @@ class NearestStart {
   State& state_;
   const State given_;
   const AssemblyOptions& options_;
+  const bool follows_;
   int n_;
   double length_;
   VecX weights_, freedom_;
@@ -250,8 +264,8 @@ class NearestStart {
 
 }  // namespace
 
-int nearest_start(Dynamics& dynamics, State& state, const AssemblyOptions& options) {
-  return NearestStart(dynamics, state, options).run();
+int nearest_start(Dynamics& dynamics, State& state, const AssemblyOptions& options, bool follows) {
+  return NearestStart(dynamics, state, options, follows).run();
 }
 
 }  // namespace lockstep

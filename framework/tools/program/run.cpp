@@ -288,6 +288,8 @@ class ProgramRun {
       if (assembled.largest_move > 1e-6)
         for (const std::string& text : frames_taken(loaded_.scene))
           words_.say("  taken      {}, as no place is given\n", text);
+    } else {
+      begin_turns(dynamics_, start, {});
     }
     tell_near(start);
     if (args_.quiet) return start;

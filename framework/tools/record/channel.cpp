@@ -10,6 +10,7 @@
 #include <lockstep/text.h>
 #include "framework/tools/record/channel_entry.h"
 #include "framework/tools/record/quadrature.h"
+#include "framework/tools/record/start_of_angle.h"
 #include "framework/tools/record/turn_counter.h"
 
 namespace lockstep {
@@ -49,7 +50,15 @@ class Turns {
   }
   void restart() { counter.restart(), is_told_ = false; }
 
+  /// Before the first value: the branch of the start is near `asked`, else near `about`.
+  void begin(const std::function<double(const Sample&)>& about, const Sample& s) {
+    if (counter.has_begun()) return;
+    const double angle = asked ? *asked : about ? about(s) : 0.0;
+    counter.begin_about(std::isfinite(angle) ? angle : 0.0);
+  }
+
   TurnCounter counter;
+  std::optional<double> asked;
 
  private:
   bool is_led(const RawAngle& a, double t) const { return leads(a, counter.since(t)); }
@@ -66,15 +75,32 @@ class Turns {
   bool is_told_ = false;
 };
 
+/// Channel::restart of an angle, by which its turns are found.
+struct Restart {
+  std::shared_ptr<Turns> turns;
+  void operator()() const { turns->restart(); }
+};
+
 }  // namespace
 
-void add_angle(Entries& out, std::string name, std::string help, std::function<RawAngle(const Sample&)> raw) {
-  const auto make = [raw = std::move(raw)](System&, Channel& c) {
+void begin_about(Channel& channel, double angle) {
+  if (const Restart* of = channel.restart.target<Restart>()) of->turns->asked = angle;
+}
+
+void add_angle(Entries& out, std::string name, std::string help, std::function<RawAngle(const Sample&)> raw,
+               std::function<double(const Sample&)> about) {
+  const auto make = [raw = std::move(raw), about = std::move(about)](System&, Channel& c) {
     const auto turns = std::make_shared<Turns>();
-    c.value = [raw, turns](const Sample& s) { return turns->at(raw(s), s.state.t); };
-    c.track = [raw, turns, channel = c.name](const Sample& s) { turns->accept(raw(s), s.state.t, channel); };
+    c.value = [raw, about, turns](const Sample& s) {
+      turns->begin(about, s);
+      return turns->at(raw(s), s.state.t);
+    };
+    c.track = [raw, about, turns, channel = c.name](const Sample& s) {
+      turns->begin(about, s);
+      turns->accept(raw(s), s.state.t, channel);
+    };
     c.jumped = c.track;
-    c.restart = [turns] { turns->restart(); };
+    c.restart = Restart{turns};
     c.save = [turns](Snapshot& to) { turns->counter.save(to); };
     c.load = [turns](const Snapshot& in) { turns->counter.load(in); };
   };

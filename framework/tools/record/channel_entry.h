@@ -32,8 +32,10 @@ struct RawAngle {
   double angle = 0, rate = 0;
   double clear = 1;  ///< that part's length squared: where it is 0 the angle is undefined
 };
-/// An angle counted past full turns; where the count is in doubt, a warning says so, once.
-void add_angle(Entries&, std::string name, std::string help, std::function<RawAngle(const Sample&)> raw);
+/// An angle counted past full turns; where the count is in doubt, a warning says so, once. It begins on the branch nearest
+/// to `about`, rad, at the start; without one, or where that is not finite, within half a turn of zero.
+void add_angle(Entries&, std::string name, std::string help, std::function<RawAngle(const Sample&)> raw,
+               std::function<double(const Sample&)> about = {});
 /// The time integral of `rate` along the motion: the system's quadrature `id`, which all channels of that id share.
 void add_integral(Entries&, std::string name, std::string unit, std::string help, std::string id,
                   std::function<double(const Evaluated&)> rate, bool of_reactions = false);

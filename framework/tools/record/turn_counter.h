@@ -13,10 +13,14 @@ namespace lockstep {
 /// extrapolation by the rates. A step may make several turns; the extrapolation must be within half a turn.
 class TurnCounter {
  public:
-  /// The angle at time t, from any branch `raw` (rad) and its rate (rad/s). Before the first accept: in (-pi, pi].
+  /// The angle at time t, from any branch `raw` (rad) and its rate (rad/s). Before the first accept: in (-pi, pi], or that
+  /// far from where it begins about.
   double at(double raw, double t, double rate) const {
-    return begun_ ? raw + kTwoPi * std::round((expected(t, rate) - raw) / kTwoPi) : principal(raw);
+    return begun_ ? raw + kTwoPi * std::round((expected(t, rate) - raw) / kTwoPi) : about_ + principal(raw - about_);
   }
+  /// Where the next start is near, rad.
+  void begin_about(double angle) { about_ = angle; }
+  bool has_begun() const { return begun_; }
   /// Whether the angle is within a quarter turn of its extrapolation, or the first.
   bool is_sure(double raw, double t, double rate) const {
     return !begun_ || std::abs(at(raw, t, rate) - expected(t, rate)) < 0.5 * kPi;
@@ -43,7 +47,7 @@ class TurnCounter {
   }
 
   bool begun_ = false;
-  double angle_ = 0, t_ = 0, rate_ = 0;
+  double angle_ = 0, t_ = 0, rate_ = 0, about_ = 0;
 };
 
 }  // namespace lockstep

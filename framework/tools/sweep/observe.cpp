@@ -4,6 +4,7 @@
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/refusals.h"
 #include "framework/mechanism/params/units.h"
+#include "framework/tools/record/start_of_angle.h"
 
 namespace lockstep {
 
@@ -14,13 +15,27 @@ void record_places(Mechanism& m) {
       for (const char* axis : {".x", ".y", ".z"}) m.run.record.push_back({body.name + axis, "", {}});
 }
 
+namespace {
+
+// An angle that the start asks for begins in the turn that is asked for.
+Channel channel_of(Mechanism& m, const std::string& name) {
+  Channel channel = make_channel(m.system, name);
+  if (!m.run.assemble) return channel;
+  for (const CoordinateTarget& target : m.assembly.coordinates)
+    if (is_rotation(target.axis) && name == target.link + ".angle_" + "xyz"[axis_index(target.axis) % 3])
+      channels::begin_about(channel, target.value);
+  return channel;
+}
+
+}  // namespace
+
 std::unique_ptr<Recorder> make_recorder(Mechanism& m) {
   auto recorder = std::make_unique<Recorder>(m.system);
   Refusals wrong;
   for (const ChannelRequest& request : m.run.record)
     wrong.attempt([&] {
       placed(request.where, "run.record", [&] {
-        Channel channel = make_channel(m.system, request.channel);
+        Channel channel = channel_of(m, request.channel);
         if (!request.name.empty()) channel.name = request.name;
         recorder->add(std::move(channel));
       });
@@ -35,7 +50,7 @@ Event make_event(Mechanism& m, const EventRequest& request, Recorder& recorder) 
   Event event = request.event;
   if (request.channel.empty()) return event;
   const Channel channel = placed(request.where, owner_of("event", event.name) + ", when.channel",
-                                 [&] { return make_channel(m.system, request.channel); });
+                                 [&] { return channel_of(m, request.channel); });
   if (const std::string problem = request.given.empty() ? "" : misfit(request.given, channel.unit); !problem.empty())
     refuse(request.given_where, owner_of("event", event.name) + ", when.crosses", problem);
   recorder.follow(channel);

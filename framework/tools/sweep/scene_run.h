@@ -3,6 +3,7 @@
 
 #include <lockstep/analysis.h>
 #include <lockstep/sweep.h>
+#include "framework/dynamics/simulate/start_turns.h"
 
 namespace lockstep {
 
@@ -27,10 +28,13 @@ LOCKSTEP_API State decided_start(Dynamics& dynamics, Mechanism& m, NearRows* nea
 /// Rows that nearly depend on others at an assembled start, where nothing is decided; none where that cannot be found out.
 LOCKSTEP_API std::vector<NearDependency> nearly_redundant_at(Dynamics& dynamics, Mechanism& m, const State& start);
 
-/// The same start, assembled unless the scene says otherwise.
+/// The same start, assembled unless the scene says otherwise; what counts turns begins where drives do.
 inline State assembled_start(Dynamics& dynamics, Mechanism& m) {
   State start = decided_start(dynamics, m);
-  if (m.run.assemble) assemble(dynamics, start, m.start_speeds, m.assembly);
+  if (m.run.assemble)
+    assemble(dynamics, start, m.start_speeds, m.assembly);
+  else
+    begin_turns(dynamics, start, {});
   return start;
 }
 

@@ -1,0 +1,243 @@
+// Starts of more than half a turn: what counts turns begins in the turn that is asked for.
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <lockstep/lockstep.h>
+#include "framework/tools/sweep/sweep_lanes.h"
+#include "tests/support/catch.h"
+#include "tests/support/messages.h"
+
+namespace start_turns_test {
+
+using namespace lockstep;
+using lockstep::testing::message_of;
+
+namespace {
+
+constexpr double kDegree = kPi / 180;
+
+std::string scene_of(const std::string& members, const std::string& record, const std::string& formulation = "auto") {
+  return R"({"lockstep": 1, "gravity": [0, 0, 0], )" + members +
+         R"(, "run": {"until": 1, "output": 0.25, "tolerance": 1e-11, "formulation": ")" + formulation +
+         R"(", "record": [)" + record + "]}}";
+}
+
+Table history_of(const std::string& text) {
+  const Scene scene = scene_from_text(text, "start.json");
+  const Registry registry = builtin_registry();
+  Table history;
+  const SweepRun run = sweep_run(scene, registry, recorded_columns(scene, registry), {}, &history);
+  INFO(run.status);
+  REQUIRE(run.status == "ok");
+  return history;
+}
+
+/// A bar on a hinge A about z of the ground, with more keys on the hinge.
+std::string bar(const std::string& on_hinge) {
+  return R"("bodies": [{"name": "p", "rod": {"mass": 3, "from": [0, 0, 0], "to": [1, 0, 0]}}],
+    "links": [{"name": "A", "type": "revolute", "p": "p", "s": "ground", "at": [0, 0, 0], )" +
+         on_hinge + "}]";
+}
+const std::string kSpring = R"(, "forces": [{"name": "T", "type": "torsion_spring_damper", "p": "p", "s": "ground",
+    "at": [0, 0, 0], "stiffness": 2}])";
+
+std::string screw(const std::string& more) {
+  return R"("bodies": [{"name": "n", "box": {"mass": 1, "size": [0.1, 0.1, 0.1]}}],
+    "links": [{"name": "S", "type": "screw", "p": "n", "s": "ground", "at": [0, 0, 0], "lead": 0.1, )" +
+         more + "}]";
+}
+
+std::string formulation() { return GENERATE(std::string("omega"), std::string("quaternion"), std::string("joint")); }
+
+}  // namespace
+
+// E = 1/2 k theta^2; let go, theta = theta0 cos(w t) with w = sqrt(k/J), J = m l^2/3 = 1.
+TEST_CASE("a torsion spring begins wound by the angle that is asked for", "[unit][assembly]") {
+  const std::string in = formulation();
+  const double asked = GENERATE(170.0, -180.0, 190.0, 540.0, -725.0);
+  CAPTURE(in, asked);
+  const Table run =
+      history_of(scene_of(bar(R"("start": {"position": {"rz": ")" + std::to_string(asked) + R"( deg"}})") + kSpring,
+                          R"("A.angle_z", "T.angle", "energy.potential")", in));
+  const double theta = asked * kDegree;
+  CHECK(run.first("A.angle_z") == Approx(theta));
+  CHECK(run.first("T.angle") == Approx(theta));
+  CHECK(run.first("energy.potential") == Approx(theta * theta));
+  CHECK(run.last("A.angle_z") == Approx(theta * std::cos(std::sqrt(2.0))));
+}
+
+TEST_CASE("a torsion spring on a driven hinge begins where the law does", "[unit][assembly]") {
+  const std::string in = formulation();
+  const bool assembled = GENERATE(true, false);
+  CAPTURE(in, assembled);
+  std::string text =
+      scene_of(bar(R"("drive": {"axis": "rz", "law": {"type": "ramp", "slope": 1, "y0": "720 deg"}})") + kSpring,
+               R"("A.angle_z", "energy.potential")", in);
+  if (!assembled) text.replace(text.find("\"until\""), 7, R"("assemble": false, "until")");
+  if (!assembled) text.replace(text.find(R"("rod")"), 5, R"("omega_world": [0, 0, 1], "velocity": [0, 0, 0], "rod")");
+  const Table run = history_of(text);
+  CHECK(run.first("A.angle_z") == Approx(4 * kPi));
+  CHECK(run.last("A.angle_z") == Approx(4 * kPi + 1));
+  CHECK(run.first("energy.potential") == Approx(16 * kPi * kPi));
+  CHECK(run.last("energy.potential") == Approx((4 * kPi + 1) * (4 * kPi + 1)));
+}
+
+// Two hinges in a row, each at 200 degrees: the tip has turned by 400 against the ground.
+TEST_CASE("what counts the turns of several joints begins at their sum", "[unit][assembly]") {
+  const std::string in = formulation();
+  CAPTURE(in);
+  const Table run = history_of(scene_of(
+      R"("bodies": [{"name": "b", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]}},
+                    {"name": "c", "rod": {"mass": 1, "from": [1, 0, 0], "to": [2, 0, 0]}}],
+         "links": [{"name": "A", "type": "revolute", "p": "b", "s": "ground", "at": [0, 0, 0],
+                    "start": {"position": {"rz": "200 deg"}},
+                    "stops": [{"axis": "rz", "high": "720 deg"}]},
+                   {"name": "B", "type": "revolute", "p": "b", "s": "c", "at": [1, 0, 0],
+                    "start": {"position": {"rz": "-200 deg"}}}],
+         "forces": [{"name": "T", "type": "torsion_spring_damper", "p": "c", "s": "ground", "at": [1, 0, 0],
+                     "stiffness": 2}])",
+      R"("A.angle_z", "B.angle_z", "T.angle", "energy.potential")", in));
+  CHECK(run.first("A.angle_z") == Approx(200 * kDegree));
+  CHECK(run.first("B.angle_z") == Approx(-200 * kDegree));
+  CHECK(run.first("T.angle") == Approx(400 * kDegree));
+  CHECK(run.first("energy.potential") == Approx(400 * kDegree * 400 * kDegree));
+}
+
+// At 1 rad/s the stop, 20 degrees ahead, is met after 0.349 s and sends the bar back.
+TEST_CASE("a stop beyond a full turn is met from the turn that is asked for", "[unit][assembly]") {
+  const std::string in = formulation();
+  CAPTURE(in);
+  const Table run =
+      history_of(scene_of(bar(R"("stops": [{"axis": "rz", "low": "-10 deg", "high": "400 deg", "restitution": 1}],
+             "start": {"position": {"rz": "380 deg"}, "velocity": {"rz": 1}})"),
+                          R"("A.angle_z", "A.stop_rz_high.gap")", in));
+  CHECK(run.first("A.angle_z") == Approx(380 * kDegree));
+  CHECK(run.first("A.stop_rz_high.gap") == Approx(20 * kDegree));
+  CHECK(run.last("A.angle_z") == Approx(400 * kDegree - (1 - 20 * kDegree)));
+}
+
+TEST_CASE("a screw begins where all its turns have brought it", "[unit][assembly]") {
+  const std::string in = formulation();
+  const auto [more, turns, rate] = GENERATE(table<std::string, double, double>(
+      {{R"("start": {"position": {"rz": "540 deg"}})", 1.5, 0},
+       {R"("start": {"position": {"rz": "-900 deg"}})", -2.5, 0},
+       {R"("start": {"position": {"z": 0.15}})", 1.5, 0},
+       {R"("start": {"position": {"z": "-0.62 m"}})", -6.2, 0},
+       {R"("drive": {"axis": "rz", "law": {"type": "ramp", "slope": 1, "y0": "540 deg"}})", 1.5, 1},
+       {R"("drive": {"axis": "z", "law": {"type": "ramp", "slope": 0.01, "y0": 0.04}})", 0.4, 0.2 * kPi}}));
+  CAPTURE(in, more);
+  const Table run = history_of(scene_of(screw(more), R"("S.angle_z", "n.z")", in));
+  CHECK(run.first("S.angle_z") == Approx(turns * kTwoPi));
+  CHECK(run.first("n.z") == Approx(0.1 * turns));
+  CHECK(run.last("S.angle_z") == Approx(turns * kTwoPi + rate));
+  CHECK(run.last("n.z") == Approx(0.1 * (turns + rate / kTwoPi)));
+}
+
+// theta_A + 2 theta_B = 0.
+TEST_CASE("the other wheel of a gear begins in the turn that the first brings it to", "[unit][assembly]") {
+  const std::string in = formulation();
+  const std::string start =
+      GENERATE(R"("start": {"position": {"rz": "380 deg"}, "velocity": {"rz": 1}})",
+               R"("drive": {"axis": "rz", "law": {"type": "ramp", "slope": 1, "y0": "380 deg"}})");
+  CAPTURE(in, start);
+  const Table run = history_of(scene_of(
+      R"("bodies": [{"name": "g1", "cylinder": {"mass": 1, "radius": 0.1, "length": 0.02}},
+                    {"name": "g2", "cylinder": {"mass": 2, "radius": 0.2, "length": 0.02}, "position": [0.3, 0, 0]}],
+         "links": [{"name": "A", "type": "revolute", "p": "g1", "s": "ground", "at": [0, 0, 0], )" +
+          start + R"(},
+                   {"name": "B", "type": "revolute", "p": "g2", "s": "ground", "at": [0.3, 0, 0]},
+                   {"name": "G", "type": "gear", "pairs": ["A", "B"], "ratio": 2}])",
+      R"("A.angle_z", "B.angle_z", "G.violation")", in));
+  CHECK(run.first("A.angle_z") == Approx(380 * kDegree));
+  CHECK(run.first("B.angle_z") == Approx(-190 * kDegree));
+  CHECK(run.first("G.violation") < 1e-10);
+  CHECK(run.last("A.angle_z") == Approx(380 * kDegree + 1));
+  CHECK(run.last("B.angle_z") == Approx(-190 * kDegree - 0.5));
+}
+
+// A crank turned by a full turn more stands where it stood, and winds its spring by a turn more.
+TEST_CASE("a crank of a loop begins in its turn, with the rest of the loop where it was", "[unit][assembly]") {
+  const auto four_bar = [](const std::string& angle) {
+    return history_of(scene_of(
+        R"("bodies": [
+        {"name": "crank", "rod": {"mass": 1, "from": [0, 0, 0], "to": [0.3, 0, 0]}},
+        {"name": "coupler", "rod": {"mass": 1, "from": [0.3, 0, 0], "to": [1.1, 0.4123105625617661, 0]}},
+        {"name": "rocker", "rod": {"mass": 1, "from": [1, 0, 0], "to": [1.1, 0.7937253933193772, 0]}}],
+      "links": [
+        {"name": "A", "type": "revolute", "p": "crank", "s": "ground", "at": [0, 0, 0],
+         "start": {"position": {"rz": ")" +
+            angle + R"("}}},
+        {"name": "B", "type": "revolute", "p": "coupler", "s": "crank", "at_p": [0.3, 0, 0], "at_s": [0.3, 0, 0]},
+        {"name": "C", "type": "revolute", "p": "coupler", "s": "rocker", "at_p": [1.1, 0.4123105625617661, 0],
+         "at_s": [1.1, 0.7937253933193772, 0]},
+        {"name": "D", "type": "revolute", "p": "rocker", "s": "ground", "at": [1, 0, 0]}],
+      "forces": [{"name": "T", "type": "torsion_spring_damper", "p": "crank", "s": "ground", "at": [0, 0, 0],
+                  "stiffness": 2}])",
+        R"("A.angle_z", "T.angle", "energy.potential", "rocker.center_x", "coupler.center_y")"));
+  };
+  const Table near = four_bar("20 deg"), on = four_bar("380 deg");
+  CHECK(near.first("A.angle_z") == Approx(20 * kDegree));
+  CHECK(on.first("A.angle_z") == Approx(380 * kDegree));
+  CHECK(on.first("T.angle") == Approx(380 * kDegree));
+  CHECK(on.first("energy.potential") == Approx(380 * kDegree * 380 * kDegree));
+  CHECK(on.first("rocker.center_x") == Approx(near.first("rocker.center_x")));
+  CHECK(on.first("coupler.center_y") == Approx(near.first("coupler.center_y")));
+}
+
+TEST_CASE("runs in lanes begin in the turn that is asked for", "[unit][scene]") {
+  const Registry registry = builtin_registry();
+  const Scene scene = scene_from_text(
+      scene_of(bar(R"("start": {"position": {"rz": "540 deg"}})") + kSpring, R"("A.angle_z", "T.angle")", "joint"),
+      "start.json");
+  const std::vector<Variable> variables = read_variables({"forces.T.stiffness=1:4:8"}, scene, registry);
+  std::vector<Scene> scenes;
+  for (std::size_t k = 0; k < 8; ++k) scenes.push_back(vary_scene(scene, variables, {k}, registry));
+  REQUIRE(unsuited_for_lanes(scenes.front(), registry).empty());
+  std::vector<Table> histories(8);
+  REQUIRE(sweep_lanes(scenes, registry, recorded_columns(scene, registry), {}, &histories).size() == 8);
+  for (std::size_t k = 0; k < 8; ++k) {
+    const double stiffness = 1 + 3 * static_cast<double>(k) / 7;
+    CHECK(histories[k].first("A.angle_z") == Approx(3 * kPi));
+    CHECK(histories[k].first("T.angle") == Approx(3 * kPi));
+    CHECK(histories[k].last("A.angle_z") == Approx(3 * kPi * std::cos(std::sqrt(stiffness))).margin(1e-8));
+  }
+}
+
+// At 180 degrees from the poses given the residual of a drive has no gradient.
+TEST_CASE("a drive may begin half a turn from the poses that bodies are given", "[unit][assembly]") {
+  const std::string in = formulation();
+  const double asked = GENERATE(180.0, -180.0, 540.0, 900.0);
+  CAPTURE(in, asked);
+  const Table run = history_of(scene_of(
+      R"("bodies": [{"name": "b", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]}},
+                    {"name": "c", "rod": {"mass": 1, "from": [1, 0, 0], "to": [2, 0, 0]}}],
+         "links": [{"name": "A", "type": "revolute", "p": "b", "s": "ground", "at": [0, 0, 0],
+                    "drive": {"axis": "rz", "law": {"type": "ramp", "slope": 1, "y0": ")" +
+          std::to_string(asked) + R"( deg"}}},
+                   {"name": "B", "type": "revolute", "p": "c", "s": "b", "at": [1, 0, 0]}])",
+      R"("A.angle_z", "b.center_x", "b.center_y", "B.violation")", in));
+  const double theta = asked * kDegree;
+  CHECK(run.first("A.angle_z") == Approx(theta));
+  CHECK(run.last("A.angle_z") == Approx(theta + 1));
+  CHECK(run.first("b.center_x") == Approx(-0.5));
+  CHECK(run.last("b.center_x") == Approx(-0.5 * std::cos(1.0)));
+  CHECK(run.last("b.center_y") == Approx(-0.5 * std::sin(1.0)));
+  CHECK(run.last("B.violation") < 1e-9);
+}
+
+// The driven bar cannot be where its law begins: its end is held elsewhere.
+TEST_CASE("a drive that cannot begin where its law does is named", "[unit][assembly]") {
+  const std::string text = scene_of(
+      bar(R"("drive": {"axis": "rz", "law": {"type": "ramp", "slope": 0, "y0": "180 deg"}}}, {"name": "B", "type":
+             "spherical", "p": "p", "s": "ground", "at_p": [1, 0, 0], "at_s": [0, 1, 0])"),
+      R"("p.x")");
+  Mechanism m = build_mechanism(scene_from_text(text, "held.json"), builtin_registry());
+  Dynamics dynamics(m.system, std::make_unique<SchurSolver>(), {Formulation::omega, {}});
+  State state = m.system.start();
+  const std::string error = message_of<AssemblyError>([&] { assemble(dynamics, state); });
+  CAPTURE(error);
+  CHECK(testing::says(error, {"drive rz of link 'A' begins at 180 deg, 180 deg from the poses given"}));
+}
+
+}  // namespace start_turns_test
