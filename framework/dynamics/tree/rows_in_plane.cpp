@@ -19,6 +19,10 @@ bool may_have_laws(const Lock& link) {
   });
 }
 
+bool may_have_laws(const System& system) {
+  return std::ranges::any_of(system.links(), [](const auto& link) { return may_have_laws(*link); });
+}
+
 namespace {
 
 constexpr double kNone = 1e-10;  // relative to the largest number of a row, as in a planar mechanism
