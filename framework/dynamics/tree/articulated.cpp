@@ -13,6 +13,19 @@
 
 namespace lockstep {
 
+namespace {
+
+constexpr std::size_t kAhead = 8;      // nodes
+constexpr std::size_t kCached = 4096;  // nodes: what fewer take is in the cache anyway
+
+// Slots may be numbered in another order than nodes: what a pass will read or write of a slot is asked for ahead.
+template <int kWrites, class T>
+LOCKSTEP_INLINE void ask_for(const T* first, std::size_t bytes) {
+  for (std::size_t at = 0; at < bytes; at += 64) __builtin_prefetch(reinterpret_cast<const char*>(first) + at, kWrites);
+}
+
+}  // namespace
+
 ArticulatedBodies::ArticulatedBodies(const JointTree& tree, const System& system, bool has_closures) {
   const std::size_t n = tree.nodes().size();
   nodes_.assign(n, Node());
@@ -57,6 +70,8 @@ LOCKSTEP_FLAT_CLONES void ArticulatedBodies::outward(const JointTree& tree, cons
         k, nodes_.size(), [&](std::size_t i) __attribute__((always_inline)) {
           return half_angle(tree.nodes()[i], y.q.data() + tree.nodes()[i].first_q);
         });
+    if (nodes_.size() > kCached && k + kAhead < nodes_.size())
+      ask_for<1>(&motions[static_cast<std::size_t>(tree.nodes()[k + kAhead].slot + 1)], sizeof(Motion));
     const TreeNode& n = tree.nodes()[k];
     const bool root = n.parent < 0;
     const std::size_t parent = static_cast<std::size_t>(std::max(n.parent, 0));
@@ -254,6 +269,11 @@ LOCKSTEP_INLINE void ArticulatedBodies::accelerate_with(const JointTree& tree, s
                                                         const VecX& f, Rows& rows, VecX& vd) {
   vd.resize(tree.n_v());
   for (std::size_t k = nodes_.size(); k-- > 0;) {
+    if (nodes_.size() > kCached && k >= kAhead) {
+      const int slot = tree.nodes()[k - kAhead].slot;
+      ask_for<0>(&motions[static_cast<std::size_t>(slot + 1)].A, sizeof(Mat3));
+      ask_for<0>(f.data() + 6 * slot, 6 * sizeof(double));
+    }
     const TreeNode& n = tree.nodes()[k];
     const Node& b = nodes_[k];
     Inertia I = inertia_of(k, motions[static_cast<std::size_t>(n.slot + 1)], f.data() + 6 * n.slot);
