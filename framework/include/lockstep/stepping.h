@@ -379,7 +379,7 @@ class LOCKSTEP_API SingularPassage {
   bool first_stage(Dynamics&, const State& y, Stages& stages);
   /// The step to attempt, s, at most h: with its stages on the constraints a step turns no body by more than 0.5 rad and
   /// keeps its stages away from a singular position ahead.
-  double longest(const State& y, double h);
+  double longest(double h);
   /// Whether an attempt came near a singular position and must be repeated with its stages on the constraints, as
   /// stages_on() then says.
   bool enters(const Stages&);
@@ -419,7 +419,8 @@ class LOCKSTEP_API SingularPassage {
   double straddle(double h) const;
   Redundant where_redundant(Dynamics&, const State& y, const StateRate& rate) const;
   double fastest_turn(const State&);
-  double time_to_turn(const State&, double angle);
+  bool look_around(Dynamics&, const State& y, Stages&);
+  double time_to_turn(double angle) const;
   bool find_both_sides(Dynamics&, const State&);
 
   StagesWhen when_;
