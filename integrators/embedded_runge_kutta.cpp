@@ -96,7 +96,7 @@ double EmbeddedRungeKutta::start_step(Dynamics& dynamics, double h) {
   if (follows && first_done_ && !fixed())
     watch_.observe(h_before, gap_.v, stages_.k(scheme_.late_stage).v, stages_.k(0).v,
                    start_.coordinates ? 1.0 : dynamics.system().length());
-  return fixed() ? h : passage_.longest(start_, h);
+  return fixed() ? h : passage_.longest(h);
 }
 
 Attempt EmbeddedRungeKutta::attempt(Dynamics& dynamics, double h) {
@@ -106,7 +106,7 @@ Attempt EmbeddedRungeKutta::attempt(Dynamics& dynamics, double h) {
       first_done_ && stages_.evaluate(dynamics, start_, h, 1, scheme_.tableau.n_stages, passage_.stages_on());
   if (passage_.enters(stages_)) {
     first_done_ = false;
-    made.next = fixed() ? h : passage_.longest(start_, h);
+    made.next = fixed() ? h : passage_.longest(h);
     return made;
   }
   if (evaluated) stages_.end(start_, h, end_);

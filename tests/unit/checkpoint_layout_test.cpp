@@ -28,7 +28,8 @@ namespace {
 
 constexpr double kSaved = 0.25, kEnd = 0.5;  // s
 
-/// A run with what checkpoints hold: counted turns, an integrated state, a rope that jerks, an event, rows, and what watches a run.
+/// A run with what checkpoints hold: counted turns, an integrated state, a rope that jerks, an event, rows, and what
+/// watches a run.
 struct Kept {
   System system{System::Options{{0, -9.81, 0}}};
   std::vector<std::unique_ptr<Observer>> watches;

@@ -433,6 +433,32 @@ TEST_CASE("copies refuse by name what has no lanes", "[unit][copies]") {
     });
     check_words(message([&] { Copies c(family.pointers()); }), {"hinge 1"});
   }
+  {
+    struct Own final : Auxiliary {
+      explicit Own(std::string name) : Auxiliary(std::move(name)) {}
+      int size() const override { return 1; }
+      bool reads_solution() const override { return false; }
+      void rates(const Evaluated&, std::span<double> sd) const override { sd[0] = 1; }
+    };
+    Family swapped(2, [](int k) {
+      auto sys = chain(2, 0);
+      sys->add(std::make_unique<Own>(k == 0 ? "one" : "other"));
+      sys->add(std::make_unique<Own>(k == 0 ? "other" : "one"));
+      return sys;
+    });
+    check_words(message([&] { Copies c(swapped.pointers()); }), {"copy 1", "'other' in place of 'one'"});
+  }
+  {
+    Family off(2, [](int k) { return chain(2, k); });
+    std::vector<State> starts = off.starts();
+    starts[1].q[0] += 0.1;
+    Copies copies(off.pointers());
+    const std::vector<double> times{0.1};
+    const auto reports = copies.run(starts, times, [](int, std::size_t, const State&) {});
+    CHECK(reports[0].finished);
+    CHECK_FALSE(reports[1].finished);
+    check_words(reports[1].error, {"the start", "violates the constraints by 0.1"});
+  }
   Family family(2, [](int k) { return chain(2, k); });
   CopiesOptions options;
   options.integrator = "radau5";

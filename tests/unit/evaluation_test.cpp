@@ -4,6 +4,7 @@
 #include <lockstep/newton.h>
 #include <lockstep/solvers.h>
 #include "tests/support/catch.h"
+#include "tests/support/loops.h"
 #include "tests/support/messages.h"
 #include "tests/support/motions.h"
 
@@ -95,6 +96,50 @@ TEST_CASE("A factor without a matrix, or of other links than those in force, is 
   refused();
   factor.compute(e);
   CHECK_NOTHROW(solve(factor, e));
+}
+
+namespace {
+
+/// A four-bar with all of its bars on one line.
+State flat_four_bar(const System& system) {
+  State s = system.start();
+  const Quat down = axis_angle(Vec3(0, 0, 1), -1.2);
+  StateEditor edit(s);
+  edit.set_pose(system.body("upright0"), {Vec3(0.5, 0, 0), down});
+  edit.set_pose(system.body("upright1"), {Vec3(1.5, 0, 0), down});
+  edit.set_pose(system.body("bar0"), {Vec3(1.5, 0, 0), {}});
+  return s;
+}
+
+}  // namespace
+
+TEST_CASE("A factor that rests keeps what its solver has learned", "[unit][dynamics]") {
+  const int i = GENERATE(0, 1, 2, 3);
+  CAPTURE(i);
+  System system = loops::row_of_four_bars(1);
+  Dynamics dynamics(system, solver_number(i));
+  Evaluation e(system, system.start());
+  Factor awake = dynamics.new_factor(), rested = dynamics.new_factor(), fresh = dynamics.new_factor();
+  awake.compute(e), rested.compute(e);  // three rows are redundant: that is usual
+  Snapshot before, resting;
+  rested.save(e, before), rested.rest(), rested.save(e, resting);
+  CHECK(resting.numbers() == before.numbers());
+  testing::check_words(testing::message_of<ModelError>([&] { solve(rested, e); }), {"factor", "compute it anew"});
+  e.at(flat_four_bar(system));
+  VecX C, Cd;
+  e.residuals(C, Cd);
+  REQUIRE(e.norm(C) < 1e-12);
+  const auto indicator = [&](Factor& factor) {
+    factor.compute(e);
+    VecX a, lambda;
+    SolveReport report = factor.solve(e, e.force(), VecX::Zero(e.rows().n_rows), a, lambda);
+    factor.complete(report);
+    return report.detector;
+  };
+  const double known = indicator(awake);
+  CHECK(indicator(rested) == known);
+  CHECK(known < 1e-6);             // one more than usual: singular
+  CHECK(indicator(fresh) > 1e-3);  // which takes all four for usual
 }
 
 TEST_CASE("Poses and twists of bodies are set and read alike, parts of a cluster too", "[unit][system]") {

@@ -16,6 +16,7 @@
 #include <lockstep/recorder.h>
 #include <lockstep/solvers.h>
 #include "tests/support/catch.h"
+#include "tests/support/loops.h"
 #include "tests/support/messages.h"
 #include "tests/support/motions.h"
 
@@ -92,6 +93,33 @@ TEST_CASE("the violation that a foreign integrator leaves is measured", "[unit][
   CHECK(violation > 1e-3);
   CHECK(run_misled({}, &violation) == "no error");
   CHECK(violation < 1e-9);
+}
+
+namespace {
+
+/// Turns one joint, and does not project.
+class Bent final : public Integrator {
+ public:
+  IntegratorInfo info() const override { return {.name = "bent", .joint = true}; }
+  void begin(Dynamics&, const State&) override {}
+  StepReport step(Dynamics&, State& y, double h) override {
+    y.q[0] += 1e-3, y.t += h;
+    return {.h = h};
+  }
+};
+
+}  // namespace
+
+TEST_CASE("the violation that a foreign integrator leaves along joints is that of all rows", "[unit][dynamics]") {
+  System system = loops::row_of_four_bars(2);
+  Dynamics dynamics = loops::joint_dynamics(system);
+  StepLoop run(dynamics, std::make_unique<Bent>(), {.step = 0.01});
+  run.step();
+  REQUIRE(run.state().coordinates);
+  CHECK_FALSE(dynamics.holds_rows());  // those of the tree's joints are not asked for
+  const double violation = run.report().largest_violation;
+  CHECK(violation > 1e-4);
+  CHECK(std::abs(violation - dynamics.violation(run.state())) < 1e-14);
 }
 
 TEST_CASE("a run without an end is ended by counts", "[unit][dynamics]") {

@@ -4,8 +4,11 @@
 #include <lockstep/batch.h>
 
 #include <cmath>
+#include <initializer_list>
 
+#include <lockstep/assembly.h>
 #include <lockstep/registry.h>
+#include <lockstep/solvers.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 
@@ -82,6 +85,7 @@ TEST_CASE("what lanes cannot is said, what one run cannot is left to it", "[unit
   CHECK(says(why(scene_text(R"("until": 1)")), {"every step is recorded"}));
   CHECK(says(why(scene_text(R"("until": 1, "output": 0.1, "integrator": "rk4", "step": 0.01)")), {"dop853"}));
   CHECK(says(why(scene_text(R"("until": 1, "output": 0.1, "record": ["rejected"])")), {"\"rejected\""}));
+  CHECK(says(why(scene_text(R"("until": 1, "output": 0.1, "record": ["evaluations"])")), {"\"evaluations\""}));
   CHECK(says(why(scene_text(R"("until": 1, "output": 0.1, "record": ["solver.residual"])")), {"\"solver.residual\""}));
   CHECK(says(why(scene_text(R"("until": 1, "output": 0.1, "solver": "dense")")), {"schur"}));
   for (const char* vary : {"bodies.bob.sphere.mass=1,-1,2", "run.until=1,2,3"}) {
@@ -180,9 +184,57 @@ TEST_CASE("runs in lanes have verdicts on their energy where no law does work", 
 TEST_CASE("lanes can be broken off", "[unit][scene]") {
   Runs group(scene_text(kRun), "bodies.bob.sphere.mass=1,2,3");
   const std::vector<SweepRun> lanes =
-      sweep_lanes(group.scenes, group.registry, group.columns, [](const State& s) { return s.t < 0.5; });
+      sweep_lanes(group.scenes, group.registry, group.columns, [](double t) { return t < 0.5; });
   REQUIRE(lanes.size() == 3);
   CHECK(lanes.front().broken_off);
+}
+
+TEST_CASE("lanes keep to what ends a run: too many steps, too short ones, a start that is open", "[unit][scene]") {
+  const auto compared = [](const std::string& text, const std::string& vary, std::size_t n_failed,
+                           std::initializer_list<const char*> words) {
+    Runs group(text, vary);
+    INFO(group.unsuited());
+    REQUIRE(group.unsuited().empty());
+    const std::vector<SweepRun> lanes = group.lanes();
+    if (lanes.empty()) {  // they go one by one
+      CHECK(n_failed > 0);
+      return;
+    }
+    std::size_t failed = 0;
+    for (std::size_t k = 0; k < lanes.size(); ++k) {
+      const SweepRun alone = sweep_run(group.scenes[k], group.registry, group.columns);
+      CHECK(lanes[k].failed == alone.failed);
+      CHECK(lanes[k].status == alone.status);
+      failed += alone.failed ? 1 : 0;
+      if (!alone.failed) continue;
+      INFO(alone.status);
+      CHECK(says(alone.status, words));
+    }
+    CHECK(failed == n_failed);
+  };
+  compared(scene_text(kRun + R"(, "max_steps": 5)"), "bodies.bob.sphere.mass=1,2,3", 3, {"5 steps", "max_steps"});
+  compared(scene_text(kRun + R"(, "max_steps": 5000)"), "bodies.bob.sphere.mass=1,2,3", 0, {});
+  compared(R"({"lockstep": 1, "bodies": [{"name": "p", "particle": 1, "position": [1, 0, 0]}], "links": [],
+    "forces": [{"name": "K", "type": "spring_damper", "p": "p", "s": "ground", "at_p": [1, 0, 0], "at_s": [0, 0, 0],
+                "stiffness": 1e14, "free_length": 0.999}],
+    "run": {"until": 1000, "output": 100, "integrator": "dop853", "tolerance": 1e-6, "record": ["p.x"]}})",
+           "bodies.p.particle=1:2:4", 4, {"K", "steps"});
+  compared(scene_text(kRun + R"(, "assemble": false)"), "links.B.at.0=1,1.1,1.2", 0, {});
+  Runs open(R"({"lockstep": 1, "parameters": {"m": 0.5}, "bodies": [
+      {"name": "a", "rod": {"mass": 1, "from": [0, 0, 0], "to": [0.5, 0, 0]}},
+      {"name": "b", "rod": {"mass": 1, "from": [0.5, 0, 0], "to": [1, 0, 0]}}],
+    "links": [{"name": "A", "type": "revolute", "p": "a", "s": "ground", "at": [0, 0, 0]},
+              {"name": "B", "type": "revolute", "p": "b", "s": "a", "at_p": ["=m", 0, 0], "at_s": [0.5, 0, 0]}],
+    "run": {"until": 1, "output": 0.5, "integrator": "dop853", "assemble": false, "record": ["b.x"]}})",
+            "parameters.m=0.5,0.5000001,0.6,0.7");
+  const std::vector<SweepRun> lanes = open.lanes();
+  for (std::size_t k = 0; k < open.scenes.size(); ++k) {
+    const SweepRun alone = sweep_run(open.scenes[k], open.registry, open.columns);
+    CHECK(alone.failed == (k > 1));
+    if (lanes.empty()) continue;
+    CHECK(lanes[k].failed == alone.failed);
+    CHECK(lanes[k].status == alone.status);
+  }
 }
 
 // A driven four-bar whose base is too short for its crank to go round: it locks at about 0.43 s.
@@ -204,7 +256,13 @@ TEST_CASE("a copy near a locked position ends soon, by counts", "[unit][scene]")
     CopiesOptions options;
     options.integrator = integrator, options.tolerance = {1e-11, 1e-13};
     Copies copies({&one.system, &other.system}, options);
-    const std::vector<State> starts{one.system.start(), other.system.start()};
+    std::vector<State> starts;
+    for (System* system : {&one.system, &other.system}) {
+      Dynamics dynamics(*system, std::make_unique<SchurSolver>());
+      starts.push_back(system->start());
+      assemble(dynamics, starts.back());
+      dynamics.to_slots(starts.back());
+    }
     const std::vector<double> times{0, 0.2, 1};
     for (const CopyReport& r : copies.run(starts, times, [](int, std::size_t, const State&) {})) {
       INFO(r.steps << " steps, " << r.rejected << " tries, " << r.error);

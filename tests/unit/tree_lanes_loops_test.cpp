@@ -194,8 +194,8 @@ TEST_CASE("a copy whose loops contradict is told by name, the others go on", "[u
     CAPTURE(k, ends.reports[k].error);
     CHECK(ends.reports[k].finished == (k != 2));
   }
-  CHECK(ends.reports[2].alone);
-  check_words(ends.reports[2].error, {"foot"});
+  CHECK(ends.reports[2].t == 0);
+  check_words(ends.reports[2].error, {"the start", "foot"});
 }
 
 TEST_CASE("loops in lanes are taken in joint coordinates where these are the cheaper ones", "[unit][copies]") {

@@ -304,6 +304,40 @@ TEST_CASE("who follows copies sees every step of theirs, and jumps", "[unit][cop
   }
 }
 
+TEST_CASE("what the caller's functions throw leaves a run of copies as it is, in lanes and alone", "[unit][copies]") {
+  for (const bool in_lanes : {true, false}) {
+    Family family(3, [](int k) { return cart(k); });
+    CopiesOptions options;
+    options.lanes = in_lanes;
+    Copies copies(family.pointers(), options);
+    const std::vector<double> times{0.2, 0.8};
+    const auto nothing = [](int, std::size_t, const State&) {};
+    const auto thrown = [&](auto&& act) {
+      try {
+        act();
+      } catch (const ModelError& error) {
+        return std::string(error.what());
+      }
+      return std::string("nothing");
+    };
+    CHECK(thrown([&] {
+            copies.run(family.starts(), times, nothing, [](int, const State&, bool) { throw ModelError("a step"); });
+          }) == "a step");
+    CHECK(thrown([&] {
+            copies.run(family.starts(), times, [](int, std::size_t, const State&) { throw ModelError("an output"); });
+          }) == "an output");
+    long asked = 0;
+    const auto reports = copies.run(family.starts(), times, nothing, {}, [&](double t) { return ++asked, t < 0.5; });
+    CHECK(asked > 2);
+    for (const CopyReport& r : reports) {
+      CHECK_FALSE(r.finished);
+      CHECK(r.t >= 0.2);
+      CHECK(r.t < 0.8);
+      CHECK(r.error == "broken off");
+    }
+  }
+}
+
 namespace {
 
 /// A load on a ball, at the end of a boom that turns and whose point runs in and out: a crane, by laws of its markers. And

@@ -14,6 +14,11 @@ void Dynamics::Tree::gather(System& system, const State& state) {
   closures().residuals(motions, closure_rows, C, Cd);
 }
 
+double Dynamics::Tree::violation(System& system, const State& state) {
+  gather(system, state);
+  return closures().norm(C);
+}
+
 // The recursion at the state whose rows were gathered last. The accelerations that come with it are of no interest.
 void Dynamics::Tree::factor(const State& state) {
   recursion->outward(*coordinates, state, motions);

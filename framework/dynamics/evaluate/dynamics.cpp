@@ -100,6 +100,7 @@ void Dynamics::forget_rows(const State& state) {
   if (!state.coordinates) return;
   solution_.reset();
   evaluation_ = nullptr;
+  factor_.rest();
   for (VecX* x : {&a_, &lambda_, &c_, &C_, &Cd_}) *x = VecX();
 }
 
@@ -157,6 +158,14 @@ double Dynamics::violation(const State& state) {
   const Evaluation& e = gather(state);
   e.residuals(C_, Cd_);
   return e.norm(C_);
+}
+
+// Where a number is not finite, all rows are gathered to name the culprit.
+double Dynamics::violation_of_closures(const State& state) {
+  if (!state.coordinates) return violation(state);
+  if (!state.coordinates->has_rows()) return 0;
+  const double found = tree(state.modes).of(state).violation(system_, state);
+  return std::isfinite(found) ? found : violation(state);
 }
 
 double Dynamics::violation_v(const State& state) {

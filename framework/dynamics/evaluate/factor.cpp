@@ -1,5 +1,7 @@
 #include <lockstep/dynamics.h>
 
+#include <utility>
+
 #include <lockstep/error.h>
 #include <lockstep/solvers.h>
 #include <lockstep/text.h>
@@ -35,25 +37,43 @@ void Factor::compute(const Evaluation& e) {
   assembler_.update(e.rows(), e.inputs().motions);
   factorization_->compute(assembler_.kkt());
   ++work_->factors;
+  if (!rested_.layout) return;
+  const Learned before = std::exchange(rested_, {});
+  if (!same(before.layout, e)) return;
+  before.numbers.rewind();
+  factorization_->restore(before.numbers);
+  factorization_->compute(assembler_.kkt());  // sees this matrix by what it knew
+}
+
+void Factor::rest() {
+  if (!layout_) return;
+  keep(rested_);
+  layout_ = nullptr, factorization_ = nullptr;
+  assembler_.forget();
+  for (VecX* x : {&f_, &c_, &a_, &lambda_}) *x = VecX();
 }
 
 void Factor::save(const Evaluation& e, Snapshot& out) const {
   Snapshot learned;
-  const bool any = factorization_ && fits(e);
+  const bool any = factorization_ && fits(e), rests = !any && same(rested_.layout, e);
   if (any) factorization_->save(learned);
-  out.put(any ? 1 : 0), out.put_part(learned);
+  out.put(any || rests ? 1 : 0), out.put_part(rests ? rested_.numbers : learned);
 }
 
 void Factor::restore(const Evaluation& e, const Snapshot& in) {
   const bool any = in.get_flag();
   const Snapshot learned = in.get_part();
-  layout_ = nullptr;
+  layout_ = nullptr, rested_ = {};
   if (!any) return;
   compute(e);
   factorization_->restore(learned);
 }
 
 void Factor::keep(Learned& out) const {
+  if (!layout_ && rested_.layout) {
+    out = rested_;
+    return;
+  }
   out.layout = layout_;
   out.numbers.clear();
   if (layout_) factorization_->save(out.numbers);
@@ -61,6 +81,7 @@ void Factor::keep(Learned& out) const {
 
 // Where matrices of other links were factored in between, the next one is laid out anew.
 void Factor::put_back(const Learned& in) {
+  if (rested_.layout) rested_ = in;
   if (!layout_) return;
   if (!in.layout || (in.layout != layout_ && *in.layout != *layout_)) {
     layout_ = nullptr;

@@ -39,6 +39,8 @@ struct Dynamics::Tree {
   ClosureRows& closures() { return recursion->closures(); }
   // The state, and the motions as found last.
   Inputs inputs(const State&) const;
+  // |C| of the closures, as Evaluation::norm measures it; not finite where something is not.
+  double violation(System&, const State&);
   // Brings a state onto C = 0 and J v = -Ct of the closures by the least move in the mass metric, as Projection does.
   ProjectReport project(System&, State&, double goal, double tolerance);
   // The velocities alone; returns what is left, m/s.

@@ -86,10 +86,9 @@ double SingularPassage::fastest_turn(const State& y) {
   return std::sqrt(w2);
 }
 
-// Time in which it turns by this angle, s.
-double SingularPassage::time_to_turn(const State& y, double angle) {
-  const double w = fastest_turn(y);
-  return w > 0 ? angle / w : HUGE_VAL;
+// Time in which the body that turns fastest at the start of the step turns by this angle, s.
+double SingularPassage::time_to_turn(double angle) const {
+  return rate_of_turn_ > 0 ? angle / rate_of_turn_ : HUGE_VAL;
 }
 
 namespace {
@@ -125,6 +124,7 @@ bool SingularPassage::find_both_sides(Dynamics& dynamics, const State& y) {
   const bool found = both_sides_.find(dynamics, slots, rate);
   if (found) dynamics.read_rates(y, rate, rate_);
   learn_beside(dynamics, y, slots);
+  both_sides_ = SingularRate();  // nothing stays of a look at the slots
   return found;
 }
 
@@ -169,9 +169,19 @@ void SingularPassage::start_step() {
 
 // A start in a singular position looks like one with redundant rows until both sides have been probed.
 bool SingularPassage::first_stage(Dynamics& dynamics, const State& y, Stages& stages) {
+  if (active()) rate_of_turn_ = fastest_turn(y);
   if (!stages.evaluate(dynamics, y, 0, 0, 1, on_)) return false;
   if (!active()) return true;
-  rate_of_turn_ = fastest_turn(y);
+  const bool held_rows = dynamics.holds_rows(), had_probed = probed_;
+  const Redundant had_known = redundant_;
+  const bool done = look_around(dynamics, y, stages);
+  // What was asked once does not keep the rows of all links.
+  if (!held_rows && (probed_ != had_probed || redundant_ != had_known)) dynamics.forget_rows(y);
+  return done;
+}
+
+// After the first stage was evaluated: what else its position says of it.
+bool SingularPassage::look_around(Dynamics& dynamics, const State& y, Stages& stages) {
   // In a regular position: where rows are redundant on the constraints only, the stages are evaluated there.
   const auto stays_redundant = [&] {
     if (when_ != StagesWhen::automatic || redundant_ != Redundant::unknown || !(rate_of_turn_ > 0)) return true;
@@ -235,9 +245,9 @@ SingularPassage::Redundant SingularPassage::where_redundant(Dynamics& dynamics, 
   }
 }
 
-double SingularPassage::longest(const State& y, double h) {
+double SingularPassage::longest(double h) {
   if (on_ == StagesOn::plain) return h;
-  unplaced_ = std::min(h, time_to_turn(y, kTurn));
+  unplaced_ = std::min(h, time_to_turn(kTurn));
   return straddle(unplaced_);
 }
 
@@ -308,7 +318,7 @@ double SingularPassage::first_step(Dynamics& dynamics, const State& y, Stages& s
   on_ = StagesOn::manifold;
   from_both_sides_ = false;
   first_stage(dynamics, y, stages);
-  return from_both_sides_ ? std::min(largest, std::max(guess, time_to_turn(y, kFirstTurn))) : guess;
+  return from_both_sides_ ? std::min(largest, std::max(guess, time_to_turn(kFirstTurn))) : guess;
 }
 
 bool SingularPassage::near(const Stages& stages) const { return stages.indicator() < usual_.limit(); }

@@ -74,9 +74,7 @@ bool SingularRate::probe(Dynamics& dynamics, const State& state, double delta, d
   mean.v = 0.5 * (ahead_.v + behind_.v);
   mean.s = 0.5 * (ahead_.s + behind_.s);
   return true;
-} catch (const ModelError&) {  // a law that begins or ends here, a spline
-  return false;
-} catch (const UserCodeError&) {  // the same of a plugin or the host
+} catch (const Error&) {  // a law that begins or ends here: a spline, or one of a plugin or the host
   return false;
 }
 

@@ -13,7 +13,6 @@ namespace lockstep {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kLongRun = 1e7;        // steps left of which the run warns
 constexpr double kSameInstant = 1e-12;  // relative to max(|t|, length of the run): closer instants are merged
 
 }  // namespace
@@ -22,7 +21,7 @@ void Clock::start(double t) {
   adaptive_ = method_.info().adaptive;
   t_start_ = t;
   breakpoints_to_ = -kInfinity;
-  pace_from_ = t, n_paced_ = n_slow_ = 0, warned_ = false;
+  pace_.start(t);
   last_output_ = -kInfinity;
   next_output_ = 0;
   while (output_time(next_output_) < t) ++next_output_;
@@ -96,39 +95,8 @@ void Clock::count_step(double asked, const StepReport& report) {
 }
 
 std::string Clock::watch_pace(double t, long n) {
-  if (options_.max_steps > 0 && n >= options_.max_steps && t < t_end_)
-    throw StepError(
-        fmt::format("{}: the run has made its {} steps and stands at t = {:.9g} s; allow more (max_steps), or find out "
-                    "why its steps are short",
-                    method_.info().name, n, t),
-        t);
-  if (!std::isfinite(t_end_)) return {};
-  const double left = t_end_ - t;
-  n_slow_ = advised_ > 0 && left > kMostSteps * advised_ ? n_slow_ + 1 : 0;
-  if (n_slow_ > kSlow)
-    throw StepError(
-        fmt::format(
-            "{}: at t = {:.9g} s it advises steps of {:.3g} s, by which the rest of the run would take {:.2g} of "
-            "them{}",
-            method_.info().name, t, advised_, left / advised_,
-            !adaptive_ ? "; take a larger step (--step)"
-                       : "; use another method (--integrator), a wider tolerance, or look for a singular position "
-                         "(lockstep check)"),
-        t);
-  if (++n_paced_ < kPaced) return {};
-  const double pace = (t - pace_from_) / static_cast<double>(n_paced_);
-  if (left > 1.001 * kMostSteps * pace)  // of the steps made, however long those advised are; but for rounding
-    throw StepError(fmt::format("{}: its last {} steps, up to t = {:.9g} s, were of {:.2g} s on average, by which the "
-                                "rest of the run would take {:.2g} of them",
-                                method_.info().name, n_paced_, t, pace, left / pace),
-                    t);
-  pace_from_ = t, n_paced_ = 0;
-  if (warned_ || left <= kLongRun * pace) return {};
-  warned_ = true;
-  return fmt::format(
-      "the run is slow: by the last {} steps, of {:.2g} s on average up to t = {:.6g} s, the rest of it will "
-      "take {:.2g} steps",
-      kPaced, pace, t, left / pace);
+  const std::string method = method_.info().name;
+  return pace_.watch({method, adaptive_, t_end_, advised_, options_.max_steps}, t, n);
 }
 
 void Clock::refresh_breakpoints(double t, double limit, double largest) {
@@ -172,20 +140,20 @@ bool Clock::end_due(double t) const {
 
 // The jumps that are known of are kept: asked for anew from here they might differ in the last bit.
 void Clock::save(Snapshot& out) const {
-  for (const double x : {t_start_, t_end_, advised_, anchor_, pace_from_, last_output_, breakpoints_to_}) out.put(x);
-  for (const long n : {n_from_anchor_, n_paced_, n_slow_, next_output_}) out.put(static_cast<double>(n));
-  out.put(warned_ ? 1 : 0);
+  for (const double x : {t_start_, t_end_, advised_, anchor_, pace_.from, last_output_, breakpoints_to_}) out.put(x);
+  for (const long n : {n_from_anchor_, pace_.n_steps, pace_.n_slow, next_output_}) out.put(static_cast<double>(n));
+  out.put(pace_.warned ? 1 : 0);
   out.put_all(
       std::vector<double>(breakpoints_.begin() + static_cast<std::ptrdiff_t>(next_breakpoint_), breakpoints_.end()));
 }
 
 void Clock::load(const Snapshot& in) {
   adaptive_ = method_.info().adaptive;
-  for (double* x : {&t_start_, &t_end_, &advised_, &anchor_, &pace_from_, &last_output_, &breakpoints_to_})
+  for (double* x : {&t_start_, &t_end_, &advised_, &anchor_, &pace_.from, &last_output_, &breakpoints_to_})
     *x = in.get();
-  for (long* n : {&n_from_anchor_, &n_paced_, &n_slow_, &next_output_}) *n = in.get_count();
+  for (long* n : {&n_from_anchor_, &pace_.n_steps, &pace_.n_slow, &next_output_}) *n = in.get_count();
   if (next_output_ < 0) throw ModelError("the saved number of outputs is below zero: the checkpoint is damaged");
-  warned_ = in.get_flag();
+  pace_.warned = in.get_flag();
   in.get_all(breakpoints_), next_breakpoint_ = 0;
 }
 

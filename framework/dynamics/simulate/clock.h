@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <lockstep/step_loop.h>
+#include "framework/dynamics/simulate/pace.h"
 
 namespace lockstep {
 
@@ -14,8 +15,6 @@ class LOCKSTEP_API Clock {
   Clock(const System& system, const Integrator& method, const StepLoopOptions& options)
       : system_(system), method_(method), options_(options) {}
 
-  static constexpr long kPaced = 10000;  ///< steps over which the pace is measured
-
   struct Target {
     double t = 0;       ///< where the state is wanted
     double reach = 0;   ///< where the step ends: t, or slightly before it (a law's jump)
@@ -23,7 +22,7 @@ class LOCKSTEP_API Clock {
   };
 
   /// The end of the run; infinity: single steps.
-  void set_end(double t) { n_slow_ = t == t_end_ ? n_slow_ : 0, t_end_ = t; }
+  void set_end(double t) { pace_.n_slow = t == t_end_ ? pace_.n_slow : 0, t_end_ = t; }
   double end() const { return t_end_; }
   /// A new run from t.
   void start(double t);
@@ -51,7 +50,7 @@ class LOCKSTEP_API Clock {
   /// Watches the pace of the run, which has made n steps and reached t. Returns a warning, once, where the rest will take
   /// very many steps; "" otherwise. Throws StepError where it has no end in sight, or max_steps are made.
   std::string watch_pace(double t, long n);
-  long paced() const { return n_paced_; }  ///< steps since the pace was last measured
+  long paced() const { return pace_.n_steps; }  ///< steps since the pace was last measured
 
   // -- outputs
   double next_output() const { return output_time(next_output_); }  ///< infinity: none left
@@ -82,9 +81,7 @@ class LOCKSTEP_API Clock {
   double advised_ = 0;  // the method's next step
   double anchor_ = 0;   // fixed steps: the n-th ends at anchor + n step
   long n_from_anchor_ = 0;
-  double pace_from_ = 0;  // when the present steps for the pace began
-  long n_paced_ = 0, n_slow_ = 0;
-  bool warned_ = false;
+  Pace pace_;
   long next_output_ = 0;
   double last_output_ = -std::numeric_limits<double>::infinity();
   std::vector<double> breakpoints_;

@@ -85,12 +85,12 @@ std::string below_rounding(const System& system, const State& state, double tole
 std::string StepLoop::Parts::who_slows(Dynamics& dynamics, const State& state, long n, double tolerance) const {
   constexpr long kEnough = 100;       // steps that tell what cuts them
   constexpr double kLongStep = 1e-3;  // of the time in which something turns by a radian, or moves by its size
-  const long paced = clock.paced() > 0 ? clock.paced() : Clock::kPaced;
+  const long paced = clock.paced() > 0 ? clock.paced() : Pace::kPaced;
   if (const std::string stops = paced < kEnough ? "" : contacts.who_engaged(paced); !stops.empty()) return "; " + stops;
-  if (const std::string slender = below_rounding(dynamics.system(), state, tolerance); !slender.empty()) return slender;
   std::string words;
   double mean = clock.too_long_by(state.t, n);
   if (!(mean * fastest_rate(dynamics, state) > kLongStep)) mean = 0;  // the steps are short, not the run long
+  if (mean == 0) words = below_rounding(dynamics.system(), state, tolerance);
   if (mean > 0)
     words = fmt::format(
         "; from the start on its steps were of {:.2g} s on average, of which the run of {:.3g} s would take "

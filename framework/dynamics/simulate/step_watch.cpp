@@ -73,7 +73,7 @@ void StepWatch::check(const State& from, const State& to, double h, StepReport& 
   if (!wrong.empty())
     throw StepError(fmt::format("{}: the step from t = {:.9g} s {}", method_.info().name, from.t, wrong), from.t);
   if (method_.origin() != "built in" && (!to.coordinates || to.coordinates->has_rows()))
-    if (const double found = dynamics_.violation(to); !(report.violation_after >= found))
+    if (const double found = dynamics_.violation_of_closures(to); !(report.violation_after >= found))
       report.violation_after = found;
 }
 

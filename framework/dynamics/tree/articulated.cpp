@@ -13,13 +13,27 @@
 
 namespace lockstep {
 
+namespace {
+
+constexpr std::size_t kAhead = 8;      // nodes
+constexpr std::size_t kCached = 4096;  // nodes: what fewer take is in the cache anyway
+
+// Slots may be numbered in another order than nodes: what a pass will read or write of a slot is asked for ahead.
+template <int kWrites, class T>
+LOCKSTEP_INLINE void ask_for(const T* first, std::size_t bytes) {
+  for (std::size_t at = 0; at < bytes; at += 64) __builtin_prefetch(reinterpret_cast<const char*>(first) + at, kWrites);
+}
+
+}  // namespace
+
 ArticulatedBodies::ArticulatedBodies(const JointTree& tree, const System& system, bool has_closures) {
   const std::size_t n = tree.nodes().size();
   nodes_.assign(n, Node());
   dofs_.resize(static_cast<std::size_t>(tree.n_v()));
-  for (std::size_t k = 0; k < n; ++k) {
-    const TreeNode& t = tree.nodes()[k];
-    nodes_[k].m = system.slot(t.slot).mass, nodes_[k].J = system.slot(t.slot).J;
+  masses_.reserve(n);
+  for (const TreeNode& t : tree.nodes()) {
+    const Mat3& J = system.slot(t.slot).J;
+    masses_.push_back({system.slot(t.slot).mass, {J(0, 0), J(1, 0), J(2, 0), J(1, 1), J(2, 1), J(2, 2)}});
   }
 
   // Nodes stand depth first: from the last to the first, who waits longest is asked for last.
@@ -30,13 +44,13 @@ ArticulatedBodies::ArticulatedBodies(const JointTree& tree, const System& system
     if (!stack.empty() && stack.back() == static_cast<int>(k)) stack.pop_back(), b.own = static_cast<int>(stack.size());
     const int parent = tree.nodes()[k].parent;
     if (parent < 0) continue;
-    b.first = stack.empty() || stack.back() != parent;
-    if (b.first) stack.push_back(parent);
+    const bool first = stack.empty() || stack.back() != parent;
+    if (first) stack.push_back(parent);
     b.to = static_cast<int>(stack.size()) - 1;
+    if (first) b.to = ~b.to;
     deepest = std::max(deepest, stack.size());
   }
   waiting_.resize(deepest);
-  for (std::vector<double>* x : {&half_, &cosine_, &sine_}) x->assign((n + 7) / 8 * 8, 0.0);  // packs of up to 8
 
   if (!has_closures) return;
   for (const TreeNode& t : tree.nodes()) {
@@ -49,13 +63,15 @@ ArticulatedBodies::ArticulatedBodies(const JointTree& tree, const System& system
 LOCKSTEP_FLAT_CLONES void ArticulatedBodies::outward(const JointTree& tree, const State& y,
                                                      std::vector<Motion>& motions) {
   motions.resize(nodes_.size() + 1);
-  for (std::size_t k = 0; k < nodes_.size(); ++k) {
-    const TreeNode& n = tree.nodes()[k];
-    half_[k] = half_angle(n, y.q.data() + n.first_q);
-  }
-  sin_cos(half_.data(), half_.size(), sine_.data(), cosine_.data());
   const Vec3 still = Vec3::Zero();
+  SinCosAhead half;
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    half.see(
+        k, nodes_.size(), [&](std::size_t i) __attribute__((always_inline)) {
+          return half_angle(tree.nodes()[i], y.q.data() + tree.nodes()[i].first_q);
+        });
+    if (nodes_.size() > kCached && k + kAhead < nodes_.size())
+      ask_for<1>(&motions[static_cast<std::size_t>(tree.nodes()[k + kAhead].slot + 1)], sizeof(Motion));
     const TreeNode& n = tree.nodes()[k];
     const bool root = n.parent < 0;
     const std::size_t parent = static_cast<std::size_t>(std::max(n.parent, 0));
@@ -69,7 +85,7 @@ LOCKSTEP_FLAT_CLONES void ArticulatedBodies::outward(const JointTree& tree, cons
     }
     Imposed now;
     if (n.imposed) laws_at(n, y.t, y.s, now);
-    const Carried c = carry(n, now, y, {cosine_[k], sine_[k]}, p, wp, own);
+    const Carried c = carry(n, now, y, {half.cosine(), half.sine()}, p, wp, own);
     b.w = c.w;
     b.r = column(c.d1 + c.d2);
     // al = al_p + cal,  a = a_p + al_p x r + ca
@@ -117,14 +133,16 @@ LOCKSTEP_INLINE void ArticulatedBodies::Inertia::add_row(const SpatialWrench& K,
 }
 
 // Of a slot and what its children have passed on: M = m 1, H = 0, I = A J A', p = -f.
-LOCKSTEP_INLINE ArticulatedBodies::Inertia ArticulatedBodies::inertia_of(const Node& b, const Motion& motion,
+LOCKSTEP_INLINE ArticulatedBodies::Inertia ArticulatedBodies::inertia_of(std::size_t node, const Motion& motion,
                                                                          const double* f) const {
+  const Node& b = nodes_[node];
+  const auto& [m, J] = masses_[node];
   const Columns A = columns(motion.A);
-  Columns AJ;
-  for (int k = 0; k < 3; ++k) AJ.c[k] = A * b.J.col(k);
+  const Columns AJ{{A.c[0] * J[0] + A.c[1] * J[1] + A.c[2] * J[2], A.c[0] * J[1] + A.c[1] * J[3] + A.c[2] * J[4],
+                    A.c[0] * J[2] + A.c[1] * J[4] + A.c[2] * J[5]}};
   Inertia I = b.own < 0 ? Inertia{} : waiting_[static_cast<std::size_t>(b.own)];
   for (int k = 0; k < 3; ++k) {
-    I.M.c[k][k] += b.m;
+    I.M.c[k][k] += m;
     I.I.c[k] += AJ * motion.A.row(k);
   }
   I.pf -= Column{f[0], f[1], f[2], 0.0};
@@ -141,7 +159,7 @@ LOCKSTEP_INLINE void ArticulatedBodies::eliminate(const TreeNode& n, const Node&
     dof->Ut = I.H_t * dof->l + I.I * dof->n;
     dof->u = -dot(dof->l, I.pf) - dot(dof->n, I.pt);
     dof->D_1 = 1.0 / (dot(dof->l, dof->Uf) + dot(dof->n, dof->Ut));
-    if (i + 1 == k && b.to < 0) return;
+    if (i + 1 == k && b.to == kRoot) return;
     const Column Vf = dof->Uf * dof->D_1, Vt = dof->Ut * dof->D_1;
     subtract_dyad(I.M, Vf, dof->Uf), subtract_dyad(I.H, Vf, dof->Ut);
     subtract_dyad(I.H_t, Vt, dof->Uf), subtract_dyad(I.I, Vt, dof->Ut);
@@ -251,9 +269,14 @@ LOCKSTEP_INLINE void ArticulatedBodies::accelerate_with(const JointTree& tree, s
                                                         const VecX& f, Rows& rows, VecX& vd) {
   vd.resize(tree.n_v());
   for (std::size_t k = nodes_.size(); k-- > 0;) {
+    if (nodes_.size() > kCached && k >= kAhead) {
+      const int slot = tree.nodes()[k - kAhead].slot;
+      ask_for<0>(&motions[static_cast<std::size_t>(slot + 1)].A, sizeof(Mat3));
+      ask_for<0>(f.data() + 6 * slot, 6 * sizeof(double));
+    }
     const TreeNode& n = tree.nodes()[k];
     const Node& b = nodes_[k];
-    Inertia I = inertia_of(b, motions[static_cast<std::size_t>(n.slot + 1)], f.data() + 6 * n.slot);
+    Inertia I = inertia_of(k, motions[static_cast<std::size_t>(n.slot + 1)], f.data() + 6 * n.slot);
     rows.close(k, I);
     if (n.n_v() > 0)  // else a weld that was kept
       for_size<1, 6>(n.n_v(), [&](auto count) __attribute__((always_inline)) {
@@ -262,13 +285,12 @@ LOCKSTEP_INLINE void ArticulatedBodies::accelerate_with(const JointTree& tree, s
       });
     else
       rows.pass_on(k, 0, joint(tree, k));
-    if (b.to < 0) continue;
+    if (b.to == kRoot) continue;
     shift(b, I);
-    Inertia& there = waiting_[static_cast<std::size_t>(b.to)];
-    if (b.first)
-      there = I;
+    if (b.to < 0)
+      waiting_[static_cast<std::size_t>(~b.to)] = I;
     else
-      there.add(I);
+      waiting_[static_cast<std::size_t>(b.to)].add(I);
   }
   rows.close_at_ground();
   Largest most;

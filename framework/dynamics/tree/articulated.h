@@ -1,6 +1,7 @@
 // ArticulatedBodies: the recursion on a tree in space.
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include <lockstep/memory.h>
@@ -41,17 +42,19 @@ class LOCKSTEP_API ArticulatedBodies {
     void add(const Inertia&);
     void add_row(const SpatialWrench& K, double l, double d_1);
   };
-  struct alignas(kColumn) Node {
+  struct alignas(64) Node {  // three cache lines
     Column r;        // from the parent's mass centre
     Column ca, cal;  // accelerations where the coordinates' own are zero
     SpatialTwist found;
-    Vec3 w;          // world axes
-    double m = 0;    // mass of the slot alone,
-    Mat3 J;          // and its inertia, slot axes
+    Vec3 w = Vec3::Zero();  // world axes
     // Inward, what children have passed on waits on a stack: the place of the node's own, -1 of a leaf; that of its
-    // parent's, -1 of a root; whether it is the first there.
-    int own = -1, to = -1;
-    bool first = false;
+    // parent's, kRoot of a root; of the first that waits there the place's complement.
+    int own = -1, to = kRoot;
+  };
+  static constexpr int kRoot = std::numeric_limits<int>::max();
+  // Of a slot alone, slot axes: J by its columns from the diagonal on.
+  struct Mass {
+    double m, J[6];
   };
   // A velocity coordinate: motion (l, n) of the slot per unit, U = IA (l, n), D = (l, n) U, a number: the coordinates of
   // one joint are eliminated one after another, as if each had a joint of its own, the first at the slot. The inverse of
@@ -76,7 +79,7 @@ class LOCKSTEP_API ArticulatedBodies {
   friend Closures;
   [[gnu::noinline]] void outward_moving(const TreeNode&, const State&, const Motion& p, const Vec3& wp, Motion& own,
                                         Node&);
-  Inertia inertia_of(const Node&, const Motion&, const double* f) const;
+  Inertia inertia_of(std::size_t node, const Motion&, const double* f) const;
   template <int k>
   void eliminate(const TreeNode&, const Node&, Inertia&);
   template <int k>
@@ -86,10 +89,10 @@ class LOCKSTEP_API ArticulatedBodies {
   void accelerate_with(const JointTree&, std::span<const Motion> motions, const VecX& f, Rows& rows, VecX& vd);
   void find_largest();
 
+  std::vector<Mass> masses_;  // of the slots, by node
   std::vector<Node> nodes_;
   std::vector<Dof> dofs_;
   std::vector<Inertia> waiting_;
-  std::vector<double> half_, cosine_, sine_;  // of the hinges' angles, by node
   std::vector<double> inverse_mass_;          // of the slots, by node, where there are closures;
   std::vector<Mat3> inverse_J_;       // slot axes
   Largest largest_;

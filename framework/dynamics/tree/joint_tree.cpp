@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include <lockstep/lock.h>
+#include "framework/dynamics/tree/buckets.h"
 #include "framework/dynamics/tree/moving_markers.h"
 #include "framework/dynamics/tree/spanning_tree.h"
 #include "framework/mechanism/system/diagnose.h"
@@ -133,16 +135,16 @@ bool is_tilted(const Lock& link, Plane plane) {
 
 // Why a link is no tree joint; "" for one that is.
 std::string refusal(const Lock& link, Plane plane) {
-  const std::string who = "link '" + link.name() + "' ";
+  const auto who = [&](const char* what) { return "link '" + link.name() + "' " + what; };
   const Jointed* joint = link.jointed();
-  if (!joint) return who + "is not a lock of a mask";
-  if (link.unilateral()) return who + "is one-sided";
+  if (!joint) return who("is not a lock of a mask");
+  if (link.unilateral()) return who("is one-sided");
   if (plane)
     for (const auto& [p, s] : link.pairs())
-      if (is_moving(*p) || is_moving(*s)) return who + "has a marker that moves on its body";
+      if (is_moving(*p) || is_moving(*s)) return who("has a marker that moves on its body");
   if (!begins_with_mask(link) || (plane && link.row_count() != count_rows(joint->rows())))
-    return who + "has rows beside those of its mask";
-  if (plane && is_tilted(link, plane)) return who + "has markers that are turned against each other out of the plane";
+    return who("has rows beside those of its mask");
+  if (plane && is_tilted(link, plane)) return who("has markers that are turned against each other out of the plane");
   return refusal_of_particle(link);
 }
 
@@ -186,18 +188,16 @@ class Graph {
   struct Edge {
     int link, other;  // number of the link, the slot at its other end
   };
-  Graph(const System& system, const std::vector<int>& links) : edges_(static_cast<std::size_t>(system.n_slots() + 1)) {
-    for (const int link : links) {
-      const auto [a, b] = slots_of(*system.links()[static_cast<std::size_t>(link)]);
-      edges_[at(a)].push_back({link, b});
-      edges_[at(b)].push_back({link, a});
-    }
-  }
-  const std::vector<Edge>& of(int slot) const { return edges_[at(slot)]; }
+  Graph(const System& system, const std::vector<int>& links)
+      : edges_(static_cast<std::size_t>(system.n_slots() + 1), links, [&](int link, auto&& add) {
+          const auto [a, b] = slots_of(*system.links()[static_cast<std::size_t>(link)]);
+          add(at(a), {link, b}), add(at(b), {link, a});
+        }) {}
+  std::span<const Edge> of(int slot) const { return edges_[at(slot)]; }
 
  private:
   static std::size_t at(int slot) { return static_cast<std::size_t>(slot + 1); }  // the ground first
-  std::vector<std::vector<Edge>> edges_;
+  Buckets<Edge> edges_;
 };
 
 }  // namespace
@@ -295,7 +295,7 @@ void JointTree::add_node(const System& system, int slot, int parent, int link) {
   const double sign = node.reversed ? -1.0 : 1.0;
   node.near_u = near.u0, node.near_q = near.q0, node.far_u = far.u0, node.far_q = far.q0;
   node.K0 = near.q0 * conjugate(far.q0);
-  node.n_slides = free.n_slides, node.turn = free.turn;
+  node.n_slides = static_cast<unsigned char>(free.n_slides), node.turn = free.turn;
   if (node.n_slides > 0 || node.turn == TreeTurn::ball) {
     TreeAxes axes;
     for (std::size_t k = 0; k < 3; ++k) axes.slide[k] = sign * free.slide[k];
@@ -309,7 +309,7 @@ void JointTree::add_node(const System& system, int slot, int parent, int link) {
   }
   n_q_ += node.n_q(), n_v_ += node.n_v();
   node_of_[static_cast<std::size_t>(slot)] = static_cast<int>(nodes_.size());
-  nodes_.push_back(node);
+  nodes_.push_back(std::move(node));
 }
 
 }  // namespace lockstep

@@ -43,7 +43,7 @@ class LoopClosures final : public ClosureRows {
 
   /// Reads the rows, gathered at these motions; their right sides c are Qhat. After the bodies' outward pass.
   template <class Bodies>
-  void read(const Bodies&, const JointTree&, std::span<const Motion> motions, const RowTable&);
+  void read(const Bodies&, std::span<const Motion> motions, const RowTable&);
   /// After the recursion: measures J a - c, and says whether it is small enough.
   template <class Bodies>
   bool met(const Bodies&);
@@ -97,8 +97,8 @@ void LoopClosures<Wrench, Twist>::begin(const JointTree& tree, const System& sys
 
 template <class Wrench, class Twist>
 template <class Bodies>
-LOCKSTEP_INLINE void LoopClosures<Wrench, Twist>::read(const Bodies& bodies, const JointTree& tree,
-                                                       std::span<const Motion> motions, const RowTable& table) {
+LOCKSTEP_INLINE void LoopClosures<Wrench, Twist>::read(const Bodies& bodies, std::span<const Motion> motions,
+                                                       const RowTable& table) {
   std::ranges::fill(K_, Wrench{});
   std::ranges::fill(l_, 0.0);
   std::ranges::fill(Lambda_, 0.0);
@@ -116,7 +116,7 @@ LOCKSTEP_INLINE void LoopClosures<Wrench, Twist>::read(const Bodies& bodies, con
         const auto at = static_cast<std::size_t>(source.first_side + i);
         const ClosureSide& side = fronts_.sides[at];
         const auto node = static_cast<std::size_t>(side.node);
-        const Motion& motion = motions[static_cast<std::size_t>(tree.nodes()[node].slot + 1)];
+        const Motion& motion = motions[static_cast<std::size_t>(e.slots[i] + 1)];
         Wrench& J = J_[at];
         J = bodies.read_side(block, i, k, node, motion, diagonal_[row]);
         if (!floors_known_ && source.kind == RowKind::translation) arm2 = std::max(arm2, moment2(J));

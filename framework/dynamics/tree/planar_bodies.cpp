@@ -11,10 +11,9 @@ PlanarBodies::PlanarBodies(const JointTree& tree, const System& system, bool) {
   const std::vector<PlanarNode>& nodes = tree.planar()->nodes();
   const std::size_t n = nodes.size();
   plane_i_ = static_cast<std::size_t>(tree.planar()->plane().i());
-  plane_j_ = static_cast<std::size_t>(tree.planar()->plane().j());
+  plane_j_ = static_cast<std::size_t>(tree.planar()->plane().j()), plane_n_ = 3 - plane_i_ - plane_j_;
   nodes_.assign(n + 1, Node());
   slides_.resize(static_cast<std::size_t>(tree.n_v()));
-  for (std::vector<double>* x : {&half_, &cosine_, &sine_}) x->assign((n + 7) / 8 * 8, 0.0);  // packs of up to 8
   std::vector<int> parents;
   for (const PlanarNode& t : nodes) parents.push_back(t.parent);
   std::size_t n_waiting = 0;
@@ -22,10 +21,9 @@ PlanarBodies::PlanarBodies(const JointTree& tree, const System& system, bool) {
   for (std::size_t k = 0; k < n; ++k) {
     const PlanarNode& t = nodes[k];
     const Slot& slot = system.slot(t.slot);
-    const Posture* posture = tree.planar()->posture(t);
     Node& b = nodes_[k + 1];
-    b.normal = posture != nullptr ? posture->normal : Vec3(Vec3::Unit(tree.planar()->plane().n));
-    b.m = slot.mass, b.J = b.normal.dot(slot.J * b.normal);
+    const Vec3 normal = tree.planar()->normal(t);
+    b.m = slot.mass, b.J = normal.dot(slot.J * normal);
     static_cast<InwardPlace&>(b) = places[k];
   }
   waiting_.assign(n_waiting, Inertia());
@@ -44,16 +42,19 @@ template <int k>
 LOCKSTEP_INLINE void PlanarBodies::outward_along(const JointTree& tree, const PlanarJoints& joints, const State& y,
                                                  std::vector<Motion>& motions) {
   const std::vector<PlanarNode>& nodes = joints.nodes();
-  for (std::size_t l = 0; l < nodes.size(); ++l) half_[l] = half_turn(nodes[l], y.q.data() + nodes[l].first_q);
-  sin_cos(half_.data(), half_.size(), sine_.data(), cosine_.data());
+  SinCosAhead half;
   for (std::size_t l = 0; l < nodes.size(); ++l) {
+    half.see(
+        l, nodes.size(), [&](std::size_t i) __attribute__((always_inline)) {
+          return half_turn(nodes[i], y.q.data() + nodes[i].first_q);
+        });
     const PlanarNode& n = nodes[l];
     const Node& p = nodes_[static_cast<std::size_t>(n.parent + 1)];
     Node& b = nodes_[l + 1];
     PlanarImposed now;
     if (n.law >= 0) now = planar_laws_at(tree.nodes()[l], joints.law(n), y.t, y.s);
     const double *q = y.q.data() + n.first_q, *v = y.v.data() + n.first_v;
-    const PlanarCarried add = carry(n, n.law < 0 ? nullptr : &now, cosine_[l], sine_[l], q, v, p.frame, b.frame);
+    const PlanarCarried add = carry(n, n.law < 0 ? nullptr : &now, half.cosine(), half.sine(), q, v, p.frame, b.frame);
     b.r = p.d + add.d1, b.d = add.d2;
     b.ca = -p.frame.w * p.frame.w * b.r;
     b.cal = 0;
@@ -207,15 +208,16 @@ LOCKSTEP_INLINE FlatTwist PlanarBodies::Joint::solve_again(const FlatTwist& p, c
   return own;
 }
 
-LOCKSTEP_INLINE FlatWrench PlanarBodies::read_side(const RowView& rows, int i, int k, std::size_t node, const Motion&,
-                                                   double& diagonal) const {
+LOCKSTEP_INLINE FlatWrench PlanarBodies::read_side(const RowView& rows, int i, int k, std::size_t node,
+                                                   const Motion& motion, double& diagonal) const {
   const Node& b = nodes_[node + 1];
   std::array<double, 3> J;
   if (rows.layout() == RowLayout::planar || rows.layout() == RowLayout::pair) {
     J = rows.J_in_plane(i, k);
   } else {
     const std::array<double, 6> all = rows.J(i, k);
-    J = {all[plane_i_], all[plane_j_], b.normal.dot(Vec3(all[3], all[4], all[5]))};
+    const Vec3 normal = motion.A.row(static_cast<Eigen::Index>(plane_n_));  // in slot axes
+    J = {all[plane_i_], all[plane_j_], normal.dot(Vec3(all[3], all[4], all[5]))};
   }
   diagonal += (J[0] * J[0] + J[1] * J[1]) / b.m;
   if (b.J > 0) diagonal += J[2] * J[2] / b.J;  // else a particle
@@ -243,7 +245,7 @@ LOCKSTEP_INLINE void PlanarBodies::inward_along(const PlanarJoints& joints, cons
     const Flat e = across(b.d), h = b.m * e, p = (-b.m * b.frame.w * b.frame.w) * b.d - Flat{on[i], on[j]};
     if (!b.from_next) IA = {};
     if (b.own >= 0) IA.add(waiting_[static_cast<std::size_t>(b.own)]);
-    const double moment = n.posture < 0 ? on[3 + k] : b.normal.dot(Vec3(on[3], on[4], on[5]));
+    const double moment = n.posture < 0 ? on[3 + k] : joints.posture(n)->normal.dot(Vec3(on[3], on[4], on[5]));
     IA.Mii += b.m, IA.Mjj += b.m, IA.h += h, IA.p += p;
     IA.I += b.J + dot(e, h), IA.tau += dot(e, p) - moment;
     rows.close(l, IA);
@@ -362,7 +364,7 @@ void PlanarBodies::read_off(const JointTree& tree, std::span<const Motion>, cons
     const FlatTwist& p = nodes_[static_cast<std::size_t>(n.parent + 1)].found;
     Node& b = nodes_[l + 1];
     const double* of = a.data() + 6 * n.slot;
-    b.found.al = b.normal.dot(Vec3(of[3], of[4], of[5]));
+    b.found.al = joints.normal(n).dot(Vec3(of[3], of[4], of[5]));
     b.found.a = Flat{of[plane.i()], of[plane.j()]} - (b.found.al * across(b.d) - (b.frame.w * b.frame.w) * b.d);
     if (n.turns) vd[n.first_v + n.n_slides] = n.sign * (b.found.al - p.al - b.cal);
     const Flat da = b.found.a - (p.a + (p.al * across(b.r) + b.ca));
@@ -378,7 +380,7 @@ void PlanarBodies::accelerations(const JointTree& tree, std::span<const Motion>,
   for (const PlanarNode& n : tree.planar()->nodes()) {
     const Node& b = nodes_[static_cast<std::size_t>(&n - tree.planar()->nodes().data()) + 1];
     a[6 * n.slot + plane.i()] = b.centre.i, a[6 * n.slot + plane.j()] = b.centre.j;
-    a.segment<3>(6 * n.slot + 3) = b.found.al * b.normal;
+    a.segment<3>(6 * n.slot + 3) = b.found.al * tree.planar()->normal(n);
   }
 }
 

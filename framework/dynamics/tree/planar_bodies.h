@@ -57,7 +57,6 @@ class LOCKSTEP_API PlanarBodies {
     FlatTwist found;             // of the joint's point
     Flat centre;                 // acceleration of the mass centre
     double m = 0, J = 0;         // mass of the slot alone, inertia about its mass centre
-    Vec3 normal = Vec3::Zero();  // in slot axes
   };
   // A translation: direction l, U = IA l.
   struct Slide {
@@ -101,11 +100,10 @@ class LOCKSTEP_API PlanarBodies {
   static void shift(const Node&, Inertia&);
   FlatTwist solve(const PlanarNode&, const Node&, const FlatTwist& parent, const double* less, VecX& vd) const;
 
-  std::size_t plane_i_ = 0, plane_j_ = 1;  // axes of the plane
+  std::size_t plane_i_ = 0, plane_j_ = 1, plane_n_ = 2;  // axes of the plane, and its normal
   std::vector<Node> nodes_;    // the ground first
   std::vector<Slide> slides_;  // by number of the velocity
   std::vector<Inertia> waiting_;
-  std::vector<double> half_, cosine_, sine_;  // of the joints' angles
   Largest largest_;
 };
 

@@ -26,8 +26,8 @@ class RecursionOf final : public TreeRecursion {
   void outward(const JointTree& tree, const State& y, std::vector<Motion>& motions) override {
     bodies_.outward(tree, y, motions);
   }
-  void read(const JointTree& tree, std::span<const Motion> motions, const RowTable& rows) override {
-    read_rows(tree, motions, rows);
+  void read(const JointTree&, std::span<const Motion> motions, const RowTable& rows) override {
+    read_rows(motions, rows);
   }
   void accelerate(const JointTree& tree, std::span<const Motion> motions, const VecX& f, VecX& vd) override {
     closures_.empty() ? bodies_.accelerate(tree, motions, f, vd) : bodies_.accelerate(tree, motions, f, closures_, vd);
@@ -52,8 +52,8 @@ class RecursionOf final : public TreeRecursion {
 
  private:
   // What is compiled for several instruction sets, which a virtual function cannot be.
-  LOCKSTEP_FLAT_CLONES void read_rows(const JointTree& tree, std::span<const Motion> motions, const RowTable& rows) {
-    closures_.read(bodies_, tree, motions, rows);
+  LOCKSTEP_FLAT_CLONES void read_rows(std::span<const Motion> motions, const RowTable& rows) {
+    closures_.read(bodies_, motions, rows);
   }
   LOCKSTEP_FLAT_CLONES bool measure() { return closures_.met(bodies_); }
   LOCKSTEP_FLAT_CLONES void find_change(const JointTree& tree, const VecX& r, VecX& dv) {

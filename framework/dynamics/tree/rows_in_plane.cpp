@@ -19,6 +19,10 @@ bool may_have_laws(const Lock& link) {
   });
 }
 
+bool may_have_laws(const System& system) {
+  return std::ranges::any_of(system.links(), [](const auto& link) { return may_have_laws(*link); });
+}
+
 namespace {
 
 constexpr double kNone = 1e-10;  // relative to the largest number of a row, as in a planar mechanism
@@ -26,16 +30,13 @@ constexpr double kMostArm = 10;  // along the normal, in lengths of the mechanis
 constexpr double kMet = 1e-9;    // of a length or half a turn: what a start is assembled to, and round-off
 constexpr int kPoses = 3;
 
-// A state away from all coordinates zero, different for every k.
-State pose_of(const JointTree& tree, const System& system, int k) {
-  State y = system.start();
-  y.q.resize(tree.n_q()), y.v.setZero(tree.n_v());
+// A state of all coordinates away from zero, different for every k.
+void set_pose(const JointTree& tree, const System& system, int k, State& y) {
   for (const TreeNode& n : tree.nodes())
     for (int i = 0; i < n.n_q(); ++i) {
       const double wave = std::sin(1.0 + 2.3 * (n.first_q + i) + 1.7 * k);
       y.q[n.first_q + i] = i < n.n_slides ? 0.2 * system.length() * wave : wave;
     }
-  return y;
 }
 
 // Largest numbers of a row: in the plane; along its normal; about axes in the plane; of its residual.
@@ -51,8 +52,10 @@ std::vector<std::vector<Parts>> parts_of(const JointTree& tree, const System& sy
   std::vector<std::vector<Parts>> out(table.entries.size());
   const Vec3 normal = Vec3::Unit(tree.planar()->plane().n);
   std::vector<Motion> motions(static_cast<std::size_t>(system.n_slots() + 1));
+  State y = system.start();
+  y.q.resize(tree.n_q()), y.v.setZero(tree.n_v());
   for (int pose = 0; pose < kPoses; ++pose) {
-    const State y = pose_of(tree, system, pose);
+    set_pose(tree, system, pose, y);
     tree.motions(y, motions);
     Inputs in;
     in.t = y.t, in.motions = motions;

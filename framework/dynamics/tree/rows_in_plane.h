@@ -9,6 +9,8 @@ namespace lockstep {
 
 /// Whether rows of a link may have a part that time alone changes.
 LOCKSTEP_API bool may_have_laws(const Lock&);
+/// Whether those of any of its links may.
+LOCKSTEP_API bool may_have_laws(const System&);
 
 /// Leaves the rows that are normal to the plane of a tree out of the table of its closures. False, and the table as it
 /// was, where a link does not say that it stays in the plane, where a row is neither in it nor normal to it in the poses

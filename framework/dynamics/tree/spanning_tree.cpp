@@ -6,6 +6,8 @@
 #include <tuple>
 #include <utility>
 
+#include "framework/dynamics/tree/buckets.h"
+
 namespace lockstep {
 
 namespace {
@@ -18,16 +20,18 @@ class Growth {
   Growth(const std::vector<GraphLink>& links, int n_slots, bool from_last)
       : links_(links),
         from_last_(from_last),
-        at_(static_cast<std::size_t>(n_slots + 1)),
+        at_(static_cast<std::size_t>(n_slots + 1), links,
+            [&](const GraphLink& link, auto&& add) {
+              const auto number = static_cast<std::size_t>(&link - links.data());
+              add(node(link.a), number), add(node(link.b), number);
+            }),
         reached_(static_cast<std::size_t>(n_slots + 1), -1),
         seen_(static_cast<std::size_t>(n_slots + 1), -1),
         parent_(static_cast<std::size_t>(n_slots + 1), 0),
-        taken_(links.size(), false) {
-    for (std::size_t i = 0; i < links.size(); ++i) at_[node(links[i].a)].push_back(i), at_[node(links[i].b)].push_back(i);
-  }
+        taken_(links.size(), false) {}
 
   const std::vector<bool>& tree() {
-    for (std::size_t start = 0; start < at_.size(); ++start) {
+    for (std::size_t start = 0; start < reached_.size(); ++start) {
       if (reached_[start] >= 0) continue;
       reach(start, 0);
       while (!open_.empty()) {
@@ -94,7 +98,7 @@ class Growth {
 
   const std::vector<GraphLink>& links_;
   bool from_last_;
-  std::vector<std::vector<std::size_t>> at_;  // links of each slot
+  Buckets<std::size_t> at_;                   // links of each slot
   std::vector<int> reached_;                  // of each slot: as which; -1: not yet
   std::vector<int> seen_;                     // of each slot: by which look around
   std::vector<std::size_t> parent_;           // of each slot

@@ -71,6 +71,10 @@ Motion JointTree::motion(const State& y, int slot) const {
 // d/dt of translations and angles are the velocities; e' = (1/2) e w (1.8).
 void JointTree::kinematic_rate(const State& y, VecX& qd) const {
   qd.resize(n_q_);
+  if (n_q_ == n_v_) {  // no ball: each coordinate has a velocity of its own
+    std::copy_n(y.v.data(), n_v_, qd.data());
+    return;
+  }
   for (const TreeNode& node : nodes_) {
     const double* v = y.v.data() + node.first_v;
     double* d = qd.data() + node.first_q;

@@ -60,16 +60,17 @@ class SinCosAhead {
   LOCKSTEP_INLINE void see(std::size_t k, std::size_t n, Angle&& angle) {
     at_ = k % kAtOnce;
     if (at_ != 0) return;
-    const std::size_t count = std::min(kAtOnce, n - k);
+    const std::size_t count = std::min(kAtOnce, n - k), packed = (count + 7) / 8 * 8;  // packs of up to 8
     for (std::size_t i = 0; i < count; ++i) x_[i] = angle(k + i);
-    sin_cos(x_, (count + 7) / 8 * 8, s_, c_);  // packs of up to 8
+    for (std::size_t i = count; i < packed; ++i) x_[i] = 0;
+    sin_cos(x_, packed, s_, c_);
   }
   LOCKSTEP_INLINE double sine() const { return s_[at_]; }    ///< of this round
   LOCKSTEP_INLINE double cosine() const { return c_[at_]; }  ///< likewise
 
  private:
   static constexpr std::size_t kAtOnce = 64;
-  double x_[kAtOnce] = {}, s_[kAtOnce], c_[kAtOnce];
+  double x_[kAtOnce], s_[kAtOnce], c_[kAtOnce];  // written by see(), no more of them than there are rounds
   std::size_t at_ = 0;
 };
 

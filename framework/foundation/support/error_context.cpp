@@ -7,9 +7,11 @@
 namespace lockstep {
 namespace {
 
-// A built-in law that refuses to be asked there: the end of a spline. It is the model that is wrong, whoever asks.
+// A built-in law that refuses to be asked there: the end of a spline. It is the model that is wrong, whoever asks. Not one
+// that refuses its parameters.
 bool from_our_law(const Error& error) {
-  return error.kind() == Error::Kind::model && error.thing.kind == "law" && error.thing.origin == "built in";
+  return error.kind() == Error::Kind::model && error.key.empty() && error.thing.kind == "law" &&
+         error.thing.origin == "built in";
 }
 
 }  // namespace

@@ -31,6 +31,7 @@ struct CopiesOptions {
   Tolerance tolerance;                ///< where there is error control
   double step = 0;                    ///< fixed step: the step, s; else the first one, 0: the method's own guess
   double max_step = 0;                ///< s; 0: no limit
+  long max_steps = 0;                 ///< steps of one copy, after which it fails; 0: no limit but that of StepLoop
   Stabilization stabilization;        ///< project or none
   /// The coordinates of the runs: joint coordinates, omega (all rows), or automatic: joint coordinates of trees, of loops
   /// where these are the cheaper ones by counts, and of mechanisms that have no lanes in omega.
@@ -83,11 +84,15 @@ class LOCKSTEP_API Copies {
   /// Receives the state of a copy (its number, from 0), in the slots' own coordinates, after each of its steps, before
   /// what is told of the same instant as an output; where the jump of a law acts there, once more behind it, `jumped`.
   using Step = std::function<void(int copy, const State&, bool jumped)>;
+  /// Asked again and again, with the time that all copies of eight have reached, s; false breaks all of them off.
+  using GoOn = std::function<bool(double t)>;
   /// Runs all copies from their starts (assembled, in the slots' own coordinates; each may have its own t) through all
   /// `times` (ascending, s), on which their steps end. A copy that fails does not stop the others; its report says why.
-  /// `step`: who follows every step, as what counts turns does. Throws ModelError for wrong arguments.
+  /// One whose start violates the constraints by more than 1e-6 m fails, as one whose steps become too many does
+  /// (StepLoopOptions::max_steps). `step`: who follows every step, as what counts turns does. Throws ModelError for wrong
+  /// arguments, and what these functions throw.
   std::vector<CopyReport> run(std::span<const State> starts, std::span<const double> times, const Output& output,
-                              const Step& step = {});
+                              const Step& step = {}, const GoOn& go_on = {});
 
  private:
   struct Work;

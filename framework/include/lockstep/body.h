@@ -108,11 +108,11 @@ struct Plane {
 /// Bodies that move as one. Origin: the common mass centre; axes: those of the first body, in a planar mechanism the
 /// world's at the start.
 struct Slot {
-  std::vector<Body*> bodies;              ///< at least one; the first names the slot in messages
   double mass = 0;                        ///< sum of the masses, kg
   Mat3 J = Mat3::Zero();                  ///< inertia about the origin, slot axes, kg m^2
-  Pose home;                              ///< pose in the world at the start
   Freedoms freedoms = Freedoms::spatial;  ///< particle only when it is a single particle
+  std::vector<Body*> bodies;              ///< at least one; the first names the slot in messages
+  Pose home;                              ///< pose in the world at the start
 };
 
 // BodyMass: the mass matrix of one slot in its unknowns: v (world) and w (slot axes) of a body, v of a particle; in a

@@ -132,6 +132,7 @@ class LOCKSTEP_API KktAssembler {
   /// reads the rows themselves; nothing is copied then, and load() and unload() are not needed. Throws ModelError for
   /// the quaternion formulation with `direct` or in a plane.
   void lay_out(const RowTable& rows, bool direct);
+  void forget() { kkt_ = {}, masses_ = {}, n_links_ = 0; }      ///< gives back its memory: without a layout then
   bool direct() const { return kkt_.pattern.rows != nullptr; }  ///< laid out for a solver that reads the rows
   /// Writes the numbers: jacobians, and the mass blocks where they depend on the pose. `motions`: ground, then slots.
   void update(const RowTable& rows, std::span<const Motion> motions);
@@ -215,11 +216,16 @@ class LOCKSTEP_API Factor {
   /// Forgets what it has learned since keep(). Nothing is factored: what was solved for last cannot be solved with again
   /// before compute() where the links in force were others in between.
   void put_back(const Learned&);
+  /// Gives back the memory of the matrix. What the solver has learned serves the next matrix with the same links in force.
+  void rest();
 
  private:
   void lay_out(const Evaluation&);
   SolveReport solve(const Evaluation&, const VecX& f, const VecX& c, bool moving, VecX& a, VecX& lambda);
-  bool fits(const Evaluation& e) const { return layout_ && (layout_ == e.layout() || *layout_ == *e.layout()); }
+  static bool same(const std::shared_ptr<const Evaluation::Layout>& own, const Evaluation& e) {
+    return own && (own == e.layout() || *own == *e.layout());
+  }
+  bool fits(const Evaluation& e) const { return same(layout_, e); }
 
   const LinearSolver* solver_;
   WorkCount* work_;
@@ -227,6 +233,7 @@ class LOCKSTEP_API Factor {
   std::unique_ptr<Factorization> factorization_;
   std::shared_ptr<const Evaluation::Layout> layout_;  // null: no matrix yet
   VecX f_, c_, a_, lambda_;                           // in the formulation's own unknowns
+  Learned rested_;                                    // while it rests: what it had learned; else without a layout
 };
 
 
@@ -347,11 +354,17 @@ class LOCKSTEP_API Dynamics {
   const Evaluation& gather(const State&);
   /// What links and forces see of this state, without rows; valid until the next call.
   const Inputs& inputs(const State&);
-  /// Gives back the memory of the last evaluation, gather() and evaluate(), where the formulation has joint coordinates
-  /// for the links in force at this state: there steps need rows of closures only. What is asked next is laid out anew.
+  /// Whether rows of all links are laid out, since somebody has gathered or evaluated them.
+  bool holds_rows() const { return evaluation_ != nullptr; }
+  /// Gives back the memory of the last evaluation, gather() and evaluate(), and of its factor, where the formulation has
+  /// joint coordinates for the links in force at this state: there steps need rows of closures only. What is asked next
+  /// is laid out anew; what the solver has learned stays.
   void forget_rows(const State&);
   /// |C| over the rows in force, m (Evaluation::norm). Throws NonFiniteError.
   double violation(const State&);
+  /// The same, in joint coordinates over the rows of closures alone, since joints hold by themselves: rows of other links
+  /// are not laid out.
+  double violation_of_closures(const State&);
   /// |Jh v + Ct| over the rows in force, m/s (Evaluation::norm). Throws NonFiniteError.
   double violation_v(const State&);
 

@@ -96,7 +96,8 @@ class LOCKSTEP_API Stages {
   /// The end of the step: combine() with b.
   void end(const State& y, double h, State& out) const { combine(y, h, b_, out); }
   const StateRate& k(int i) const { return k_[static_cast<std::size_t>(i)]; }  ///< rates of stage i
-  /// Sets the rates of stage i to k, found by other means, with perfect conditioning.
+  /// Sets the rates of stage i to k, found by other means, with perfect conditioning. Throws ModelError for rates of
+  /// another size.
   void put(int i, const StateRate& k);
   /// Conditioning of stage i; perfect where it is not watched.
   const Conditioning& conditioning(int i) const { return conditioning_[static_cast<std::size_t>(i)]; }
@@ -311,7 +312,8 @@ class LOCKSTEP_API SingularRate {
   void begin(const State&);
   /// Finds the rates from states 0.01, 0.02 and 0.03 rad (or parts of System::length) away on both sides along the
   /// velocity; accurate to about 1e-9. False, with `out` untouched, when the mechanism is at rest, when it cannot be
-  /// brought onto the constraints there, or when the sides disagree: then several motions continue from here.
+  /// brought onto the constraints or evaluated there (a law begins or ends), or when the sides disagree: then several
+  /// motions continue from here.
   bool find(Dynamics&, const State&, StateRate& out);
 
  private:
@@ -377,7 +379,7 @@ class LOCKSTEP_API SingularPassage {
   bool first_stage(Dynamics&, const State& y, Stages& stages);
   /// The step to attempt, s, at most h: with its stages on the constraints a step turns no body by more than 0.5 rad and
   /// keeps its stages away from a singular position ahead.
-  double longest(const State& y, double h);
+  double longest(double h);
   /// Whether an attempt came near a singular position and must be repeated with its stages on the constraints, as
   /// stages_on() then says.
   bool enters(const Stages&);
@@ -417,7 +419,8 @@ class LOCKSTEP_API SingularPassage {
   double straddle(double h) const;
   Redundant where_redundant(Dynamics&, const State& y, const StateRate& rate) const;
   double fastest_turn(const State&);
-  double time_to_turn(const State&, double angle);
+  bool look_around(Dynamics&, const State& y, Stages&);
+  double time_to_turn(double angle) const;
   bool find_both_sides(Dynamics&, const State&);
 
   StagesWhen when_;

@@ -43,7 +43,7 @@ struct SweepRun {
   bool failed = false;               ///< `status` is then the reason, and `columns` do not count
   bool broken_off = false;           ///< `go_on` of sweep_run() ended it
   std::string status;                ///< "ok", or "stopped by 'landed'" where an event ended the run
-  std::string energy;    ///< "conserved", "not conserved", "not judged"; "" in lanes, which integrate no works
+  std::string energy;    ///< "conserved", "not conserved", "not judged"; "" in lanes where a law may do work
   double imbalance = 0;  ///< of the energy, relative to what was exchanged (Audit::imbalance_share)
   bool drifted = false;  ///< the violation went beyond its limit
   double violation = 0;  ///< largest |C| after a step, m; in lanes at the outputs

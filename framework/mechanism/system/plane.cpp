@@ -325,6 +325,9 @@ std::optional<ModelError> System::setup_plane() {
     }
   } catch (const ModelError& error) {  // a link or force that cannot be evaluated in planar poses
     return error;
+  } catch (const Error& error) {  // the same of a plugin or the host: where nobody asked for a plane, there is none
+    if (!plane_is_known_) throw;
+    return ModelError(error.what());
   }
   for (std::size_t l = 0; l < forces_.size(); ++l) {
     if (Refusal refusal = check_force(*forces_[l], look.forces[l], plane_)) return refusal;

@@ -84,9 +84,12 @@ void System::setup_merge() {
   for (std::size_t k = 0; k < part_of_.size(); ++k) part_of_[k] = k;
   merged_.assign(links_.size(), false);
   if (!merge_) return;
-  std::unordered_map<const Body*, std::size_t> numbers;
-  for (const Body& body : bodies_) numbers.emplace(&body, numbers.size());
-  const auto number_of = [&](const Body* body) { return numbers.at(body); };
+  std::unordered_map<const Body*, std::size_t> numbers;  // filled where something is merged
+  const auto number_of = [&](const Body* body) {
+    if (numbers.empty())
+      for (const Body& b : bodies_) numbers.emplace(&b, numbers.size());
+    return numbers.at(body);
+  };
   const auto part = [&](std::size_t k) {
     for (; part_of_[k] != k; k = part_of_[k]) part_of_[k] = part_of_[part_of_[k]];  // ways grow shorter
     return k;
@@ -118,6 +121,7 @@ void System::setup_merge() {
     merged_[l] = true;
     join(number_of(p->body), number_of(s->body));
   }
+  if (numbers.empty()) return;
   std::vector<std::vector<std::size_t>> bodies(bodies_.size()), links(bodies_.size());  // of each part
   for (std::size_t k = 0; k < part_of_.size(); ++k) bodies[part_of_[k] = part(k)].push_back(k);
   for (std::size_t k = 0; k < links_.size(); ++k)

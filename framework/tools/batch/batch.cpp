@@ -124,21 +124,22 @@ void Batch::state_rates(const double* y, const Numbers8& t, double* rate) {
   }
   for (int l = 0; l < kLanes; ++l) {
     const auto lane = static_cast<std::size_t>(l);
-    see_motions(l);
-    const Inputs in = inputs(l, y, t[lane]);
     rates_of_one_.setZero();
-    guarded(l, [&] {
-      for (const int number : stateful_) {
-        const Lock& link = *system(l).links()[static_cast<std::size_t>(number)];
-        link.stateful()->state_rates(
-            in, {rates_of_one_.data() + link.first_state(), static_cast<std::size_t>(link.n_own_states())});
-      }
-      const Evaluated values{in, no_accelerations_, no_multipliers_, no_rows_};
-      for (const std::size_t k : integrated_) {
-        const Auxiliary& own = *system(l).auxiliaries()[k];
-        own.rates(values, {rates_of_one_.data() + own.first(), static_cast<std::size_t>(own.size())});
-      }
-    });
+    if (l < n_)
+      guarded(l, [&] {
+        see_motions(l);
+        const Inputs in = inputs(l, y, t[lane]);
+        for (const int number : stateful_) {
+          const Lock& link = *system(l).links()[static_cast<std::size_t>(number)];
+          link.stateful()->state_rates(
+              in, {rates_of_one_.data() + link.first_state(), static_cast<std::size_t>(link.n_own_states())});
+        }
+        const Evaluated values{in, no_accelerations_, no_multipliers_, no_rows_};
+        for (const std::size_t k : integrated_) {
+          const Auxiliary& own = *system(l).auxiliaries()[k];
+          own.rates(values, {rates_of_one_.data() + own.first(), static_cast<std::size_t>(own.size())});
+        }
+      });
     double* to = rate + kL * (n_q_ + n_v_) + lane;
     for (Eigen::Index i = 0; i < rates_of_one_.size(); ++i, to += kLanes) *to = rates_of_one_[i];
   }

@@ -133,7 +133,8 @@ class LOCKSTEP_API Batch {
 
  private:
   std::vector<int> stateful_;            // numbers of links in force with states of their own
-  std::vector<std::size_t> integrated_;  // auxiliaries whose rates are not zero: there are no laws where others are
+  std::vector<std::size_t>
+      integrated_;  // auxiliaries that are evaluated; the others read the power of laws, and there are none
   std::vector<Motion> motions_;
   std::array<VecX, kLanes> states_, memory_;
   VecX wrench_of_one_, rates_of_one_;

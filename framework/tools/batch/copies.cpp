@@ -29,6 +29,15 @@ std::string difference(const System& a, const System& b) {
   if (a.n_slots() != b.n_slots()) return counts("moving bodies", a.n_slots(), b.n_slots());
   if (a.links().size() != b.links().size()) return counts("links", a.links().size(), b.links().size());
   if (a.n_states() != b.n_states()) return counts("states of its own", a.n_states(), b.n_states());
+  if (a.auxiliaries().size() != b.auxiliaries().size())
+    return counts("states of the user's own", a.auxiliaries().size(), b.auxiliaries().size());
+  for (std::size_t k = 0; k < a.auxiliaries().size(); ++k) {
+    const Auxiliary &x = *a.auxiliaries()[k], &y = *b.auxiliaries()[k];
+    if (x.size() != y.size() || x.first() != y.first() || x.controls_error() != y.controls_error() ||
+        x.reads_solution() != y.reads_solution() || x.vanishes_without_laws() != y.vanishes_without_laws() ||
+        x.name() != y.name())
+      return "states '" + y.name() + "' in place of '" + x.name() + "', or of another kind";
+  }
   for (int k = 0; k < a.n_slots(); ++k)
     if (a.slot(k).freedoms != b.slot(k).freedoms)
       return "body '" + b.body_of_slot(k).name + "', which is a particle in one of them only";
@@ -242,7 +251,7 @@ std::vector<bool> Copies::project(std::span<State> states) {
 }
 
 std::vector<CopyReport> Copies::run(std::span<const State> starts, std::span<const double> times, const Output& output,
-                                    const Step& step) {
+                                    const Step& step, const GoOn& go_on) {
   Work& w = *work_;
   w.check_states(starts);
   if (!std::is_sorted(times.begin(), times.end()) ||
@@ -255,23 +264,25 @@ std::vector<CopyReport> Copies::run(std::span<const State> starts, std::span<con
   std::vector<CopyReport> reports(starts.size());
   if (times.empty()) return reports;
   const bool watches = w.method->info().passes_singular && w.options.stabilization.kind == Stabilization::Kind::project;
-  const lanes::RunTask task{w.options, w.formulation, *w.method->scheme(), watches, w.make_integrator, times,
-                            output,    step};
-  for (const auto& batch : w.batches) {
-    const auto n = static_cast<std::size_t>(batch->size());
-    const auto states = starts.subspan(w.first(*batch), n);
-    const std::span<CopyReport> told(reports.data() + w.first(*batch), n);
-    if (w.options.lanes) {
-      lanes::run_lanes(*batch, states, task, told);
-      continue;
-    }
+  const lanes::RunTask task{w.options, w.formulation, *w.method->scheme(), watches, w.make_integrator, times, output,
+                            step,      go_on};
+  const auto run_batch = [&](lanes::Batch& batch) {
+    const auto n = static_cast<std::size_t>(batch.size());
+    const auto states = starts.subspan(w.first(batch), n);
+    const std::span<CopyReport> told(reports.data() + w.first(batch), n);
+    if (w.options.lanes) return lanes::run_lanes(batch, states, task, told);
     for (std::size_t l = 0; l < n; ++l) {
-      System& system = batch->system(static_cast<int>(l));
+      System& system = batch.system(static_cast<int>(l));
       lanes::OutputSchedule schedule;
       schedule.begin(system, states[l].t, times);
       told[l].alone = true;
-      lanes::run_alone(system, batch->first() + static_cast<int>(l), states[l], schedule, w.options.step, task, told[l]);
+      lanes::start_alone(system, batch.first() + static_cast<int>(l), states[l], schedule, task, told[l]);
     }
+  };
+  try {
+    for (const auto& batch : w.batches) run_batch(*batch);
+  } catch (const lanes::CallerThrew& threw) {
+    std::rethrow_exception(threw.what);
   }
   return reports;
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include <lockstep/error.h>
+#include <lockstep/log.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>
 #include "framework/dynamics/simulate/consistency.h"
@@ -50,8 +51,43 @@ void pass_jump(Dynamics& dynamics, State& state, double t) {
   make_consistent(dynamics, state, "the jump of a law", limit);
 }
 
+void watch_pace(Pace& pace, const RunTask& task, int copy, double end, double advised, double t, long n) {
+  const bool adaptive = task.scheme.error != nullptr;
+  const std::string slow = pace.watch({task.options.integrator, adaptive, end, advised, task.options.max_steps}, t, n);
+  if (!slow.empty()) log_warning(fmt::format("copy {}: {}", copy, slow));
+}
+
+void check_copy(Dynamics& dynamics, const State& start) { check_start(dynamics, start, StepLoopOptions().start_limit); }
+
+namespace {
+
+template <class Act>
+void by_caller(Act&& act) {
+  try {
+    act();
+  } catch (...) {
+    throw CallerThrew{std::current_exception()};
+  }
+}
+
+}  // namespace
+
+void RunTask::tell(int copy, std::size_t time, const State& state) const {
+  by_caller([&] { output(copy, time, state); });
+}
+
+void RunTask::tell_step(int copy, const State& state, bool jumped) const {
+  by_caller([&] { step(copy, state, jumped); });
+}
+
+void RunTask::go_on_from(double t) const {
+  bool on = true;
+  by_caller([&] { on = !go_on || go_on(t); });
+  if (!on) throw StepError("broken off", t);
+}
+
 void run_alone(System& system, int copy, State state, OutputSchedule schedule, double h, const RunTask& task,
-               CopyReport& report) {
+               CopyReport& report, Pace pace) {
   try {
     DynamicsOptions options;
     options.stabilization = task.options.stabilization;
@@ -67,7 +103,7 @@ void run_alone(System& system, int copy, State state, OutputSchedule schedule, d
       if (!task.step) return;
       State told = state;
       dynamics.to_slots(told);
-      task.step(copy, told, jumped);
+      task.tell_step(copy, told, jumped);
     };
     const auto arrive = [&] {
       bool output = false;
@@ -81,22 +117,20 @@ void run_alone(System& system, int copy, State state, OutputSchedule schedule, d
       state.t = t;
       State told = state;
       dynamics.to_slots(told);
-      task.output(copy, schedule.next() - 1, told);
+      task.tell(copy, schedule.next() - 1, told);
     };
     const double largest = task.options.max_step > 0 ? task.options.max_step : std::numeric_limits<double>::infinity();
     report.t = state.t;
     const double t_start = state.t;
-    long n_slow = 0;
     while (!schedule.done()) {
       while (!schedule.done() && schedule.reach() <= state.t) arrive();  // the start may be an output time
       if (schedule.done()) break;
-      if (h > 0 && !fixed) {
-        n_slow = schedule.end() - state.t > kMostSteps * h ? n_slow + 1 : 0;
-        if (step_is_round_off(h, state.t, schedule.end() - t_start) || n_slow > kSlow)
-          throw StepError(
-              fmt::format("{}: the step shrank to {:.3g} s at t = {:.9g} s", integrator->info().name, h, state.t),
-              state.t);
-      }
+      task.go_on_from(state.t);
+      watch_pace(pace, task, copy, schedule.end(), h, state.t, report.steps);
+      if (h > 0 && !fixed && step_is_round_off(h, state.t, schedule.end() - t_start))
+        throw StepError(
+            fmt::format("{}: the step shrank to {:.3g} s at t = {:.9g} s", integrator->info().name, h, state.t),
+            state.t);
       if (!(h > 0)) h = integrator->first_step(dynamics, state, std::min(largest, schedule.reach() - state.t));
       const double asked = schedule.step(state.t, std::min(h, largest), fixed);
       const bool lands = schedule.lands(state.t, asked);
@@ -105,9 +139,11 @@ void run_alone(System& system, int copy, State state, OutputSchedule schedule, d
       if (state.coordinates) state.coordinates->take_off_turns(state);
       ++report.steps, report.rejected += step.rejected;
       if (step.h_next > 0) h = advised_after(h, asked, step.h, step.h_next);
+      const bool landed = lands && step.h >= asked;
+      if (landed) state.t = schedule.reach();
       report.t = state.t;
       tell_step(false);
-      if (!lands || step.h < asked) continue;
+      if (!landed) continue;
       arrive();
       report.t = state.t;
     }
@@ -115,6 +151,20 @@ void run_alone(System& system, int copy, State state, OutputSchedule schedule, d
     report.finished = false;
     report.error = error.what();
   }
+}
+
+void start_alone(System& system, int copy, const State& start, const OutputSchedule& schedule, const RunTask& task,
+                 CopyReport& report) {
+  try {
+    Dynamics dynamics(system, std::make_unique<SchurSolver>(), {Formulation::omega, task.options.stabilization});
+    check_copy(dynamics, start);
+  } catch (const Error& error) {
+    report.finished = false, report.t = start.t, report.error = error.what();
+    return;
+  }
+  Pace pace;
+  pace.start(start.t);
+  run_alone(system, copy, start, schedule, task.options.step, task, report, pace);
 }
 
 }  // namespace lockstep::lanes

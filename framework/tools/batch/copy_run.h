@@ -1,12 +1,14 @@
 // The run of one batch, in lanes or one copy after another. Private to the room.
 #pragma once
 
+#include <exception>
 #include <limits>
 #include <vector>
 
-#include <lockstep/stepping.h>
-#include "framework/tools/batch/batch.h"
 #include <lockstep/batch.h>
+#include <lockstep/stepping.h>
+#include "framework/dynamics/simulate/pace.h"
+#include "framework/tools/batch/batch.h"
 
 namespace lockstep::lanes {
 
@@ -34,6 +36,10 @@ class OutputSchedule {
   std::size_t next_ = 0, next_jump_ = 0;
 };
 
+struct CallerThrew {
+  std::exception_ptr what;
+};
+
 struct RunTask {
   const CopiesOptions& options;
   Formulation formulation;  ///< joint or omega
@@ -43,15 +49,30 @@ struct RunTask {
   std::span<const double> times;
   const Copies::Output& output;
   const Copies::Step& step;
+  const Copies::GoOn& go_on;
+
+  /// What the caller's own functions throw leaves the run as CallerThrew, which is no failure of a copy.
+  void tell(int copy, std::size_t time, const State&) const;
+  void tell_step(int copy, const State&, bool jumped) const;
+  /// Throws StepError if the run is to be broken off.
+  void go_on_from(double t) const;
 };
 
 /// Takes a state from the near side of the jump of a law to its instant t, in the slots' own coordinates: velocities that
 /// jump are projected, as StepLoop does. Throws AssemblyError where positions jump, and what the laws throw.
 void pass_jump(Dynamics&, State&, double t);
 
+/// Watches the pace of a copy that has made n steps and reached t, as StepLoop does. Throws what Pace::watch does.
+void watch_pace(Pace&, const RunTask&, int copy, double end, double advised, double t, long n);
+
+/// Throws AssemblyError where a start, in the slots' own coordinates, violates the constraints, as StepLoop does.
+void check_copy(Dynamics&, const State&);
+
 /// Runs from `state` to the end of the schedule with the scalar Dynamics and integrator, or until it fails. `h`: first
-/// step; 0: the method's own guess.
-void run_alone(System&, int copy, State state, OutputSchedule schedule, double h, const RunTask&, CopyReport&);
+/// step; 0: the method's own guess. The pace: of the steps so far, which the report counts.
+void run_alone(System&, int copy, State state, OutputSchedule schedule, double h, const RunTask&, CopyReport&, Pace);
+/// The same from a start, which is checked.
+void start_alone(System&, int copy, const State& start, const OutputSchedule&, const RunTask&, CopyReport&);
 
 /// Runs all copies of a batch in lanes; run_alone finishes those that fail there.
 void run_lanes(Batch&, std::span<const State> starts, const RunTask&, std::span<CopyReport>);

@@ -24,7 +24,7 @@ const MarkerLock* plain_lock(const Lock& link) {
 // Whether its rates need more than coordinates and velocities.
 bool reads_solution(const Auxiliary& own, const System& system) {
   if (!own.reads_solution() || !own.vanishes_without_laws()) return own.reads_solution();
-  return std::ranges::any_of(system.links(), [](const auto& link) { return may_have_laws(*link); });
+  return may_have_laws(system);
 }
 
 bool law_on(const Marker& m) { return m.translation_law || m.rotation_law; }

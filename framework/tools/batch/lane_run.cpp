@@ -31,6 +31,7 @@ struct Lane {
   double advised = 0, asked = 0;
   OutputSchedule schedule;
   PiControl control;
+  Pace pace;
   ErrorNorm norm;
   Pivots first, stages;     // of the first stage, and of all of them
   double usual = HUGE_VAL;  // number of small pivots: those of rows that are redundant everywhere
@@ -59,7 +60,7 @@ class LaneRun {
   void run(std::span<const State> starts) {
     if (task_.watches) batch_.watch_pivots();
     begin(starts);
-    while (std::any_of(lanes_.begin(), lanes_.end(), [](const Lane& lane) { return lane.going; })) {
+    while (std::any_of(lanes_.begin(), lanes_.end(), [](const Lane& lane) { return lane.going; }) && goes_on()) {
       choose_steps();
       attempt();
     }
@@ -73,6 +74,7 @@ class LaneRun {
   void cross_jump(int lane, double t);
   void arrive(int lane);
   void tell_step(int lane, bool jumped);
+  bool goes_on();
   void choose_steps();
   void attempt();
   Flags8 evaluate_stages();
@@ -118,6 +120,10 @@ void LaneRun::begin(std::span<const State> starts) {
     starts_.push_back(starts[l < starts.size() ? l : 0]);
     lanes_[l].going = l < starts.size();
     try {
+      if (l < starts.size()) {
+        Dynamics dynamics = dynamics_of(static_cast<int>(l));
+        check_copy(dynamics, starts[l]);
+      }
       batch_.to_batch(static_cast<int>(l), starts_[l]);
       if (first_good < 0) first_good = static_cast<int>(l);
     } catch (const Error& error) {  // a law
@@ -147,6 +153,7 @@ void LaneRun::begin(std::span<const State> starts) {
     the.norm.set_states(batch_.system(lane).n_error_controlled_states());
     the.norm.scale(start, 1.0);
     the.control.begin();
+    the.pace.start(start.t);
     reports_[l].t = start.t;
     while (the.going && the.schedule.reach() <= start.t) arrive(lane);
     if (the.going) the.advised = task_.options.step > 0 ? task_.options.step : first_step(lane, start);
@@ -205,7 +212,7 @@ void LaneRun::arrive(int lane) {
     return fail(lane, error);
   }
   if (output)
-    task_.output(batch_.first() + lane, the.schedule.next() - 1, told_);
+    task_.tell(batch_.first() + lane, the.schedule.next() - 1, told_);
   else
     tell_step(lane, true);
   the.going = the.going && !the.schedule.done();
@@ -221,7 +228,7 @@ void LaneRun::tell_step(int lane, bool jumped) {
   } catch (const Error& error) {  // a law
     return fail(lane, error);
   }
-  task_.step(batch_.first() + lane, told_, jumped);
+  task_.tell_step(batch_.first() + lane, told_, jumped);
 }
 
 // Takes a copy from t, on the near side of the jump of a law, to its instant.
@@ -235,6 +242,21 @@ void LaneRun::cross_jump(int lane, double t) {
   batch_.to_batch(lane, state);
   batch_.put(lane, state, y_.data());
   jumped_ = true;
+}
+
+// False: the run is broken off, all copies have failed.
+bool LaneRun::goes_on() {
+  double reached = HUGE_VAL;
+  for (std::size_t l = 0; l < kL; ++l)
+    if (lanes_[l].going) reached = std::min(reached, t_[l]);
+  try {
+    task_.go_on_from(reached);
+  } catch (const StepError& error) {
+    for (std::size_t l = 0; l < kL; ++l)
+      if (lanes_[l].going) fail(static_cast<int>(l), error);
+    return false;
+  }
+  return true;
 }
 
 void LaneRun::choose_steps() {
@@ -404,7 +426,7 @@ void LaneRun::accept(int lane, double error) {
   batch_.take_off_turns(lane, y_.data());
   batch_.accept(lane);
   first_done_ = false;
-  t_[l] += h_[l];
+  t_[l] = the.lands ? the.schedule.reach() : t_[l] + h_[l];
   reports_[l].t = t_[l];
   ++reports_[l].steps;
   if (!fixed_) {
@@ -414,6 +436,8 @@ void LaneRun::accept(int lane, double error) {
   the.rejected = false;
   try {
     update_memory(lane);
+    if (!the.schedule.done() && t_[l] < the.schedule.end())
+      watch_pace(the.pace, task_, batch_.first() + lane, the.schedule.end(), the.advised, t_[l], reports_[l].steps);
   } catch (const Error& failure) {
     return fail(lane, failure);
   }
@@ -451,7 +475,8 @@ void LaneRun::leave(int lane) {
   } catch (const Error& error) {
     return fail(lane, error);
   }
-  run_alone(batch_.system(lane), batch_.first() + lane, std::move(state), lanes_[l].schedule, h, task_, reports_[l]);
+  run_alone(batch_.system(lane), batch_.first() + lane, std::move(state), lanes_[l].schedule, h, task_, reports_[l],
+            lanes_[l].pace);
 }
 
 void LaneRun::fail(int lane, const Error& error) {

@@ -207,7 +207,7 @@ class Sweep {
     std::vector<Table> histories(scenes.size());
     std::vector<SweepRun> runs =
         sweep_lanes(scenes, plan_.loaded.registry, plan_.columns,
-                    watch(share, scenes.front().run.until, static_cast<double>(group.n)), &histories);
+                    watch_time(share, scenes.front().run.until, static_cast<double>(group.n)), &histories);
     if (runs.empty()) return queue_.split(group);
     std::vector<FinishedRun> done;
     for (std::size_t i = 0; i < runs.size(); ++i) {
@@ -260,11 +260,14 @@ class Sweep {
   }
 
   long number(long k) const { return Grid::run(plan_.shard, k); }
-  std::function<bool(const State&)> watch(std::atomic<double>& share, double until, double n) {
-    return [this, &share, until, n](const State& s) {
-      share = n * std::min(s.t / until, 1.0);
+  std::function<bool(double)> watch_time(std::atomic<double>& share, double until, double n) {
+    return [this, &share, until, n](double t) {
+      share = n * std::min(t / until, 1.0);
       return go_on();
     };
+  }
+  std::function<bool(const State&)> watch(std::atomic<double>& share, double until, double n) {
+    return [watch = watch_time(share, until, n)](const State& s) { return watch(s.t); };
   }
 
   // Writes the history of a run, if it was asked for and there is one.

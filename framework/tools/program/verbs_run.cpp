@@ -45,8 +45,8 @@ constexpr const char* kSweepFooter =
 list is given by its name or by its number, counted from 0. Units are those of scenes: bodies.arm.mass=200g:1kg:5.
 Several --vary make the full grid. Each run is one row: its number, the values, final, min and max of each recorded
 column, the verdict on its energy with the imbalance, its largest violation, steps, CPU seconds, status. A run that
-fails is a row with its reason, and the exit code is 1; 9 where a run did not conserve energy or drifted. Runs in lanes
-integrate no works, and their energy is not judged (--lanes off). Ctrl-C keeps the rows so far; --resume goes on.
+fails is a row with its reason, and the exit code is 1; 9 where a run did not conserve energy or drifted. In lanes the
+energy is not judged where a law may move a link (--lanes off). Ctrl-C keeps the rows so far; --resume goes on.
 
 Example:
   lockstep sweep pendulum.json --vary bodies.rod.rod.mass=1:5:100 --vary gravity.1=-9.81,-1.62 --record moon.csv

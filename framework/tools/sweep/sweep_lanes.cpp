@@ -14,8 +14,6 @@ namespace {
 
 const StepReport kNoReport{};  // lanes report no steps
 
-struct BrokenOff {};  // thrown by the output, to leave Copies::run
-
 /// One run, at a fixed address.
 struct Lane {
   Mechanism mechanism;
@@ -46,9 +44,10 @@ std::string unsuited(const RunSettings& run) {
 std::string unsuited(Mechanism& m) {
   if (!m.events.empty()) return "the scene has events";
   for (const ChannelRequest& request : m.run.record) {
-    if (request.channel == "step" || request.channel == "rejected" || request.channel.starts_with("solver."))
+    if (request.channel == "step" || request.channel == "rejected" || request.channel == "evaluations" ||
+        request.channel.starts_with("solver."))
       return "column \"" + request.channel + "\" is about steps and solutions of a run by itself";
-    make_channel(m.system, request.channel);
+    make_channel(m.system, request.channel);  // works add their states to the system
   }
   return Copies::unsuited(m.system, m.run.formulation);
 }
@@ -57,7 +56,8 @@ bool alike(const RunSettings& a, const RunSettings& b) {
   return a.integrator.type == b.integrator.type && a.until == b.until && a.step == b.step && a.output == b.output &&
          a.times == b.times && a.tolerance.relative == b.tolerance.relative &&
          a.tolerance.atol_x == b.tolerance.atol_x && a.stabilization.kind == b.stabilization.kind &&
-         a.stabilization.tolerance == b.stabilization.tolerance && a.formulation == b.formulation;
+         a.stabilization.tolerance == b.stabilization.tolerance && a.formulation == b.formulation &&
+         a.max_steps == b.max_steps;
 }
 
 // The output times of a run.
@@ -83,8 +83,7 @@ std::unique_ptr<Lane> make_lane(const Scene& scene, const Registry& registry) {
 void prepare(Lane& lane, const Registry& registry) {
   Mechanism& m = lane.mechanism;
   lane.recorder = make_recorder(m);
-  if (std::ranges::none_of(m.system.links(), [](const auto& link) { return may_have_laws(*link); }))
-    lane.audit = std::make_unique<EnergyAudit>(m.system, m.run.limits);
+  if (!may_have_laws(m.system)) lane.audit = std::make_unique<EnergyAudit>(m.system, m.run.limits);
   lane.follows_steps = lane.audit != nullptr || std::ranges::any_of(m.run.record, [&](const ChannelRequest& request) {
                          return make_channel(m.system, request.channel).track != nullptr;
                        });
@@ -100,13 +99,13 @@ CopiesOptions options_of(const RunSettings& run, const Registry& registry) {
   CopiesOptions options;
   options.registry = &registry;
   options.integrator = run.integrator.type, options.tolerance = run.tolerance;
-  options.max_step = run.step, options.stabilization = run.stabilization;
+  options.max_step = run.step, options.max_steps = run.max_steps, options.stabilization = run.stabilization;
   options.formulation = run.formulation;
   return options;
 }
 
 std::vector<CopyReport> run_together(std::vector<std::unique_ptr<Lane>>& lanes, std::span<const double> times,
-                                     const Registry& registry, const std::function<bool(const State&)>& go_on) {
+                                     const Registry& registry, const std::function<bool(double)>& go_on) {
   std::vector<System*> systems;
   std::vector<State> starts;
   for (const auto& lane : lanes) systems.push_back(&lane->mechanism.system), starts.push_back(lane->start);
@@ -117,7 +116,6 @@ std::vector<CopyReport> run_together(std::vector<std::unique_ptr<Lane>>& lanes, 
     lane.recorder->output(sample);
     if (lane.audit) lane.audit->output(sample);
     if (const double now = lane.dynamics->violation(state); !(now <= lane.violation)) lane.violation = now;
-    if (go_on && !go_on(state)) throw BrokenOff();
   };
   Copies::Step step;
   if (std::ranges::any_of(lanes, [](const auto& lane) { return lane->follows_steps; }))
@@ -128,7 +126,7 @@ std::vector<CopyReport> run_together(std::vector<std::unique_ptr<Lane>>& lanes, 
       jumped ? lane.recorder->jumped(sample) : lane.recorder->step(sample);
       if (lane.audit) jumped ? lane.audit->jumped(sample) : lane.audit->step(sample);
     };
-  return copies.run(starts, times, output, step);
+  return copies.run(starts, times, output, step, go_on);
 }
 
 // Energy and drift; in lanes the latter is seen at outputs.
@@ -148,10 +146,15 @@ std::string unsuited_for_lanes(const Scene& scene, const Registry& registry) {
 }
 
 std::vector<SweepRun> sweep_lanes(std::span<const Scene> scenes, const Registry& registry, const Table& like,
-                                  const std::function<bool(const State&)>& go_on, std::vector<Table>* histories) {
+                                  const std::function<bool(double)>& go_on, std::vector<Table>* histories) {
   const double begin = thread_seconds();
   std::vector<std::unique_ptr<Lane>> lanes;
   std::vector<CopyReport> reports;
+  bool broken_off = false;
+  const auto goes_on = [&](double t) {
+    broken_off = broken_off || (go_on && !go_on(t));
+    return !broken_off;
+  };
   try {
     for (const Scene& scene : scenes) {
       if (!unsuited(scene.run).empty()) return {};
@@ -163,20 +166,22 @@ std::vector<SweepRun> sweep_lanes(std::span<const Scene> scenes, const Registry&
     }
     const std::vector<double> times = output_times(scenes.front().run);
     if (lanes.empty() || times.empty()) return {};
-    reports = run_together(lanes, times, registry, go_on);
-  } catch (const BrokenOff&) {
+    reports = run_together(lanes, times, registry, goes_on);
+  } catch (const Error&) {
+    return {};  // a run fails: run one by one, each gets its own reason
+  }
+  if (broken_off) {
     SweepRun broken;
     broken.broken_off = true;
     return std::vector<SweepRun>(scenes.size(), broken);
-  } catch (const Error&) {
-    return {};  // a run fails: run one by one, each gets its own reason
   }
   const double cpu = (thread_seconds() - begin) / static_cast<double>(lanes.size());
   std::vector<SweepRun> runs;
   for (std::size_t i = 0; i < lanes.size(); ++i) {
     Table* history = histories != nullptr ? &(*histories)[i] : nullptr;
     if (!reports[i].finished || !reports[i].error.empty()) {
-      runs.push_back(sweep_run(scenes[i], registry, like, go_on, history));
+      runs.push_back(sweep_run(
+          scenes[i], registry, like, [&](const State& s) { return goes_on(s.t); }, history));
       runs.back().cpu += cpu;
       continue;
     }

@@ -1,0 +1,33 @@
+// Pace: whether a run has an end in sight, by counts of its steps. Internal to the step loop and to batch runs.
+#pragma once
+
+#include <string>
+
+#include <lockstep/export.h>
+
+namespace lockstep {
+
+/// What a run's pace is judged by.
+struct PacedRun {
+  const std::string& method;  ///< name, for messages
+  bool adaptive;              ///< it chooses its steps
+  double end;                 ///< s; infinity: none is known
+  double advised;             ///< length of the next step, s
+  long max_steps;             ///< 0: no limit
+};
+
+struct LOCKSTEP_API Pace {
+  static constexpr long kPaced = 10000;  ///< steps over which the pace is measured
+
+  void start(double t) { *this = {t, 0, 0, false}; }
+  /// After a step to t, the n-th of the run. Returns a warning, once, where the rest will take very many steps; ""
+  /// otherwise. Throws StepError where it has no end in sight, or max_steps are made.
+  std::string watch(const PacedRun&, double t, long n);
+
+  double from = 0;   ///< when the present steps for the pace began, s
+  long n_steps = 0,  ///< since then
+      n_slow = 0;    ///< in a row that advised too short steps
+  bool warned = false;
+};
+
+}  // namespace lockstep
