@@ -103,9 +103,7 @@ void for_each_value(const Value& value, const Keys& keys, const std::string* fil
 }
 
 // Whether a text under these keys names a file: the mesh of a shape does, that of a gear says how it meshes.
-bool names_file(const Keys& keys) {
-  return keys.own == "file" || (keys.own == "mesh" && keys.of_object == "shapes");
-}
+bool names_file(const Keys& keys) { return keys.own == "file" || (keys.own == "mesh" && keys.of_object == "shapes"); }
 
 // Calls visit(value, file, its name as written) for every file that a scene is read from: the scenes that it includes,
 // and what "file", and "mesh" of a shape, name.
