@@ -298,6 +298,46 @@ TEST_CASE("a scene reads files of its own folder only, unless it may", "[runner]
   CHECK(include("../part.json", "--allow-files").exit == 0);
 }
 
+TEST_CASE("a scene named from its own folder reads the files beside it", "[runner]") {
+  fs::create_directories(kFolder + "/beside");
+  const std::string cd = "cd '" + kFolder + "/beside' && ";
+  // how a gear meshes is no file
+  std::ofstream(kFolder + "/beside/gears.json") << R"({"lockstep": 1, "bodies": [
+      {"name": "sun", "cylinder": {"mass": 1, "radius": 0.1, "length": 0.02}},
+      {"name": "ring", "cylinder": {"mass": 1, "radius": 0.2, "length": 0.02}}],
+    "links": [{"name": "A", "type": "revolute", "p": "sun", "s": "ground", "at": [0, 0, 0]},
+      {"name": "B", "type": "revolute", "p": "ring", "s": "ground", "at": [0, 0, 0]},
+      {"name": "G", "type": "gear", "pairs": ["A", "B"], "teeth_1": 20, "teeth_2": 40, "mesh": "internal"}],
+    "run": {"until": 0.1, "output": 0.1, "record": ["A.angle_z"]}})";
+  for (const char* words : {"lockstep check gears.json", "lockstep check ./gears.json", "lockstep check - < gears.json",
+                            "lockstep run gears.json --record gears.csv"}) {
+    const Called r = shell(cd + words);
+    CAPTURE(words, r.text);
+    CHECK(r.exit == 0);
+  }
+  // what is not there cannot be read; what lies outside may not be, whether it is there or not
+  const auto check = [&](const std::string& file) {
+    std::ofstream(kFolder + "/beside/driven.json")
+        << R"({"lockstep": 1, )" << kArm << R"("links": [{)" << kHinge
+        << R"(, "drive": {"axis": "rz", "law": {"type": "spline", "file": ")" << file
+        << R"("}}}], "run": {"until": 1, "output": 0.5, "record": ["arm.x"]}})";
+    return shell(cd + "lockstep check driven.json");
+  };
+  for (const char* file : {"nothere.csv", "sub/nothere.csv", "./nothere.csv", "../beside/nothere.csv"}) {
+    const Called r = check(file);
+    CAPTURE(file, r.text);
+    CHECK(r.exit == 8);
+    CHECK(contains(r.text, "nothere.csv: cannot be opened"));
+    CHECK_FALSE(contains(r.text, "outside"));
+  }
+  for (const char* file : {"../nothere.csv", "/nothere.csv", "sub/../../nothere.csv"}) {
+    const Called r = check(file);
+    CAPTURE(file, r.text);
+    CHECK(r.exit == 2);
+    CHECK(contains(r.text, "\"" + std::string(file) + "\" is outside of the scene's folder"));
+  }
+}
+
 TEST_CASE("what a full standard output swallows is told", "[runner]") {
   CHECK(shell("lockstep check '" + kFourBar + "' --json > /dev/full").exit == 8);
 }

@@ -183,6 +183,37 @@ TEST_CASE("an event is met where its condition passes to and fro inside a step",
   CHECK(run.state().t == Approx(when).margin(2e-9));
 }
 
+TEST_CASE("a condition that is zero at the start and goes on in its sense does not fire, and that is said",
+          "[unit][dynamics]") {
+  // z = 10 t - 5 t^2 from the level z = 0: rises from it at once, falls back onto it after 2 s
+  const auto told = [](Event::Crossing crossing, double speed, double level, double& met) {
+    Stone stone;
+    Dynamics dynamics = dynamics_of(stone.system);
+    StepLoop run(dynamics, std::make_unique<Dopri5>(), {.output = 0.1});
+    run.set_state(stone.thrown(speed));
+    Event event{.name = "level", .stop = true};
+    event.value = [=](const Sample& s) { return s.state.q[2] - level; };
+    event.crossing = crossing;
+    run.add_event(event);
+    run.run_until(3);
+    met = run.state().t;
+    return run.report().warnings;
+  };
+  double met = 0;
+  const auto up = told(Event::Crossing::rising, 10, 0, met);
+  REQUIRE(up.size() == 1);  // once
+  check_words(up[0], {"event 'level'", "zero at the start", "again"});
+  CHECK(met == 3);
+  const auto down = told(Event::Crossing::falling, -10, 0, met);
+  REQUIRE(down.size() == 1);
+  check_words(down[0], {"event 'level'", "zero at the start", "again"});
+  CHECK(met == 3);
+  CHECK(told(Event::Crossing::falling, 10, 0, met).empty());  // leaves zero on the other side: it does cross
+  CHECK(met == Approx(2).margin(1e-8));
+  CHECK(told(Event::Crossing::rising, 10, 1e-9, met).empty());
+  CHECK(met == Approx(1e-10).epsilon(0.1));
+}
+
 TEST_CASE("events say what they leave out", "[unit][dynamics]") {
   Stone stone;
   Dynamics dynamics = dynamics_of(stone.system);

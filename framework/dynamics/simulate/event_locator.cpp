@@ -6,6 +6,7 @@
 #include <array>
 #include <boost/math/tools/minima.hpp>
 #include <cmath>
+#include <utility>
 
 #include <lockstep/error.h>
 #include "framework/dynamics/simulate/root_finder.h"
@@ -16,6 +17,11 @@ namespace lockstep {
 namespace {
 
 constexpr double kNotMet = std::numeric_limits<double>::infinity();
+
+// Whether the condition's value is on the side to which a crossing in one sense leads.
+bool is_past(Event::Crossing crossing, double value) {
+  return crossing == Event::Crossing::rising ? value > 0 : crossing == Event::Crossing::falling && value < 0;
+}
 
 }  // namespace
 
@@ -60,6 +66,8 @@ void EventLocator::join(const State& state) {
 
 void EventLocator::start(double t) {
   watched_.assign(events_.size(), {});
+  first_step_ = true;
+  left_zero_.clear();
   for (std::size_t i = 0; i < events_.size(); ++i) watched_[i].over = !events_[i].value && events_[i].at < t;
 }
 
@@ -175,8 +183,19 @@ bool EventLocator::locate(State& state) {
   } else if (kept) {
     interval_.restore_method();
   }
+  if (first_step_) note_left_zero();
+  first_step_ = false;
   for (Watched& w : watched_) w.value = w.now;
   return std::isfinite(first);
+}
+
+// Only the first step shows it: zero is on no side.
+void EventLocator::note_left_zero() {
+  for (std::size_t i = 0; i < events_.size(); ++i) {
+    const Watched& w = watched_[i];
+    if (events_[i].value && !w.over && w.value == 0 && is_past(events_[i].crossing, w.now))
+      left_zero_.push_back(events_[i].name);
+  }
 }
 
 EventLocator::Due EventLocator::due(std::size_t i, double t) const {
@@ -191,15 +210,12 @@ void EventLocator::done(std::size_t i, double t) {
   w.over = events_[i].once || !events_[i].value;
 }
 
+std::vector<std::string> EventLocator::take_left_zero() { return std::exchange(left_zero_, {}); }
+
 std::vector<std::string> EventLocator::past_at_start() const {
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < events_.size(); ++i) {
-    const double g = watched_[i].value;
-    if (!events_[i].value) continue;
-    if (events_[i].crossing == Event::Crossing::rising ? g > 0
-                                                       : events_[i].crossing == Event::Crossing::falling && g < 0)
-      names.push_back(events_[i].name);
-  }
+  for (std::size_t i = 0; i < events_.size(); ++i)
+    if (events_[i].value && is_past(events_[i].crossing, watched_[i].value)) names.push_back(events_[i].name);
   return names;
 }
 
@@ -213,6 +229,7 @@ void EventLocator::save(Snapshot& out) const {
 }
 
 void EventLocator::load(const Snapshot& in) {
+  first_step_ = false;
   const long n = in.get_count();
   if (n != static_cast<long>(events_.size()))
     throw ModelError(fmt::format("the run was saved with {} events and has {}; add the same before it is loaded", n,

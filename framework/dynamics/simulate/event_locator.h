@@ -43,6 +43,9 @@ class EventLocator {
   void done(std::size_t i, double t);
   /// Names of the events that wait for a crossing in one sense whose far side the run starts on.
   std::vector<std::string> past_at_start() const;
+  /// Names of the events that wait for a crossing in one sense and whose condition was zero at the start and went to the
+  /// far side in the first step: told once, after it.
+  std::vector<std::string> take_left_zero();
 
   // -- checkpoints
   void save(Snapshot&) const;
@@ -65,11 +68,14 @@ class EventLocator {
   double root_between(std::size_t event, const Point& a, const Point& b);
   double locate_inside(std::size_t event, const Point& a, const Point& b);
   double locate_turn(std::size_t event, const Point& a, const Point& middle, const Point& b);
+  void note_left_zero();
 
   Dynamics& dynamics_;
   StepInterval& interval_;
   std::deque<Event> events_;  // a deque, so that references stay valid
   std::vector<Watched> watched_;
+  std::vector<std::string> left_zero_;
+  bool first_step_ = false;
 };
 
 }  // namespace lockstep

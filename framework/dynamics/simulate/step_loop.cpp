@@ -265,6 +265,11 @@ void StepLoop::advance(double limit, double largest) {
     throw;
   }
   ++report_.steps;
+  for (const std::string& name : events.take_left_zero())
+    warn(
+        fmt::format("event '{}': its condition is zero at the start, from where it did not cross; it falls due only "
+                    "when it passes zero again",
+                    name));
   measure_turns(step.h);
   report_.rejected += step.rejected;
   if (step.manifold) ++report_.manifold_steps;

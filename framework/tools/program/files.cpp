@@ -81,33 +81,41 @@ void check_writable(const std::string& file) {
 
 namespace {
 
-// Calls visit(value, key, its folder) for every value, whose folder is that of the file in which it stands. `file`: that of
-// the folder; null: not known.
+// Under which key a value stands, and under which one the object that holds it; items of a list stand under the list's.
+struct Keys {
+  std::string own{}, of_object{};
+};
+
+// Calls visit(value, its keys, its folder) for every value, whose folder is that of the file in which it stands. `file`:
+// that of the folder; null: not known.
 template <class Visit>
-void for_each_value(const Value& value, const std::string& key, const std::string* file, const fs::path& folder,
+void for_each_value(const Value& value, const Keys& keys, const std::string* file, const fs::path& folder,
                     Visit&& visit) {
   if (value.where.file && value.where.file.get() != file) {
     const std::string& other = *value.where.file;
-    return for_each_value(value, key, &other, fs::path(other).parent_path(), visit);
+    return for_each_value(value, keys, &other, fs::path(other).parent_path(), visit);
   }
-  visit(value, key, folder);
+  visit(value, keys, folder);
   if (const Value::List* list = value.list())
-    for (const Value& item : *list) for_each_value(item, key, file, folder, visit);
+    for (const Value& item : *list) for_each_value(item, keys, file, folder, visit);
   if (const Value::Object* object = value.object())
-    for (const auto& member : *object) for_each_value(member.value, member.key, file, folder, visit);
+    for (const auto& member : *object) for_each_value(member.value, {member.key, keys.own}, file, folder, visit);
 }
 
+// Whether a text under these keys names a file: the mesh of a shape does, that of a gear says how it meshes.
+bool names_file(const Keys& keys) { return keys.own == "file" || (keys.own == "mesh" && keys.of_object == "shapes"); }
+
 // Calls visit(value, file, its name as written) for every file that a scene is read from: the scenes that it includes,
-// and what keys "file" and "mesh" name.
+// and what "file", and "mesh" of a shape, name.
 template <class Visit>
 void for_each_file(const Scene& scene, Visit&& visit) {
   const std::string* last = nullptr;
-  for_each_value(scene.root, "", nullptr, fs::path(scene.file).parent_path(),
-                 [&](const Value& value, const std::string& key, const fs::path& folder) {
+  for_each_value(scene.root, {}, nullptr, fs::path(scene.file).parent_path(),
+                 [&](const Value& value, const Keys& keys, const fs::path& folder) {
                    const std::string* file = value.where.file.get();
                    if (file != nullptr && file != last && *file != scene.file) visit(value, fs::path(*file), *file);
                    if (file != nullptr) last = file;
-                   if (const std::string* name = value.text(); name != nullptr && (key == "file" || key == "mesh"))
+                   if (const std::string* name = value.text(); name != nullptr && names_file(keys))
                      visit(value, folder / *name, *name);
                  });
 }
@@ -126,8 +134,8 @@ void refuse_inputs(const std::vector<fs::path>& results, const Scene& scene) {
   refuse_if_result(scene.file);
   for_each_file(scene, [&](const Value&, const fs::path& file, const std::string&) { refuse_if_result(file); });
   for (const Value* root : {&scene.root, &scene.written})
-    for_each_value(*root, "", nullptr, fs::path(scene.file).parent_path(),
-                   [&](const Value& value, const std::string&, const fs::path& folder) {
+    for_each_value(*root, {}, nullptr, fs::path(scene.file).parent_path(),
+                   [&](const Value& value, const Keys&, const fs::path& folder) {
                      const std::string* text = value.text();
                      if (text == nullptr || text->empty() || text->size() > 4096) return;
                      const fs::path name = fs::path(*text).filename();
@@ -181,11 +189,13 @@ std::uint64_t hash_of_plugins(const Scene& scene, const std::vector<std::string>
   return hash;
 }
 
+// Both paths are made absolute before links are followed: of a relative one that does not begin with what exists,
+// weakly_canonical() leaves all as it is.
 void check_files(const Scene& scene) {
   std::error_code error;
   const fs::path folder = fs::weakly_canonical(fs::absolute(scene.file).parent_path(), error);
   for_each_file(scene, [&](const Value& value, const fs::path& named, const std::string& written) {
-    const fs::path file = fs::weakly_canonical(named, error);
+    const fs::path file = fs::weakly_canonical(fs::absolute(named), error);
     const auto [end, in_file] = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
     if (end == folder.end()) return;
     throw UsageError(value.where.text() + ": the file \"" + written +
