@@ -91,23 +91,28 @@ std::pair<int, int> slots_of(const Lock& link) {
   return {MarkerFrame(*p).slot, MarkerFrame(*s).slot};
 }
 
-Side side_of(const System& system, const State& state, const Lock& link) {
-  auto [first, other] = slots_of(link);
-  Side side;
-  if (first == kGround) std::swap(first, other), side.sign = -1;
-  if (first == kGround) return side;
-  side.slots = {first}, side.whole = true;
-  for (std::size_t i = 0; i < side.slots.size(); ++i)
+// The bodies that `first` carries when it turns against `other`; none where it is ground or part of a loop.
+std::vector<int> carried(const System& system, const State& state, int first, int other) {
+  if (first == kGround) return {};
+  std::vector<int> slots{first};
+  for (std::size_t i = 0; i < slots.size(); ++i)
     for (const auto& each : system.links()) {
       if (!is_active(state, *each) || each->unilateral() || each->pairs().size() != 1) continue;
       auto [a, b] = slots_of(*each);
-      if (b == side.slots[i]) std::swap(a, b);
-      if (a != side.slots[i] || a == b) continue;
+      if (b == slots[i]) std::swap(a, b);
+      if (a != slots[i] || a == b) continue;
       if (a == first && b == other) continue;  // the joint, and what else is between its two bodies
-      if (b == kGround || b == other) return {{first}, side.sign, false};
-      if (std::ranges::find(side.slots, b) == side.slots.end()) side.slots.push_back(b);
+      if (b == kGround || b == other) return {};
+      if (std::ranges::find(slots, b) == slots.end()) slots.push_back(b);
     }
-  return side;
+  return slots;
+}
+
+Side side_of(const System& system, const State& state, const Lock& link) {
+  const auto [p, s] = slots_of(link);
+  if (std::vector<int> slots = carried(system, state, p, s); !slots.empty()) return {std::move(slots), 1, true};
+  if (std::vector<int> slots = carried(system, state, s, p); !slots.empty()) return {std::move(slots), -1, true};
+  return p != kGround ? Side{{p}, 1, false} : Side{{s}, -1, false};
 }
 
 // Turns P against S about an axis of S, through the origin of P.
