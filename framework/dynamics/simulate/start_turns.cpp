@@ -202,6 +202,16 @@ void follow_turns(Dynamics& dynamics, State& state) {
     if (force->remembering() != nullptr) accept(*force);
 }
 
+void keep_led_turns(const System& system, const VecX& home, const VecX& led, State& state) {
+  const auto keep = [&](const auto& owner) {
+    const int first = owner.first_memory(), n = owner.n_own_memory();
+    if (n > 0 && std::abs(led[first] - home[first]) > kPi) state.z.segment(first, n) = led.segment(first, n);
+  };
+  for (const auto& link : system.links())
+    if (link->unilateral() != nullptr) keep(*link);
+  for (const auto& force : system.forces()) keep(*force);
+}
+
 bool has_counting_links(const System& system) {
   return std::ranges::any_of(system.links(), [](const auto& link) {
     return link->remembering() != nullptr && link->remembering()->counts_turns_alone();
