@@ -35,7 +35,7 @@ Table history_of(const std::string& text) {
 
 /// A bar on a hinge A about z of the ground, with more keys on the hinge.
 std::string bar(const std::string& on_hinge) {
-  return R"("bodies": [{"name": "p", "rod": {"mass": 3, "from": [0, 0, 0], "to": [1, 0, 0]}}],
+  return R"("bodies": [{"name": "p", "mass": 3, "inertia": [0.25, 0.25, 0.25], "center": [0.5, 0, 0]}],
     "links": [{"name": "A", "type": "revolute", "p": "p", "s": "ground", "at": [0, 0, 0], )" +
          on_hinge + "}]";
 }
@@ -49,10 +49,15 @@ std::string screw(const std::string& more) {
 }
 
 std::string formulation() { return GENERATE(std::string("omega"), std::string("quaternion"), std::string("joint")); }
+// Turns that a law imposes and a closure counts keep a mechanism out of joint coordinates.
+std::string formulation_with(const std::string& more) {
+  const std::string in = formulation();
+  return in == "joint" && more.find("drive") != std::string::npos ? "auto" : in;
+}
 
 }  // namespace
 
-// E = 1/2 k theta^2; let go, theta = theta0 cos(w t) with w = sqrt(k/J), J = m l^2/3 = 1.
+// E = 1/2 k theta^2; let go, theta = theta0 cos(w t) with w = sqrt(k/J), J = 3/4 + 1/4 = 1.
 TEST_CASE("a torsion spring begins wound by the angle that is asked for", "[unit][assembly]") {
   const std::string in = formulation();
   const double asked = GENERATE(170.0, -180.0, 190.0, 540.0, -725.0);
@@ -75,7 +80,7 @@ TEST_CASE("a torsion spring on a driven hinge begins where the law does", "[unit
       scene_of(bar(R"("drive": {"axis": "rz", "law": {"type": "ramp", "slope": 1, "y0": "720 deg"}})") + kSpring,
                R"("A.angle_z", "energy.potential")", in);
   if (!assembled) text.replace(text.find("\"until\""), 7, R"("assemble": false, "until")");
-  if (!assembled) text.replace(text.find(R"("rod")"), 5, R"("omega_world": [0, 0, 1], "velocity": [0, 0, 0], "rod")");
+  if (!assembled) text.replace(text.find(R"("mass")"), 6, R"("omega_world": [0, 0, 1], "mass")");
   const Table run = history_of(text);
   CHECK(run.first("A.angle_z") == Approx(4 * kPi));
   CHECK(run.last("A.angle_z") == Approx(4 * kPi + 1));
@@ -118,7 +123,6 @@ TEST_CASE("a stop beyond a full turn is met from the turn that is asked for", "[
 }
 
 TEST_CASE("a screw begins where all its turns have brought it", "[unit][assembly]") {
-  const std::string in = formulation();
   const auto [more, turns, rate] = GENERATE(table<std::string, double, double>(
       {{R"("start": {"position": {"rz": "540 deg"}})", 1.5, 0},
        {R"("start": {"position": {"rz": "-900 deg"}})", -2.5, 0},
@@ -126,6 +130,7 @@ TEST_CASE("a screw begins where all its turns have brought it", "[unit][assembly
        {R"("start": {"position": {"z": "-0.62 m"}})", -6.2, 0},
        {R"("drive": {"axis": "rz", "law": {"type": "ramp", "slope": 1, "y0": "540 deg"}})", 1.5, 1},
        {R"("drive": {"axis": "z", "law": {"type": "ramp", "slope": 0.01, "y0": 0.04}})", 0.4, 0.2 * kPi}}));
+  const std::string in = formulation_with(more);
   CAPTURE(in, more);
   const Table run = history_of(scene_of(screw(more), R"("S.angle_z", "n.z")", in));
   CHECK(run.first("S.angle_z") == Approx(turns * kTwoPi));
@@ -136,10 +141,10 @@ TEST_CASE("a screw begins where all its turns have brought it", "[unit][assembly
 
 // theta_A + 2 theta_B = 0.
 TEST_CASE("the other wheel of a gear begins in the turn that the first brings it to", "[unit][assembly]") {
-  const std::string in = formulation();
   const std::string start =
       GENERATE(R"("start": {"position": {"rz": "380 deg"}, "velocity": {"rz": 1}})",
                R"("drive": {"axis": "rz", "law": {"type": "ramp", "slope": 1, "y0": "380 deg"}})");
+  const std::string in = formulation_with(start);
   CAPTURE(in, start);
   const Table run = history_of(scene_of(
       R"("bodies": [{"name": "g1", "cylinder": {"mass": 1, "radius": 0.1, "length": 0.02}},

@@ -330,7 +330,6 @@ bool find_positions(Dynamics& dynamics, State& work, const AssemblyOptions& opti
   const State given = work;
   try {
     find_positions_from(dynamics, work, options, assembler, report, follows, false);
-    return follows;
   } catch (const AssemblyError& error) {
     work = given;
     const std::string drive = farthest_drive(dynamics, work);
@@ -343,6 +342,7 @@ bool find_positions(Dynamics& dynamics, State& work, const AssemblyOptions& opti
     }
     report.before = before;
   }
+  if (led) keep_led_turns(dynamics.system(), dynamics.system().start().z, given.z, work);
   return follows;
 }
 

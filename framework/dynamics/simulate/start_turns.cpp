@@ -91,23 +91,28 @@ std::pair<int, int> slots_of(const Lock& link) {
   return {MarkerFrame(*p).slot, MarkerFrame(*s).slot};
 }
 
-Side side_of(const System& system, const State& state, const Lock& link) {
-  auto [first, other] = slots_of(link);
-  Side side;
-  if (first == kGround) std::swap(first, other), side.sign = -1;
-  if (first == kGround) return side;
-  side.slots = {first}, side.whole = true;
-  for (std::size_t i = 0; i < side.slots.size(); ++i)
+// The bodies that `first` carries when it turns against `other`; none where it is ground or part of a loop.
+std::vector<int> carried(const System& system, const State& state, int first, int other) {
+  if (first == kGround) return {};
+  std::vector<int> slots{first};
+  for (std::size_t i = 0; i < slots.size(); ++i)
     for (const auto& each : system.links()) {
       if (!is_active(state, *each) || each->unilateral() || each->pairs().size() != 1) continue;
       auto [a, b] = slots_of(*each);
-      if (b == side.slots[i]) std::swap(a, b);
-      if (a != side.slots[i] || a == b) continue;
+      if (b == slots[i]) std::swap(a, b);
+      if (a != slots[i] || a == b) continue;
       if (a == first && b == other) continue;  // the joint, and what else is between its two bodies
-      if (b == kGround || b == other) return {{first}, side.sign, false};
-      if (std::ranges::find(side.slots, b) == side.slots.end()) side.slots.push_back(b);
+      if (b == kGround || b == other) return {};
+      if (std::ranges::find(slots, b) == slots.end()) slots.push_back(b);
     }
-  return side;
+  return slots;
+}
+
+Side side_of(const System& system, const State& state, const Lock& link) {
+  const auto [p, s] = slots_of(link);
+  if (std::vector<int> slots = carried(system, state, p, s); !slots.empty()) return {std::move(slots), 1, true};
+  if (std::vector<int> slots = carried(system, state, s, p); !slots.empty()) return {std::move(slots), -1, true};
+  return p != kGround ? Side{{p}, 1, false} : Side{{s}, -1, false};
 }
 
 // Turns P against S about an axis of S, through the origin of P.
@@ -195,6 +200,16 @@ void follow_turns(Dynamics& dynamics, State& state) {
     if (link->remembering() != nullptr && link->remembering()->counts_turns_alone()) accept(*link);
   for (const auto& force : dynamics.system().forces())
     if (force->remembering() != nullptr) accept(*force);
+}
+
+void keep_led_turns(const System& system, const VecX& home, const VecX& led, State& state) {
+  const auto keep = [&](const auto& owner) {
+    const int first = owner.first_memory(), n = owner.n_own_memory();
+    if (n > 0 && std::abs(led[first] - home[first]) > kPi) state.z.segment(first, n) = led.segment(first, n);
+  };
+  for (const auto& link : system.links())
+    if (link->unilateral() != nullptr) keep(*link);
+  for (const auto& force : system.forces()) keep(*force);
 }
 
 bool has_counting_links(const System& system) {

@@ -21,6 +21,10 @@ LOCKSTEP_API bool begin_turns(Dynamics&, State&, const AssemblyOptions&);
 /// Lets links and forces that count turns take the branches nearest to those before, at this state.
 void follow_turns(Dynamics&, State&);
 
+/// Iterations come to a pose by other ways than begin_turns(): forces and stops that it led from `home` by more than half a
+/// turn keep their memory `led`, State::z.
+void keep_led_turns(const System&, const VecX& home, const VecX& led, State&);
+
 /// Whether a link counts turns and remembers nothing else.
 bool has_counting_links(const System&);
 
