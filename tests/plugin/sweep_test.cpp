@@ -68,6 +68,44 @@ std::string arm_scene() {
 
 }  // namespace
 
+TEST_CASE("histories have rows at jumps where the scene asks for them, and the table of the sweep is the same",
+          "[runner]") {
+  // the hinge turns at 3 rad/s from t = m on, and the run is not in lanes
+  const auto scene = [](const std::string& more) {
+    return scene_file("jumping",
+                      kArm + R"("parameters": {"m": 0.55}, "links": [{)" + kHinge +
+                          R"(, "drive": {"axis": "rz", "law": {"type": "formula", "y": "=t>m ? 3*(t-m) : 0"}}}],
+      "run": {"until": 1, "output": 0.1, "tolerance": 1e-9, "record": ["arm.ay", "arm.vy"])" +
+                          more + "}");
+  };
+  const std::string vary = " --vary m=0.55,0.5 --histories jumping --record ";
+  const Called plain = call("sweep '" + scene("") + "'" + vary + "plain.csv");
+  CHECK(plain.exit == 0);
+  CHECK(read_csv(kRunnerFolder + "/jumping/1.csv").n_rows() == 11);
+  const std::string asks = scene(R"(, "at_jumps": true)");
+  const Called swept = call("sweep '" + asks + "'" + vary + "asked.csv");
+  CAPTURE(swept.text);
+  CHECK(swept.exit == 0);
+  CHECK(contains(swept.text, "one by one: the histories have rows at jumps"));
+  REQUIRE(call("run '" + asks + "' --no-picture --record jumped.csv").exit == 0);
+  const Table history = read_csv(kRunnerFolder + "/jumping/1.csv"), run = read_csv(kRunnerFolder + "/jumped.csv");
+  REQUIRE(run.n_rows() == 13);  // 11 outputs, and both sides of t = 0.55
+  REQUIRE(history.n_rows() == run.n_rows());
+  for (const std::string& column : run.names())
+    for (std::size_t i = 0; i < run.n_rows(); ++i) CHECK(history[column][i] == run[column][i]);
+  // at an output the row before is there already
+  CHECK(read_csv(kRunnerFolder + "/jumping/2.csv").n_rows() == 12);
+  const auto cells = [](const std::string& file) {  // but for the computing time
+    std::ifstream in(kRunnerFolder + "/" + file);
+    std::string line, all;
+    while (std::getline(in, line)) all += line.substr(0, line.find_last_of(',', line.find_last_of(',') - 1)) + "\n";
+    return all;
+  };
+  CHECK(cells("asked.csv") == cells("plain.csv"));
+  // without histories nothing keeps the runs from their lanes
+  CHECK_FALSE(contains(call("sweep '" + asks + "' --vary m=0.55,0.5 --record lanes.csv").text, "at_jumps"));
+}
+
 TEST_CASE("two shards together are the whole sweep", "[runner][sweep]") {
   for (const char* name : {"whole", "half_1", "half_2", "joined"}) fs::remove(kRunnerFolder + "/" + name + ".csv");
   const Called whole = call(kGrid + "--record whole.csv --histories sweep_histories");

@@ -400,6 +400,14 @@ TEST_CASE("unknown channels are refused with the closest and all names", "[unit]
   check_words(refusal("arm.anglez"),
               {"arm.anglez", "body 'arm'", "did you mean \"angle_z\"?", "omega_body_x", "center_x"});
   check_words(refusal("A.drive.torque_on_p_link"), {"link 'A'", "torque_on_p_link_z"});
+  // the words of drives, stops and starts
+  check_words(refusal("A.rz"), {"link 'A' has no \"rz\"; did you mean \"angle_z\"?"});
+  check_words(refusal("A.rx"), {"did you mean \"angle_x\"?"});
+  check_words(refusal("A.rz_d"), {"did you mean \"angle_z_d\"?"});
+  check_words(refusal("arm.ry"), {"body 'arm' has no \"ry\"; did you mean \"angle_y\"?"});
+  // names that say more
+  check_words(refusal("arm.omega_z"), {"did you mean \"omega_world_z\" or \"omega_body_z\"?"});
+  CHECK_FALSE(testing::says(refusal("arm.omega_q"), {"did you mean \"omega_world_z\" or"}));
   check_words(refusal("arn.x"), {"\"arn\"", "did you mean \"arm\"?"});
   check_words(refusal("energy.totl"), {"did you mean \"energy.total\"?"});
   check_words(refusal("nonsense"), {"nonsense", "an object and a quantity"});

@@ -205,9 +205,9 @@ class Sweep {
       return queue_.split(group);
     }
     std::vector<Table> histories(scenes.size());
-    std::vector<SweepRun> runs =
-        sweep_lanes(scenes, plan_.loaded.registry, plan_.columns,
-                    watch_time(share, scenes.front().run.until, static_cast<double>(group.n)), &histories);
+    std::vector<SweepRun> runs = sweep_lanes(scenes, plan_.loaded.registry, plan_.columns,
+                                             watch_time(share, scenes.front().run.until, static_cast<double>(group.n)),
+                                             keeps_histories() ? &histories : nullptr);
     if (runs.empty()) return queue_.split(group);
     std::vector<FinishedRun> done;
     for (std::size_t i = 0; i < runs.size(); ++i) {
@@ -238,9 +238,9 @@ class Sweep {
     }
     const auto go_on = watch(share, scene.run.until, 1);
     if (!motions_ || !motions_->keeps(number))
-      return sweep_run(scene, plan_.loaded.registry, plan_.columns, go_on, &history);
+      return sweep_run(scene, plan_.loaded.registry, plan_.columns, go_on, keeps_histories() ? &history : nullptr);
     const std::unique_ptr<report::Watcher> seen = motions_->watcher();
-    return watched_run(scene, plan_.loaded.registry, plan_.columns, go_on, &history,
+    return watched_run(scene, plan_.loaded.registry, plan_.columns, go_on, keeps_histories() ? &history : nullptr,
                        {seen.get(), [&](const Mechanism& m, const Table& table) {
                           if (table.n_rows() > 0) motions_->add(number, table, *seen, m);
                         }});
@@ -270,9 +270,11 @@ class Sweep {
     return [watch = watch_time(share, until, n)](const State& s) { return watch(s.t); };
   }
 
+  bool keeps_histories() const { return !plan_.arguments.histories.empty(); }
+
   // Writes the history of a run, if it was asked for and there is one.
   bool keep(const SweepRun& run, long k, const Table& history) const {
-    if (plan_.arguments.histories.empty() || run.broken_off || history.n_columns() == 0) return false;
+    if (!keeps_histories() || run.broken_off || history.n_columns() == 0) return false;
     const std::size_t width = std::to_string(plan_.grid.n_runs()).size();
     write_csv((std::filesystem::path(plan_.arguments.histories) / fmt::format("{:0{}}.csv", number(k), width)).string(),
               plan_.plain_headers ? without_units(history) : history);

@@ -120,6 +120,8 @@ bool keeps_motion(const Arguments& args) { return !args.histories.empty() && !ar
 std::string why_alone(const SweepPlan& plan) {
   if (plan.arguments.lanes == "off") return "as asked for";
   if (keeps_motion(plan.arguments)) return "the report keeps their motion";
+  if (!plan.arguments.histories.empty() && outputs_of(plan.loaded.scene).at_jumps)
+    return "the histories have rows at jumps (at_jumps)";
   if (plan.grid.n_runs(plan.shard) == 0) return {};
   try {
     return unsuited_for_lanes(plan.scene(Grid::run(plan.shard, 0)), plan.loaded.registry);

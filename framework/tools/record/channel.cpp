@@ -2,6 +2,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 
@@ -181,12 +182,48 @@ const Entry* find(const Entries& entries, std::string_view name) {
   return nullptr;
 }
 
+// "omega_z" as {"omega", "z"}.
+std::vector<std::string_view> parts_of(std::string_view name) {
+  std::vector<std::string_view> parts;
+  for (std::size_t end = name.find('_'); end != std::string_view::npos; end = name.find('_'))
+    parts.push_back(name.substr(0, end)), name.remove_prefix(end + 1);
+  parts.push_back(name);
+  return parts;
+}
+
+// Whether a name begins and ends with parts of the word, and has its other parts between them: "omega_world_z" for
+// "omega_z".
+bool says_more(std::string_view name, std::string_view word) {
+  const std::vector<std::string_view> all = parts_of(name), some = parts_of(word);
+  if (some.size() < 2 || all.front() != some.front() || all.back() != some.back()) return false;
+  std::size_t found = 0;
+  for (const std::string_view part : all) found += found < some.size() && part == some[found];
+  return found == some.size();
+}
+
+// What is meant by a quantity that is none of these: rz, the word for an axis of a drive or a start, is the channel
+// angle_z.
+std::vector<std::string> meant_by(const std::string& quantity, const std::vector<std::string>& names) {
+  constexpr std::size_t kMost = 4;
+  if (quantity.size() >= 2 && quantity[0] == 'r' && (quantity.size() == 2 || quantity[2] == '_'))
+    if (const std::string angle = "angle_" + quantity.substr(1); std::ranges::find(names, angle) != names.end())
+      return {angle};
+  std::vector<std::string> meant;
+  for (const std::string& name : names)
+    if (says_more(name, quantity)) meant.push_back(name);
+  if (!meant.empty() && meant.size() <= kMost) return meant;
+  const std::string near = text::closest_name(quantity, names);
+  return near.empty() ? std::vector<std::string>{} : std::vector<std::string>{near};
+}
+
 [[noreturn]] void unknown_quantity(const std::string& channel, const std::string& owner, const std::string& quantity,
                                    const Entries& entries) {
   const std::vector<std::string> names = names_of(entries);
-  const std::string near = text::closest_name(quantity, names);
+  std::vector<std::string> meant = meant_by(quantity, names);
+  for (std::string& name : meant) name = "\"" + name + "\"";
   throw ModelError(fmt::format("channel \"{}\": {} has no \"{}\"{}; it has: {}", channel, owner, quantity,
-                               near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near), text::join(names)));
+                               meant.empty() ? "" : fmt::format("; did you mean {}?", text::join(meant, " or ")),
+                               text::join(names)));
 }
 
 [[noreturn]] void unknown_object(const System& system, const std::string& channel, const std::string& object) {

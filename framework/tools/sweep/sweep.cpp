@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/description/scene/run_outputs.h"
+#include "framework/dynamics/simulate/detail_observer.h"
 #include "framework/foundation/support/csv_cells.h"
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/analysis/singular_watch.h"
@@ -25,14 +29,55 @@ ColumnRange range_of(const std::vector<double>& values) {
   return range;
 }
 
+// Adds rows to a recorder just before and just after events, impacts and jumps of laws: "at_jumps" of "run", in histories.
+// Add it to the run after the recorder.
+class HistoryAtJumps final : public DetailObserver {
+ public:
+  explicit HistoryAtJumps(Recorder& recorder) : recorder_(recorder) {}
+  double spacing() const override { return std::numeric_limits<double>::infinity(); }
+  void between(const Sample&) override {}
+  void before_jump(const Sample& sample) override {
+    acted_ = sample.state.t;
+    const std::vector<double>& times = recorder_.table().columns().front().values;
+    if (times.empty() || times.back() != acted_) add(sample);  // at an output the row before is there already
+  }
+  void jumped(const Sample& sample) override {
+    if (sample.state.t == acted_) add(sample);
+  }
+  /// The table but for these rows: what sweeps tell of a run does not hang on whether its history is kept.
+  Table outputs_alone() const {
+    const Table& all = recorder_.table();
+    Table outputs;
+    for (const Column& column : all.columns()) outputs.add_column(column.name, column.unit);
+    std::vector<double> row(all.n_columns());
+    for (std::size_t i = 0; i < all.n_rows(); ++i) {
+      if (std::ranges::binary_search(added_, i)) continue;
+      for (std::size_t k = 0; k < row.size(); ++k) row[k] = all.columns()[k].values[i];
+      outputs.add_row(row);
+    }
+    return outputs;
+  }
+
+ private:
+  void add(const Sample& sample) {
+    added_.push_back(recorder_.table().n_rows());
+    recorder_.output(sample);
+  }
+  Recorder& recorder_;
+  std::vector<std::size_t> added_;  // rows, rising
+  double acted_ = -1;               // when something acted last, s
+};
+
 void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepRun& result,
-              const std::function<bool(const State&)>& go_on, Observer* besides) {
+              const std::function<bool(const State&)>& go_on, Observer* at_jumps, Observer* besides) {
   std::vector<Event> events = make_events(m, recorder);
   EnergyAudit audit(m.system, m.run.limits);
   Dynamics dynamics = make_dynamics(m, registry);
   State start = assembled_start(dynamics, m);
   StepLoop sim(dynamics, make_integrator(m.run, registry), loop_options(m.run));
-  sim.add_observer(recorder), sim.add_observer(audit);
+  sim.add_observer(recorder);
+  if (at_jumps != nullptr) sim.add_observer(*at_jumps);
+  sim.add_observer(audit);
   SingularWatch singular(m.system);
   if (SingularWatch::is_needed(dynamics, start, sim.integrator().info())) sim.add_observer(singular);
   if (besides != nullptr) sim.add_observer(*besides);
@@ -114,6 +159,8 @@ SweepRun watched_run(const Scene& scene, const Registry& registry, const Table& 
     Mechanism m = build_mechanism(scene, registry);
     record_places(m);
     const std::unique_ptr<Recorder> recorder = make_recorder(m);
+    std::optional<HistoryAtJumps> at_jumps;
+    if (history != nullptr && outputs_of(scene).at_jumps) at_jumps.emplace(*recorder);
     const auto end = [&] {
       if (history != nullptr) *history = recorder->table();
       if (watch.ended) watch.ended(m, recorder->table());
@@ -121,12 +168,12 @@ SweepRun watched_run(const Scene& scene, const Registry& registry, const Table& 
     try {
       refuse_other_columns(recorder->table(), like);
       if (!(m.run.until > 0)) throw ModelError("the scene does not say how long it runs; add \"until\" to \"run\"");
-      simulate(m, *recorder, registry, result, go_on, watch.observer);
+      simulate(m, *recorder, registry, result, go_on, at_jumps ? &*at_jumps : nullptr, watch.observer);
     } catch (...) {
       end();
       throw;
     }
-    SweepRun recorded = recorded_run(recorder->table());
+    SweepRun recorded = recorded_run(at_jumps ? at_jumps->outputs_alone() : recorder->table());
     result.columns = std::move(recorded.columns), result.t = recorded.t;
     end();
   } catch (const std::exception& error) {

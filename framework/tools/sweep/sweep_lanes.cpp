@@ -5,6 +5,7 @@
 
 #include <lockstep/batch.h>
 #include <lockstep/error.h>
+#include "framework/description/scene/run_outputs.h"
 #include "framework/dynamics/tree/rows_in_plane.h"
 #include "framework/tools/precision/work_precision.h"
 #include "framework/tools/sweep/scene_run.h"
@@ -158,6 +159,7 @@ std::vector<SweepRun> sweep_lanes(std::span<const Scene> scenes, const Registry&
   try {
     for (const Scene& scene : scenes) {
       if (!unsuited(scene.run).empty()) return {};
+      if (histories != nullptr && outputs_of(scene).at_jumps) return {};  // lanes have no rows at jumps
       if (!(scene.run.until > 0) || !alike(scene.run, scenes.front().run)) return {};
       lanes.push_back(make_lane(scene, registry));
       if (!unsuited(lanes.back()->mechanism).empty()) return {};
