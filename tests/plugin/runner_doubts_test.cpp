@@ -102,6 +102,18 @@ TEST_CASE("a tolerance below what can be reached is told, and the run goes on", 
   CHECK(contains(result["doubts"][0].get<std::string>(), "the tolerance of 1e-12 was not reached"));
 }
 
+TEST_CASE("a tolerance below rounding is told", "[runner]") {
+  const std::string run = "run '" + std::string(paths::kScenes) +
+                          "/pendulum.json' --until 0.01 --no-picture --record below.csv --tolerance ";
+  const Called below = call(run + "1e-17");
+  INFO(below.text);
+  CHECK(below.exit == 0);
+  CHECK(contains(below.text, "tolerance: 1e-17 is less than rounding leaves of numbers of 16 digits"));
+  const Called reached = call(run + "1e-12");
+  INFO(reached.text);
+  CHECK_FALSE(contains(reached.text, "rounding leaves"));
+}
+
 // At 0.52 s a sample falls on the position itself (the indicator is 2e-8), where the force in A is 18.62 N.
 TEST_CASE("reactions beside a singular position are told", "[runner]") {
   std::ifstream in(std::string(paths::kSource) + "/tests/verification/scenes/slider_crank_equal_arms.json");

@@ -101,6 +101,29 @@ TEST_CASE("a coordinate may be asked for approximately", "[unit][assembly]") {
   CHECK(found.place("slider")[0] == Approx(0.15).margin(1e-9));
 }
 
+// Missed where poses count as much: by half of 0.3 m; met where the slider begins there already.
+TEST_CASE("a coordinate that is missed is told by name", "[unit][assembly]") {
+  const auto [at, missed] = GENERATE(table<std::string, bool>({{"[0, 0, 0]", true}, {"[0.2999, 0, 0]", false}}));
+  const Assembled found(R"("bodies": [{"name": "slider", "mass": 2, "inertia": [1, 1, 1], "position": )" + at + R"(}],
+         "links": [{"name": "G", "type": "prismatic", "p": "slider", "s": "ground", "at_p": [0, 0, 0], "at_s": [0, 0, 0],
+                    "axis": "x", "start": {"near": {"z": "30 cm"}}}])");
+  CAPTURE(at);
+  REQUIRE(found.report.warnings.size() == (missed ? 1 : 0));
+  if (missed)
+    testing::check_words(found.report.warnings[0], {"link 'G'", "z begins at 0.15 m", "near 0.3 m", "\"position\""});
+}
+
+// A whole turn off is no miss.
+TEST_CASE("an angle that is missed is told in degrees", "[unit][assembly]") {
+  const auto [free, missed] = GENERATE(table<std::string, bool>({{"", true}, {R"(, "assembled": "free")", false}}));
+  const Assembled found(R"("bodies": [{"name": "p", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]})" + free +
+                        R"(}], "links": [{"name": "A", "type": "revolute", "p": "p", "s": "ground", "at": [0, 0, 0],
+                               "start": {"near": {"rz": "420 deg"}}}])");
+  CAPTURE(free);
+  REQUIRE(found.report.warnings.size() == (missed ? 1 : 0));
+  if (missed) testing::check_words(found.report.warnings[0], {"link 'A'", "rz begins at", "near 420 deg"});
+}
+
 TEST_CASE("what cannot hold together is refused by name", "[unit][assembly]") {
   try {
     const Assembled found(four_bar(R"(, "start": {"position": {"rz": 0}})", R"(, "start": {"position": {"rz": -2}})"));

@@ -155,6 +155,17 @@ TEST_CASE("a first guess of the step may be as short as it is: only steps that w
   CHECK(run.state().t > 1e-5);
 }
 
+// Rows and forces change from one long step to the next whatever limits their number.
+TEST_CASE("a limit of steps that are as long as the motion has them blames nobody", "[unit][dynamics]") {
+  RodPendulum pendulum;
+  Dynamics dynamics = dynamics_of(pendulum.system);
+  StepLoop run(dynamics, std::make_unique<Dopri5>(), {.max_steps = 60});
+  const std::string said = message_of<StepError>([&] { run.run_until(100); });
+  check_words(said, {"60 steps", "(max_steps)", "a wider tolerance"});
+  CHECK_FALSE(says(said, {"changes"}));
+  CHECK_FALSE(says(said, {"look at"}));
+}
+
 TEST_CASE("a run that is too long for its steps says so, and blames no row", "[unit][dynamics]") {
   RodPendulum pendulum;
   Dynamics dynamics = dynamics_of(pendulum.system);

@@ -61,6 +61,16 @@ Dynamics schur_dynamics(System& system) {
   return Dynamics(system, builtin_registry().solvers.make("schur", Params{}, nullptr, "run.solver"));
 }
 
+// Whether there are rates at the start, from both sides of it.
+bool finds_rates(Bays& bays) {
+  Dynamics dynamics = schur_dynamics(bays.system);
+  const State s = bays.system.start();
+  SingularRate through;
+  through.begin(s);
+  StateRate k{VecX::Zero(s.q.size()), VecX::Zero(s.v.size()), VecX::Zero(0)};
+  return through.find(dynamics, s, k);
+}
+
 }  // namespace
 
 TEST_CASE("rates in a flat position come from both sides of it", "[unit][dynamics]") {
@@ -89,12 +99,7 @@ TEST_CASE("laws that begin with the run are not asked before it", "[unit][dynami
   const LawPtr<MotionLaw> begins = laws::spline({{0, 0}, {0.4, 0.4 * w}, {1, w}});
   SECTION("no rates from both sides") {
     Bays bays(2, 0, w, begins);
-    Dynamics dynamics = schur_dynamics(bays.system);
-    const State s = bays.system.start();
-    SingularRate through;
-    through.begin(s);
-    StateRate k{VecX::Zero(s.q.size()), VecX::Zero(s.v.size()), VecX::Zero(0)};
-    CHECK_FALSE(through.find(dynamics, s, k));
+    CHECK_FALSE(finds_rates(bays));
   }
   SECTION("the run is the one of its law") {
     Bays bays(2, 0.6, w, begins);
@@ -114,12 +119,7 @@ TEST_CASE("laws that begin with the run are not asked before it", "[unit][dynami
 
 TEST_CASE("at rest in a flat position no motion is preferred", "[unit][dynamics]") {
   Bays bays(2, 0, 0);
-  Dynamics dynamics = schur_dynamics(bays.system);
-  const State s = bays.system.start();
-  SingularRate through;
-  through.begin(s);
-  StateRate k{VecX::Zero(s.q.size()), VecX::Zero(s.v.size()), VecX::Zero(0)};
-  CHECK_FALSE(through.find(dynamics, s, k));
+  CHECK_FALSE(finds_rates(bays));
 }
 
 TEST_CASE("a run starts in a flat position and follows the motion", "[unit][dynamics]") {

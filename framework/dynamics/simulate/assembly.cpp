@@ -283,6 +283,26 @@ void add_warnings(Dynamics& dynamics, const State& given, const State& assembled
                       : missing + "; give fitting ones, or one start speed of a link (\"start\")"));
 }
 
+// What was asked for by a weight and is not there: against it count the start poses of the bodies, and other coordinates.
+void add_missed(Dynamics& dynamics, const State& assembled, const AssemblyOptions& options, AssemblyReport& report) {
+  constexpr double kMissed = kPi / 180, kMissedBy = 1e-3;  // rad; of the length of the mechanism
+  for (const CoordinateTarget& target : options.coordinates) {
+    if (!std::isfinite(target.weight) || target.weight == 0) continue;
+    const bool turns = is_rotation(target.axis);
+    const double value = coordinate_row(dynamics, assembled, target.link, target.axis).value;
+    const double off = turns ? std::remainder(value - target.value, kTwoPi) : value - target.value;
+    if (std::abs(off) <= (turns ? kMissed : kMissedBy * dynamics.system().length())) continue;
+    const double unit = turns ? 180 / kPi : 1;
+    report.warnings.push_back(fmt::format(
+        "link '{}': {} begins at {:.4g} {}, near {:.4g} {} was asked for: what else is asked for, start poses of "
+        "bodies "
+        "among it, counts against it; ask for it exactly (\"position\"), or let its body go anywhere (\"assembled\": "
+        "\"free\")",
+        target.link, to_string(target.axis), unit * (target.value + off), turns ? "deg" : "m", unit * target.value,
+        turns ? "deg" : "m"));
+  }
+}
+
 void measure_move(const System& system, const State& from, const State& to, AssemblyReport& report) {
   for (int k = 0; k < system.n_slots(); ++k) {
     const Pose a = from.slot_pose(k), b = to.slot_pose(k);
@@ -370,6 +390,7 @@ AssemblyReport assemble(Dynamics& dynamics, State& state, const std::vector<Velo
   report.kinetic_after = kinetic_energy(dynamics, work);
   measure_move(dynamics.system(), state, work, report);
   add_warnings(dynamics, state, work, options, report);
+  add_missed(dynamics, work, options, report);
   state = work;
   if (report.is_notable()) log_info(report.text());
   for (const std::string& warning : report.warnings) log_warning(warning);

@@ -45,6 +45,8 @@ class LOCKSTEP_API Clock {
   /// Whether the run, which has made n steps and reached t, would take very many steps by the mean of all of them: then
   /// its length is the cause, and nothing that changes fast at t. That mean, s; 0: it is not so.
   double too_long_by(double t, long n) const;
+  /// Whether n steps are all that the run may make.
+  bool is_counted_out(long n) const { return options_.max_steps > 0 && n >= options_.max_steps; }
   /// Counts a step of requested length `asked`.
   void count_step(double asked, const StepReport&);
   /// Watches the pace of the run, which has made n steps and reached t. Returns a warning, once, where the rest will take

@@ -18,9 +18,10 @@ constexpr double kLongRun = 1e7;  // steps left of which the run warns
 std::string Pace::watch(const PacedRun& run, double t, long n) {
   if (run.max_steps > 0 && n >= run.max_steps && t < run.end)
     throw StepError(
-        fmt::format("{}: the run has made its {} steps and stands at t = {:.9g} s; allow more (max_steps), or find out "
-                    "why its steps are short",
-                    run.method, n, t),
+        fmt::format(
+            "{}: the run has made its {} steps and stands at t = {:.9g} s; allow more (max_steps), or {}", run.method,
+            n, t,
+            run.adaptive ? "make them longer (a wider tolerance, another integrator)" : "take a larger step (--step)"),
         t);
   if (!std::isfinite(run.end)) return {};
   const double left = run.end - t;

@@ -81,15 +81,17 @@ std::string below_rounding(const System& system, const State& state, double tole
 }  // namespace
 
 // Links and forces are compared over ten steps. In a run that is too long for its steps every row changes from step to
-// step: only those that contradict each other are blamed.
+// step: only those that contradict each other are blamed. Nobody is where a limit of steps ends a run with long ones.
 std::string StepLoop::Parts::who_slows(Dynamics& dynamics, const State& state, long n, double tolerance) const {
   constexpr long kEnough = 100;       // steps that tell what cuts them
   constexpr double kLongStep = 1e-3;  // of the time in which something turns by a radian, or moves by its size
   const long paced = clock.paced() > 0 ? clock.paced() : Pace::kPaced;
   if (const std::string stops = paced < kEnough ? "" : contacts.who_engaged(paced); !stops.empty()) return "; " + stops;
   std::string words;
-  double mean = clock.too_long_by(state.t, n);
-  if (!(mean * fastest_rate(dynamics, state) > kLongStep)) mean = 0;  // the steps are short, not the run long
+  const bool long_steps =
+      (state.t - clock.started_at()) * fastest_rate(dynamics, state) > kLongStep * static_cast<double>(n);
+  if (long_steps && clock.is_counted_out(n)) return {};
+  const double mean = long_steps ? clock.too_long_by(state.t, n) : 0;
   if (mean == 0) words = below_rounding(dynamics.system(), state, tolerance);
   if (mean > 0)
     words = fmt::format(

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include <lockstep/error.h>
 #include <lockstep/log.h>
@@ -86,67 +88,113 @@ void RunTask::go_on_from(double t) const {
   if (!on) throw StepError("broken off", t);
 }
 
-void run_alone(System& system, int copy, State state, OutputSchedule schedule, double h, const RunTask& task,
-               CopyReport& report, Pace pace) {
-  try {
+namespace {
+
+/// The run of one copy by the scalar code.
+class AloneRun {
+ public:
+  AloneRun(System& system, int copy, State state, OutputSchedule schedule, double h, const RunTask& task,
+           CopyReport& report, Pace pace)
+      : copy_(copy),
+        task_(task),
+        report_(report),
+        dynamics_(system, std::make_unique<SchurSolver>(), options_of(task)),
+        integrator_(task.make_integrator()),
+        state_(std::move(state)),
+        schedule_(std::move(schedule)),
+        pace_(pace),
+        t_start_(state_.t),
+        h_(h) {
+    integrator_->set_tolerance(task.options.tolerance);
+    if (task.options.max_step > 0) largest_ = task.options.max_step;
+  }
+
+  void run() {
+    dynamics_.to_formulation(state_);
+    dynamics_.accept(state_);
+    integrator_->begin(dynamics_, state_);
+    report_.t = state_.t;
+    while (!schedule_.done()) {
+      while (!schedule_.done() && schedule_.reach() <= state_.t) arrive();  // the start may be an output time
+      if (schedule_.done()) break;
+      task_.go_on_from(state_.t);
+      watch_pace(pace_, task_, copy_, schedule_.end(), h_, state_.t, report_.steps);
+      step();
+    }
+  }
+
+ private:
+  static DynamicsOptions options_of(const RunTask& task) {
     DynamicsOptions options;
     options.stabilization = task.options.stabilization;
     options.formulation = task.formulation;
-    Dynamics dynamics(system, std::make_unique<SchurSolver>(), options);
-    const std::unique_ptr<Integrator> integrator = task.make_integrator();
-    const bool fixed = task.scheme.error == nullptr;
-    integrator->set_tolerance(task.options.tolerance);
-    dynamics.to_formulation(state);
-    dynamics.accept(state);
-    integrator->begin(dynamics, state);
-    const auto tell_step = [&](bool jumped) {
-      if (!task.step) return;
-      State told = state;
-      dynamics.to_slots(told);
-      task.tell_step(copy, told, jumped);
-    };
-    const auto arrive = [&] {
-      bool output = false;
-      const double t = schedule.arrive(output);
-      if (!output) {
-        pass_jump(dynamics, state, t);
-        dynamics.to_formulation(state);
-        tell_step(true);
-        return;
-      }
-      state.t = t;
-      State told = state;
-      dynamics.to_slots(told);
-      task.tell(copy, schedule.next() - 1, told);
-    };
-    const double largest = task.options.max_step > 0 ? task.options.max_step : std::numeric_limits<double>::infinity();
-    report.t = state.t;
-    const double t_start = state.t;
-    while (!schedule.done()) {
-      while (!schedule.done() && schedule.reach() <= state.t) arrive();  // the start may be an output time
-      if (schedule.done()) break;
-      task.go_on_from(state.t);
-      watch_pace(pace, task, copy, schedule.end(), h, state.t, report.steps);
-      if (h > 0 && !fixed && step_is_round_off(h, state.t, schedule.end() - t_start))
-        throw StepError(
-            fmt::format("{}: the step shrank to {:.3g} s at t = {:.9g} s", integrator->info().name, h, state.t),
-            state.t);
-      if (!(h > 0)) h = integrator->first_step(dynamics, state, std::min(largest, schedule.reach() - state.t));
-      const double asked = schedule.step(state.t, std::min(h, largest), fixed);
-      const bool lands = schedule.lands(state.t, asked);
-      const StepReport step = integrator->step(dynamics, state, asked);
-      dynamics.accept(state);
-      if (state.coordinates) state.coordinates->take_off_turns(state);
-      ++report.steps, report.rejected += step.rejected;
-      if (step.h_next > 0) h = advised_after(h, asked, step.h, step.h_next);
-      const bool landed = lands && step.h >= asked;
-      if (landed) state.t = schedule.reach();
-      report.t = state.t;
-      tell_step(false);
-      if (!landed) continue;
-      arrive();
-      report.t = state.t;
+    return options;
+  }
+
+  State in_slots() {
+    State told = state_;
+    dynamics_.to_slots(told);
+    return told;
+  }
+
+  void tell_step(bool jumped) {
+    if (task_.step) task_.tell_step(copy_, in_slots(), jumped);
+  }
+
+  // At the schedule's next instant.
+  void arrive() {
+    bool output = false;
+    const double t = schedule_.arrive(output);
+    if (output) {
+      state_.t = t;
+      task_.tell(copy_, schedule_.next() - 1, in_slots());
+    } else {
+      pass_jump(dynamics_, state_, t);
+      dynamics_.to_formulation(state_);
+      tell_step(true);
     }
+    report_.t = state_.t;
+  }
+
+  void step() {
+    const bool fixed = task_.scheme.error == nullptr;
+    if (h_ > 0 && !fixed && step_is_round_off(h_, state_.t, schedule_.end() - t_start_))
+      throw StepError(
+          fmt::format("{}: the step shrank to {:.3g} s at t = {:.9g} s", integrator_->info().name, h_, state_.t),
+          state_.t);
+    if (!(h_ > 0)) h_ = integrator_->first_step(dynamics_, state_, std::min(largest_, schedule_.reach() - state_.t));
+    const double asked = schedule_.step(state_.t, std::min(h_, largest_), fixed);
+    const bool lands = schedule_.lands(state_.t, asked);
+    const StepReport step = integrator_->step(dynamics_, state_, asked);
+    dynamics_.accept(state_);
+    if (state_.coordinates) state_.coordinates->take_off_turns(state_);
+    ++report_.steps, report_.rejected += step.rejected;
+    if (step.h_next > 0) h_ = advised_after(h_, asked, step.h, step.h_next);
+    const bool landed = lands && step.h >= asked;
+    if (landed) state_.t = schedule_.reach();
+    report_.t = state_.t;
+    tell_step(false);
+    if (landed) arrive();
+  }
+
+  int copy_;
+  const RunTask& task_;
+  CopyReport& report_;
+  Dynamics dynamics_;
+  std::unique_ptr<Integrator> integrator_;
+  State state_;
+  OutputSchedule schedule_;
+  Pace pace_;
+  double t_start_, h_;
+  double largest_ = std::numeric_limits<double>::infinity();
+};
+
+}  // namespace
+
+void run_alone(System& system, int copy, State state, OutputSchedule schedule, double h, const RunTask& task,
+               CopyReport& report, Pace pace) {
+  try {
+    AloneRun(system, copy, std::move(state), std::move(schedule), h, task, report, pace).run();
   } catch (const Error& error) {
     report.finished = false;
     report.error = error.what();

@@ -1,0 +1,116 @@
+// A run of eight copies in lanes: what it holds. Internal to batch runs.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include <lockstep/stepping.h>
+#include "framework/dynamics/simulate/step_rules.h"
+#include "framework/tools/batch/copy_run.h"
+
+namespace lockstep::lanes {
+
+// What SingularPassage asks of the stages of an attempt.
+struct Pivots {
+  double fewest = HUGE_VAL, most = 0;  // small ones
+  double smallest = 1;                 // of the others, relative to its diagonal
+  void add(double n_small, double least) {
+    fewest = std::min(fewest, n_small), most = std::max(most, n_small);
+    smallest = std::min(smallest, least);
+  }
+};
+
+struct Lane {
+  explicit Lane(int order) : control(order) {}
+  bool going = false;     // steps in lanes
+  bool rejected = false;  // an attempt at the present step was rejected
+  bool lands = false;     // the present attempt ends on the schedule's next instant
+  double advised = 0, asked = 0;
+  OutputSchedule schedule;
+  PiControl control;
+  Pace pace;
+  ErrorNorm norm;
+  Pivots first, stages;     // of the first stage, and of all of them
+  double usual = HUGE_VAL;  // number of small pivots: those of rows that are redundant everywhere
+  NearSingular singular;
+};
+
+class LaneRun {
+ public:
+  LaneRun(Batch& batch, const RunTask& task, std::span<CopyReport> reports)
+      : batch_(batch),
+        task_(task),
+        reports_(reports),
+        fixed_(task.scheme.error == nullptr),
+        scheme_(task.scheme),
+        tableau_(task.scheme.tableau) {
+    for (int i = 0; i < tableau_.n_stages; ++i) a_.emplace_back(tableau_.a + i * tableau_.stride, i);
+    b_ = Weights(tableau_.b, tableau_.n_stages);
+    if (scheme_.error) error_w_ = Weights(scheme_.error, tableau_.n_stages);
+    if (scheme_.second) second_w_ = Weights(scheme_.second, tableau_.n_stages);
+    for (Aligned<double>* v : {&y_, &stage_, &end_, &error_}) v->assign(batch.n_numbers(), 0.0);
+    k_.resize(static_cast<std::size_t>(tableau_.n_stages));
+    for (Aligned<double>& k : k_) k.assign(batch.n_numbers(), 0.0);
+    lanes_.assign(kL, Lane(tableau_.order));
+  }
+
+  void run(std::span<const State> starts) {
+    if (task_.watches) batch_.watch_pivots();
+    begin(starts);
+    while (std::any_of(lanes_.begin(), lanes_.end(), [](const Lane& lane) { return lane.going; }) && goes_on()) {
+      choose_steps();
+      attempt();
+    }
+  }
+
+ private:
+  void begin(std::span<const State> starts);
+  void read(int lane, const double* y, double t, State& out) const;
+  Dynamics dynamics_of(int lane) const;
+  double first_step(int lane, const State&) const;
+  void cross_jump(int lane, double t);
+  void arrive(int lane);
+  void tell_step(int lane, bool jumped);
+  bool goes_on();
+  void choose_steps();
+  void attempt();
+  Flags8 evaluate_stages();
+  void combine_stages(const Weights&, const double* y, double* out);
+  double error_of(int lane);
+  void estimate(Numbers8& error, Flags8& failed);
+  void estimate_together(Numbers8& error, Numbers8& e3, Flags8& failed);
+  void estimate_each(Numbers8& error, Numbers8& e3, Flags8& failed);
+  void accept(int lane, double error);
+  void update_memory(int lane);
+  void reject(int lane, double factor);
+  void leave(int lane);
+  void fail(int lane, const Error&);
+  void park(int lane);
+  void see_pivots(bool first);
+  bool near_singular(int lane);
+  bool miscounts(int lane);
+
+  Batch& batch_;
+  const RunTask& task_;
+  std::span<CopyReport> reports_;
+  bool fixed_;
+  const EmbeddedScheme& scheme_;
+  Tableau tableau_;
+  std::vector<Weights> a_;
+  Weights b_, error_w_, second_w_;
+  std::vector<Lane> lanes_;
+  Aligned<double> y_, stage_, end_, error_;
+  std::vector<Aligned<double>> k_;
+  alignas(64) Numbers8 t_{}, h_{};
+  bool first_done_ = false;             // the first stage is evaluated: no lane has moved since
+  Numbers8 first_a_{}, first_alpha_{};  // largest accelerations there
+  bool jumped_ = false;                 // a copy was moved otherwise than by a step
+  State state_, state_end_, told_;      // scratch of one lane
+  StateRate rate_, rate_error_;
+  StateInputs inputs_;
+  std::vector<State> starts_;  // in the coordinates of the batch
+};
+
+}  // namespace lockstep::lanes
