@@ -105,7 +105,8 @@ TEST_CASE("a coordinate may be asked for approximately", "[unit][assembly]") {
 TEST_CASE("a coordinate that is missed is told by name", "[unit][assembly]") {
   const auto [at, missed] = GENERATE(table<std::string, bool>({{"[0, 0, 0]", true}, {"[0.2999, 0, 0]", false}}));
   const Assembled found(R"("bodies": [{"name": "slider", "mass": 2, "inertia": [1, 1, 1], "position": )" + at + R"(}],
-         "links": [{"name": "G", "type": "prismatic", "p": "slider", "s": "ground", "at_p": [0, 0, 0], "at_s": [0, 0, 0],
+         "links": [{"name": "G", "type": "prismatic", "p": "slider", "s": "ground", "at_p": )" +
+                        at + R"(, "at_s": [0, 0, 0],
                     "axis": "x", "start": {"near": {"z": "30 cm"}}}])");
   CAPTURE(at);
   REQUIRE(found.report.warnings.size() == (missed ? 1 : 0));

@@ -72,6 +72,29 @@ TEST_CASE("a torsion spring begins wound by the angle that is asked for", "[unit
   CHECK(run.last("A.angle_z") == Approx(theta * std::cos(std::sqrt(2.0))));
 }
 
+// The bar is given at an angle; the spring counts on from there, whatever half turn its poses are read in.
+TEST_CASE("a torsion spring is wound from the pose that a body is given", "[unit][assembly]") {
+  const std::string in = formulation();
+  const auto [given, asked] = GENERATE(table<double, double>(
+      {{170, 190}, {120, 540}, {-170, -190}, {-120, 300}, {180, 540}, {-180, -200}, {170, -170}, {90, 725}}));
+  CAPTURE(in, given, asked);
+  const Table run = history_of(scene_of(
+      R"("bodies": [{"name": "p", "mass": 3, "inertia": [0.25, 0.25, 0.25], "center": [0.5, 0, 0],
+                     "orientation": {"axis": "z", "angle": ")" +
+          std::to_string(given) + R"( deg"}}],
+         "markers": [{"name": "hub", "body": "p", "at": [0, 0, 0]}, {"name": "pin", "body": "ground", "at": [0, 0, 0]}],
+         "links": [{"name": "A", "type": "revolute", "p": "hub", "s": "pin",
+                    "start": {"position": {"rz": ")" +
+          std::to_string(asked) + R"( deg"}}}],
+         "forces": [{"name": "T", "type": "torsion_spring_damper", "p": "hub", "s": "pin", "stiffness": 2}])",
+      R"("A.angle_z", "T.angle", "p.center_x")", in));
+  const double theta = asked * kDegree;
+  CHECK(run.first("A.angle_z") == Approx(theta));
+  CHECK(run.first("T.angle") == Approx(theta));
+  CHECK(run.first("p.center_x") == Approx(0.5 * std::cos(theta)).margin(1e-12));
+  CHECK(run.last("T.angle") == Approx(theta * std::cos(std::sqrt(2.0))));
+}
+
 TEST_CASE("a torsion spring on a driven hinge begins where the law does", "[unit][assembly]") {
   const std::string in = formulation();
   const bool assembled = GENERATE(true, false);
@@ -129,6 +152,9 @@ TEST_CASE("a screw begins where all its turns have brought it", "[unit][assembly
        {R"("start": {"position": {"z": 0.15}})", 1.5, 0},
        {R"("start": {"position": {"z": "-0.62 m"}})", -6.2, 0},
        {R"("drive": {"axis": "rz", "law": {"type": "ramp", "slope": 1, "y0": "540 deg"}})", 1.5, 1},
+       {R"("start": {"position": {"z": 50}})", 500, 0},
+       {R"("drive": {"axis": "z", "law": {"type": "ramp", "slope": 0.01, "y0": 0.15}})", 1.5, 0.2 * kPi},
+       {R"("drive": {"axis": "z", "law": {"type": "ramp", "slope": 0.01, "y0": -0.62}})", -6.2, 0.2 * kPi},
        {R"("drive": {"axis": "z", "law": {"type": "ramp", "slope": 0.01, "y0": 0.04}})", 0.4, 0.2 * kPi}}));
   const std::string in = formulation_with(more);
   CAPTURE(in, more);
@@ -159,6 +185,64 @@ TEST_CASE("the other wheel of a gear begins in the turn that the first brings it
   CHECK(run.first("G.violation") < 1e-10);
   CHECK(run.last("A.angle_z") == Approx(380 * kDegree + 1));
   CHECK(run.last("B.angle_z") == Approx(-190 * kDegree - 0.5));
+}
+
+// theta_B = -N theta_A, however many turns that is.
+TEST_CASE("a wheel that makes many turns for one of the other begins as many turns away", "[unit][assembly]") {
+  const double teeth = GENERATE(3.0, 10.0, 60.0), asked = GENERATE(360.0, -370.0);
+  CAPTURE(teeth, asked);
+  const Table run = history_of(scene_of(
+      R"("bodies": [{"name": "slow", "cylinder": {"mass": 1, "radius": 0.1, "length": 0.02}},
+                    {"name": "fast", "cylinder": {"mass": 2, "radius": 0.2, "length": 0.02}, "position": [0.3, 0, 0]}],
+         "links": [{"name": "A", "type": "revolute", "p": "slow", "s": "ground", "at": [0, 0, 0],
+                    "drive": {"axis": "rz", "law": {"type": "ramp", "slope": 0.1, "y0": ")" +
+          std::to_string(asked) + R"( deg"}}},
+                   {"name": "B", "type": "revolute", "p": "fast", "s": "ground", "at": [0.3, 0, 0]},
+                   {"name": "G", "type": "gear", "pairs": ["A", "B"], "ratio": )" +
+          std::to_string(1 / teeth) + R"(}],
+         "forces": [{"name": "T", "type": "torsion_spring_damper", "p": "slow", "s": "ground", "at": [0, 0, 0],
+                     "stiffness": 2}])",
+      R"("A.angle_z", "B.angle_z", "G.violation", "T.angle")"));
+  const double ratio = std::stod(std::to_string(1 / teeth));
+  const double theta = asked * kDegree;
+  CHECK(run.first("A.angle_z") == Approx(theta));
+  CHECK(run.first("T.angle") == Approx(theta));
+  CHECK(run.first("B.angle_z") == Approx(-theta / ratio));
+  CHECK(run.first("G.violation") < 1e-9);
+  CHECK(run.last("B.angle_z") == Approx(-(theta + 0.1) / ratio));
+}
+
+TEST_CASE("a start that is not assembled begins in the turn of its drive, too", "[unit][assembly]") {
+  const std::string text =
+      scene_of(bar(R"("drive": {"axis": "rz", "law": {"type": "ramp", "slope": 0, "y0": "720 deg"}})") + kSpring, "");
+  Mechanism m = build_mechanism(scene_from_text(text, "driven.json"), builtin_registry());
+  const auto angle = static_cast<Eigen::Index>(m.system.forces().front()->first_memory());
+  SECTION("simulation") {
+    Simulation run(m.system, {.assemble = false});
+    CHECK(run.state().z[angle] == Approx(4 * kPi));
+  }
+  SECTION("branches") {
+    Dynamics dynamics(m.system, std::make_unique<SchurSolver>(), {Formulation::omega, {}});
+    const BranchReport found = find_branches(dynamics, m.system.start(), {.starts = 3});
+    REQUIRE(found.branches.size() == 1);
+    CHECK(found.branches.front().state.z[angle] == Approx(4 * kPi));
+  }
+}
+
+TEST_CASE("an angle that has no number of turns is told, and recorded within half a turn", "[unit][assembly]") {
+  const std::string text = scene_of(
+      R"("bodies": [{"name": "p", "box": {"mass": 3, "size": [0.1, 0.2, 0.3]}}],
+         "links": [{"name": "U", "type": "universal", "p": "p", "s": "ground", "at": [0, 0, 0],
+                    "start": {"position": {"rx": "540 deg"}}}],
+         "forces": [{"name": "T", "type": "torsion_spring_damper", "p": "p", "s": "ground", "at": [0, 0, 0]}])",
+      R"("U.angle_x")");
+  Mechanism m = build_mechanism(scene_from_text(text, "universal.json"), builtin_registry());
+  Dynamics dynamics(m.system, std::make_unique<SchurSolver>(), {Formulation::omega, {}});
+  State state = m.system.start();
+  const AssemblyReport report = assemble(dynamics, state, {}, m.assembly);
+  REQUIRE(report.warnings.size() == 1);
+  testing::check_words(report.warnings[0], {"start by U.rx", "540 deg is asked for and", "180 deg taken"});
+  CHECK(std::abs(history_of(text).first("U.angle_x")) == Approx(kPi));
 }
 
 // A crank turned by a full turn more stands where it stood, and winds its spring by a turn more.

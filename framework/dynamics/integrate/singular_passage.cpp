@@ -18,7 +18,9 @@ constexpr double kTurn = 0.5;        // rad per step, with the stages on the con
 constexpr double kFirstTurn = 0.1;   // rad: a first step that leads out of a singular position
 constexpr double kSingular = 1e-2;   // indicator below which the stages go onto the constraints: this,
 constexpr double kUnusual = 0.1;     // or this part of the usual one, if that is less;
-constexpr double kRegular = 3;       // and times which they leave them again
+constexpr double kRegular = 3;       // and times which they leave them again;
+constexpr double kHeads = 0.5;       // rad: where it heads for zero within this,
+constexpr double kDeep = 1e-2;       // or is below this part of that
 constexpr double kKnown = 0.5;       // rad: turn after which the largest indicator counts as the usual one
 constexpr double kNowhere = 1e-7;    // indicator below which it only reflects the proximal term
 constexpr double kRedundant = 1e-6;  // pivot of a row that others make redundant
@@ -148,6 +150,7 @@ void SingularPassage::begin(const Tableau& tableau, const State& state, const Dy
   redundant_ = Redundant::unknown;
   longest_plain_ = 0;
   ahead_ = HUGE_VAL;
+  turn_ = 0;
   const double* c = tableau.c;
   nodes_.assign(c, c + tableau.n_stages);
   std::ranges::sort(nodes_);
@@ -267,7 +270,8 @@ double SingularPassage::straddle(double h) const {
   return before > 0 ? std::max(before, kLeast * h) : best;
 }
 
-bool SingularPassage::enters(const Stages& stages) {
+bool SingularPassage::enters(const Stages& stages, double h) {
+  turn_ = h * rate_of_turn_;
   if (!active_ || on_ == StagesOn::manifold || !near(stages)) return false;
   on_ = StagesOn::manifold;
   entered_ = true;
@@ -309,7 +313,7 @@ void SingularPassage::finish_step(const Stages& stages, StepReport& report) {
   const bool falls = s1 < s0 && std::isfinite(s0);
   ahead_ = falls ? report.h * (c[last_] - c[inner_]) * s1 / (s0 - s1) : HUGE_VAL;
   const double now = stages.indicator();
-  near_ = when_ == StagesWhen::automatic && now < (on_ == StagesOn::manifold ? kRegular : 1.0) * usual_.limit();
+  near_ = when_ == StagesWhen::automatic && is_near(stages, on_ == StagesOn::manifold ? kRegular : 1.0);
   usual_.add(now, report.h * rate_of_turn_);
 }
 
@@ -321,7 +325,17 @@ double SingularPassage::first_step(Dynamics& dynamics, const State& y, Stages& s
   return from_both_sides_ ? std::min(largest, std::max(guess, time_to_turn(kFirstTurn))) : guess;
 }
 
-bool SingularPassage::near(const Stages& stages) const { return stages.indicator() < usual_.limit(); }
+bool SingularPassage::near(const Stages& stages) const { return is_near(stages, 1); }
+
+// The indicator of a mechanism may vary over regular positions, too. Beside a singular one its root is in proportion to the
+// distance, s = c d: over the turn of a step it tells the distance, d = s turn/(change of s).
+bool SingularPassage::is_near(const Stages& stages, double factor) const {
+  const double now = stages.indicator(), limit = factor * usual_.limit();
+  if (!(now < limit)) return false;
+  if (now < kDeep * limit) return true;
+  const double s = std::sqrt(now), change = std::sqrt(stages.largest_indicator()) - s;
+  return !(s * turn_ >= kHeads * change);
+}
 
 // Accelerations are uncertain where the rows could not be met, and by round-off divided by the indicator. Where that has
 // not fallen, no position is near: in large mechanisms round-off leaves more of the rows than their tolerance everywhere,

@@ -45,13 +45,7 @@ double round_off(const State& state, double length) {
   return 1e-14 * length + 8 * std::numeric_limits<double>::epsilon() * x_max;
 }
 
-// The share of a step that turns no body by more than a quarter turn.
-double short_share(int n_slots, const VecX& d) {
-  double most = 0;
-  for (int k = 0; k < n_slots; ++k) most = std::max(most, d.segment<3>(6 * k + 3).norm());
-  return most > 0.5 * kPi ? 0.5 * kPi / most : 1.0;
-}
-
+constexpr int kMostShort = 50'000;       // iterations that short steps add
 constexpr double kVelocityLimit = 1e-6;  // m/s, residual |Jh v + Ct|: more is a contradiction, not round-off
 
 class Assembler {
@@ -59,29 +53,40 @@ class Assembler {
   Assembler(Dynamics& dynamics, State& state, const AssemblyOptions& options)
       : dynamics_(dynamics), state_(state), options_(options), n_(dynamics.system().n_slots()) {}
 
-  /// `follows`: what counts turns follows the iterations; `short_steps`: no step turns a body by more than a quarter turn.
+  /// How far the state is off its links, m.
+  double distance() {
+    dynamics_.normalize(state_);
+    residual();
+    check_gradients(*now_);
+    return start_distance(*now_, C_);
+  }
+
+  /// `follows`: what counts turns follows the iterations; `short_steps`: see short_share().
   void positions(AssemblyReport& report, bool follows, bool short_steps) {
     dynamics_.normalize(state_);
     const VecX zero = VecX::Zero(6 * n_);
     VecX d, lambda;
     double now = residual();
     check_gradients(*now_);
-    report.before = start_distance(*now_, C_);
     const double goal = std::max(options_.tolerance, round_off(state_, dynamics_.system().length()));
     int stalls = 0;  // in a row
+    int cut = 0;     // short steps, on the way there
     for (report.iterations = 0; now > goal; ++report.iterations) {
-      if (report.iterations == options_.iterations || !std::isfinite(now)) stop(now, report.iterations);
+      if (report.iterations - cut >= options_.iterations || !std::isfinite(now)) stop(now, report.iterations);
       const VecX c = -C_;
       dynamics_.factor(*now_).solve(*now_, zero, c, d, lambda);
       const State from = state_;
       double next = 0;
-      for (double share = short_steps ? short_share(n_, d) : 1.0;; share *= 0.5) {
+      const double whole = short_steps ? short_share(n_, d) : 1.0;
+      for (double share = whole;; share *= 0.5) {
         state_ = from;
         cayley_move(state_, n_, share, d);
         next = residual();
-        if (next < now || share < 1e-3) break;
+        if (next < now || share < 1e-3 * whole) break;
       }
-      const bool stalled = !(next < 0.9 * now);
+      const bool on_the_way = whole < 1 && next < now && cut < kMostShort;
+      if (on_the_way) ++cut;
+      const bool stalled = !on_the_way && !(next < 0.9 * now);
       stalls = stalled ? stalls + 1 : 0;
       if (stalls > 5 && next > 1e3 * goal) stop(next, report.iterations + 1);
       if (stalled && next <= 1e3 * goal) {  // stalled at round-off
@@ -335,34 +340,45 @@ namespace {
 
 void find_positions_from(Dynamics& dynamics, State& work, const AssemblyOptions& options, Assembler& assembler,
                          AssemblyReport& report, bool follows, bool short_steps) {
-  const double before = options.coordinates.empty() && options.poses.empty() ? -1 : dynamics.violation(work);
-  const int rounds = before < 0 ? 0 : nearest_start(dynamics, work, options, follows);
+  const bool weighs = !options.coordinates.empty() || !options.poses.empty();
+  const int rounds = weighs ? nearest_start(dynamics, work, options, follows) : 0;
   assembler.positions(report, follows, short_steps);
-  if (before >= 0) report.before = before, report.iterations += rounds;
+  report.iterations += rounds;
+}
+
+// What counts turns begins at the pose given, whatever its velocity.
+void begin_at_pose(Dynamics& dynamics, State& state) {
+  State at_rest = state;
+  at_rest.v.setZero();
+  follow_turns(dynamics, at_rest);
+  state.z = at_rest.z;
 }
 
 /// Once more where drives begin more than a quarter turn away and Newton's method was lost: with the bodies of open chains
-/// turned there, by shorter steps. Returns whether what counts turns is led.
+/// turned there, by shorter steps. Returns whether what counts turns followed the iterations.
 bool find_positions(Dynamics& dynamics, State& work, const AssemblyOptions& options, Assembler& assembler,
                     AssemblyReport& report) {
-  const bool led = begin_turns(dynamics, work, options),
-             follows = led || (!options.coordinates.empty() && has_counting_links(dynamics.system()));
+  const System& system = dynamics.system();
+  const bool led = begin_turns(dynamics, work, options, report.warnings),
+             follows =
+                 led || (has_counting_links(system) && (!options.coordinates.empty() || has_drives(system, work)));
+  if (follows && !led) begin_at_pose(dynamics, work);
+  const bool weighs = !options.coordinates.empty() || !options.poses.empty();
+  report.before = weighs ? dynamics.violation(work) : assembler.distance();
   const State given = work;
   try {
-    find_positions_from(dynamics, work, options, assembler, report, follows, false);
+    find_positions_from(dynamics, work, options, assembler, report, follows, follows);
   } catch (const AssemblyError& error) {
     work = given;
     const std::string drive = farthest_drive(dynamics, work);
     if (!turn_to_drives(dynamics, work)) throw;
-    const double before = report.before;
     try {
       find_positions_from(dynamics, work, options, assembler, report, follows, true);
     } catch (const AssemblyError&) {
       throw AssemblyError(error.what() + drive);
     }
-    report.before = before;
   }
-  if (led) keep_led_turns(dynamics.system(), dynamics.system().start().z, given.z, work);
+  if (led) keep_led_turns(system, system.start().z, given.z, work);
   return follows;
 }
 

@@ -17,7 +17,6 @@ namespace lockstep {
 namespace {
 
 constexpr int kMostUnknowns = 1500;  // a dense decomposition of them takes a second
-constexpr int kMostShort = 2000;     // steps that are cut to a quarter turn, beside the rounds
 
 // An angle as the nearest to zero.
 double wrapped(double angle) { return std::remainder(angle, kTwoPi); }
@@ -51,6 +50,7 @@ class NearestStart {
       if (!std::isfinite(t.value))
         throw ModelError(fmt::format("start by {}: the value {} is not finite", name_of(t), t.value));
     }
+    most_short_ = static_cast<int>(std::clamp(2e10 / (1.0 * n_ * n_ * n_), 200.0, 50'000.0));
     freedom_ = VecX::Ones(n_);
     const Plane plane = system_.plane();
     for (int k = 0; k < system_.n_slots(); ++k) {
@@ -187,13 +187,13 @@ class NearestStart {
       const VecX d = easy.asDiagonal() * Eigen::CompleteOrthogonalDecomposition<MatX>(rows).solve(-c_);
       const State from = state_;
       const double now = off();
-      const double whole = follows_ ? short_share(d) : 1.0;
-      if (whole < 1 && cut < kMostShort) ++cut;
+      const double whole = follows_ ? short_share(system_.n_slots(), d, length_) : 1.0;
+      if (whole < 1 && cut < most_short_) ++cut;
       for (double share = whole;; share *= 0.5) {
         state_ = from;
         move(share, d);
         linearise();
-        if (off() < now || share < kLeastShare) break;
+        if (off() < now || share < kLeastShare * whole) break;
       }
       if (!(off() < now)) {
         if (now < 1e3 * goal) {
@@ -206,13 +206,6 @@ class NearestStart {
       if (follows_) follow_turns(dynamics_, state_), linearise();
     }
     return round;
-  }
-
-  // The share of a step that turns no body by more than a quarter turn.
-  double short_share(const VecX& d) const {
-    double most = 0;
-    for (int k = 0; k < system_.n_slots(); ++k) most = std::max(most, d.segment<3>(6 * k + 3).norm() / length_);
-    return most > 0.5 * kPi ? 0.5 * kPi / most : 1.0;
   }
 
   void move(double share, const VecX& d) {
@@ -253,6 +246,7 @@ class NearestStart {
   const AssemblyOptions& options_;
   const bool follows_;
   int n_;
+  int most_short_ = 0;  // short steps beside the rounds: as many as some work allows
   double length_;
   VecX weights_, freedom_;
   MatX E_, S_;

@@ -11,7 +11,7 @@ namespace lockstep {
 ///
 /// is least; dx, turn: from the pose that the state begins with, d: from the value asked for, L = System::length(), turns
 /// of coordinates times L. Throws AssemblyError with the names of what cannot be met, ModelError for an unknown name.
-/// `follows`: what counts turns follows the way there, in steps of a quarter turn at most. Returns the rounds.
+/// `follows`: what counts turns follows the way there, in short steps (short_share). Returns the rounds.
 int nearest_start(Dynamics&, State&, const AssemblyOptions&, bool follows = false);
 
 }  // namespace lockstep

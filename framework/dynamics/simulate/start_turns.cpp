@@ -17,6 +17,7 @@ namespace {
 
 constexpr double kNearlyHalf = kPi - 1e-6;  // rad: of an angle beyond, either half turn may be read off the poses
 constexpr double kStage = 0.5 * kPi;        // rad: counters tell a way from its rest up to half a turn
+constexpr double kReached = 1e-9;           // rad
 constexpr double kMostTurns = 1e4;
 constexpr double kDegrees = 180 / kPi;
 
@@ -29,7 +30,11 @@ struct AskedTurn {
   double angle;  // rad
   bool driven;
   double now = 0;  // where the pair is on its way there, rad
-  std::string name() const { return fmt::format("{}.{}", link->name(), to_string(axis)); }
+  double way() const { return angle - now; }
+  std::string name() const {
+    return driven ? fmt::format("drive {} of link '{}'", to_string(axis), link->name())
+                  : fmt::format("start by {}.{}", link->name(), to_string(axis));
+  }
 };
 
 /// The law's value at t of the drive about this axis; nothing without one, or where the link turns by another law, too.
@@ -73,10 +78,29 @@ void measure(Dynamics& dynamics, const State& state, std::vector<AskedTurn>& ask
     turn.now = nearest_to(turn.now, coordinate_row(dynamics, state, turn.link->name(), turn.axis).value);
 }
 
-// Whether the other two turns are held.
-bool has_one_axis(const AskedTurn& turn) {
-  const Jointed* joint = turn.link->jointed();
-  return joint != nullptr && includes(joint->rows() | row_of(turn.axis), Mask::e123);
+const Remembering* counting(const Remembering* own) {
+  return own != nullptr && own->counts_turns_alone() ? own : nullptr;
+}
+
+// What a link or force that counts the turns of this pair says; nothing where none has counted yet.
+std::optional<double> counted_angle(const System& system, const State& state, const Lock& link, int axis) {
+  if (axis != 2) return {};
+  const auto pair = link.pairs().front();
+  for (const auto& each : system.links()) {  // three numbers for each pair
+    const Remembering* own = counting(each->remembering());
+    if (own == nullptr) continue;
+    const auto pairs = each->pairs();
+    if (own->n_memory() != 3 * static_cast<int>(pairs.size())) continue;
+    for (std::size_t k = 0; k < pairs.size(); ++k)
+      if (pairs[k] == pair) return state.z[each->first_memory() + 3 * static_cast<int>(k)];
+  }
+  for (const auto& force : system.forces()) {
+    const auto* spring = dynamic_cast<const TorsionSpringDamper*>(force.get());
+    if (spring != nullptr && &spring->p() == pair.first && spring->s() == pair.second &&
+        state.z[spring->first_memory() + 3] != 0)
+      return state.z[spring->first_memory()];
+  }
+  return {};
 }
 
 /// The bodies on one side of a joint.
@@ -91,29 +115,46 @@ std::pair<int, int> slots_of(const Lock& link) {
   return {MarkerFrame(*p).slot, MarkerFrame(*s).slot};
 }
 
-// The bodies that `first` carries when it turns against `other`; none where it is ground or part of a loop.
-std::vector<int> carried(const System& system, const State& state, int first, int other) {
-  if (first == kGround) return {};
-  std::vector<int> slots{first};
-  for (std::size_t i = 0; i < slots.size(); ++i)
-    for (const auto& each : system.links()) {
-      if (!is_active(state, *each) || each->unilateral() || each->pairs().size() != 1) continue;
-      auto [a, b] = slots_of(*each);
-      if (b == slots[i]) std::swap(a, b);
-      if (a != slots[i] || a == b) continue;
-      if (a == first && b == other) continue;  // the joint, and what else is between its two bodies
-      if (b == kGround || b == other) return {};
-      if (std::ranges::find(slots, b) == slots.end()) slots.push_back(b);
+/// Which slots hang together by two-sided links of one pair.
+class BodyGraph {
+ public:
+  BodyGraph(const System& system, const State& state) : of_(static_cast<std::size_t>(system.n_slots())) {
+    for (const auto& link : system.links()) {
+      if (!is_active(state, *link) || link->unilateral() || link->pairs().size() != 1) continue;
+      const auto [a, b] = slots_of(*link);
+      if (a == b) continue;
+      if (a != kGround) of_[static_cast<std::size_t>(a)].push_back(b);
+      if (b != kGround) of_[static_cast<std::size_t>(b)].push_back(a);
     }
-  return slots;
-}
+  }
 
-Side side_of(const System& system, const State& state, const Lock& link) {
-  const auto [p, s] = slots_of(link);
-  if (std::vector<int> slots = carried(system, state, p, s); !slots.empty()) return {std::move(slots), 1, true};
-  if (std::vector<int> slots = carried(system, state, s, p); !slots.empty()) return {std::move(slots), -1, true};
-  return p != kGround ? Side{{p}, 1, false} : Side{{s}, -1, false};
-}
+  Side side_of(const Lock& link) const {
+    const auto [p, s] = slots_of(link);
+    if (std::vector<int> slots = carried(p, s); !slots.empty()) return {std::move(slots), 1, true};
+    if (std::vector<int> slots = carried(s, p); !slots.empty()) return {std::move(slots), -1, true};
+    return p != kGround ? Side{{p}, 1, false} : Side{{s}, -1, false};
+  }
+
+ private:
+  // The bodies that `first` carries when it turns against `other`; none where it is ground or part of a loop.
+  std::vector<int> carried(int first, int other) const {
+    if (first == kGround) return {};
+    std::vector<int> slots{first};
+    std::vector<bool> is_in(of_.size());
+    is_in[static_cast<std::size_t>(first)] = true;
+    for (std::size_t i = 0; i < slots.size(); ++i)
+      for (const int b : of_[static_cast<std::size_t>(slots[i])]) {
+        if (i == 0 && b == other) continue;  // the joint, and what else is between its two bodies
+        if (b == kGround || b == other) return {};
+        if (is_in[static_cast<std::size_t>(b)]) continue;
+        is_in[static_cast<std::size_t>(b)] = true;
+        slots.push_back(b);
+      }
+    return slots;
+  }
+
+  std::vector<std::vector<int>> of_;
+};
 
 // Turns P against S about an axis of S, through the origin of P.
 void turn(Dynamics& dynamics, State& state, const AskedTurn& asked, const Side& side, double angle) {
@@ -135,19 +176,23 @@ bool is_asked_beyond(const std::vector<AskedTurn>& asked) {
   double sum = 0;
   for (const AskedTurn& turn : asked) {
     if (std::abs(turn.angle) > kNearlyHalf) return true;
-    sum += std::abs(turn.angle - turn.now);
+    sum += std::abs(turn.way());
   }
   return sum > kNearlyHalf;
 }
 
+std::string not_led(const AskedTurn& turn, double taken, const std::string& why) {
+  return fmt::format("{}: {:.9g} deg is asked for and {:.9g} deg taken by what counts its turns: {}", turn.name(),
+                     kDegrees * turn.angle, kDegrees * taken, why);
+}
+
 // Says so where an angle that is asked for cannot be led to.
-void drop_unled(std::vector<AskedTurn>& asked) {
-  std::erase_if(asked, [](const AskedTurn& turn) {
-    const bool free = !has_one_axis(turn), far = std::abs(turn.angle - turn.now) > kMostTurns * kTwoPi;
+void drop_unled(std::vector<AskedTurn>& asked, std::vector<std::string>& warnings) {
+  std::erase_if(asked, [&](const AskedTurn& turn) {
+    const bool free = !turns_about_one_axis(*turn.link, turn.axis), far = std::abs(turn.way()) > kMostTurns * kTwoPi;
     if ((free || far) && std::abs(turn.angle) > kPi + 1e-6)
-      log_warning(fmt::format(
-          "start by {}: {:.9g} deg is asked for and {:.9g} deg taken by what counts its turns: {}", turn.name(),
-          kDegrees * turn.angle, kDegrees * nearest_to(0, turn.angle),
+      warnings.push_back(not_led(
+          turn, nearest_to(0, turn.angle),
           free ? "P turns about other axes of S, too, so that its turns about one have no number; ask for an angle "
                  "within half a turn"
                : fmt::format("it is beyond {:.0f} turns; take whole turns off it", kMostTurns)));
@@ -155,23 +200,36 @@ void drop_unled(std::vector<AskedTurn>& asked) {
   });
 }
 
-void lead(Dynamics& dynamics, State& state, std::vector<AskedTurn>& asked) {
-  constexpr int kPasses = 2;  // a body of a loop that turns alone takes the next joint's angle along
-  for (int pass = 0; pass < kPasses; ++pass)
+// A body of a loop that turns alone takes the angles of its other joints along: these are led once more.
+void lead(Dynamics& dynamics, State& state, std::vector<AskedTurn>& asked, std::vector<std::string>& warnings) {
+  const BodyGraph graph(dynamics.system(), state);
+  const auto is_off = [](const AskedTurn& to) { return std::abs(to.way()) > kReached; };
+  for (std::size_t pass = 0; pass <= asked.size() && std::ranges::any_of(asked, is_off); ++pass)
     for (AskedTurn& to : asked) {
-      const Side side = side_of(dynamics.system(), state, *to.link);
-      for (int left = static_cast<int>(std::ceil(std::abs(to.angle - to.now) / kStage)); left > 0; --left) {
-        turn(dynamics, state, to, side, (to.angle - to.now) / left);
+      if (!is_off(to)) continue;
+      const Side side = graph.side_of(*to.link);
+      for (int left = static_cast<int>(std::ceil(std::abs(to.way()) / kStage)); left > 0; --left) {
+        turn(dynamics, state, to, side, to.way() / left);
         follow_turns(dynamics, state);
         measure(dynamics, state, asked);
       }
     }
+  for (const AskedTurn& to : asked)
+    if (is_off(to))
+      warnings.push_back(
+          not_led(to, to.now, "other joints of its loop that are asked for turn it away; ask for fewer of them"));
 }
 
 }  // namespace
 
-bool begin_turns(Dynamics& dynamics, State& state, const AssemblyOptions& options) {
+bool turns_about_one_axis(const Lock& link, Axis axis) {
+  const Jointed* joint = link.jointed();
+  return joint != nullptr && includes(joint->rows() | row_of(axis), Mask::e123);
+}
+
+bool begin_turns(Dynamics& dynamics, State& state, const AssemblyOptions& options, std::vector<std::string>& warnings) {
   const System& system = dynamics.system();
+  if (system.n_memory() == 0) return false;
   std::vector<AskedTurn> asked = turns_asked(system, state, options);
   if (asked.empty()) return false;
   State home = system.start();
@@ -179,12 +237,28 @@ bool begin_turns(Dynamics& dynamics, State& state, const AssemblyOptions& option
   home.t = state.t, home.modes = state.modes;
   measure(dynamics, home, asked);
   if (!is_asked_beyond(asked)) return false;
-  drop_unled(asked);
-  if (system.n_memory() == 0) return false;
+  drop_unled(asked, warnings);
   home.v.setZero();
-  lead(dynamics, home, asked);
+  follow_turns(dynamics, home);  // before it is led, what counts is where the poses given are
+  for (AskedTurn& turn : asked)  // half a turn has two names
+    if (const auto counted = counted_angle(system, home, *turn.link, axis_index(turn.axis) % 3))
+      turn.now = nearest_to(*counted, turn.now);
+  lead(dynamics, home, asked, warnings);
   state.z = home.z;
   return true;
+}
+
+void begin_turns(Dynamics& dynamics, State& state) {
+  std::vector<std::string> warnings;
+  begin_turns(dynamics, state, {}, warnings);
+  for (const std::string& warning : warnings) log_warning(warning);
+}
+
+double short_share(int n_slots, const VecX& d, double length) {
+  constexpr double kShort = 0.25 * kPi;
+  double most = 0;
+  for (int k = 0; k < n_slots; ++k) most = std::max(most, d.segment<3>(6 * k + 3).norm() / length);
+  return most > kShort ? kShort / most : 1.0;
 }
 
 void follow_turns(Dynamics& dynamics, State& state) {
@@ -197,13 +271,14 @@ void follow_turns(Dynamics& dynamics, State& state) {
     });
   };
   for (const auto& link : dynamics.system().links())
-    if (link->remembering() != nullptr && link->remembering()->counts_turns_alone()) accept(*link);
+    if (counting(link->remembering()) != nullptr) accept(*link);
   for (const auto& force : dynamics.system().forces())
-    if (force->remembering() != nullptr) accept(*force);
+    if (counting(force->remembering()) != nullptr) accept(*force);
 }
 
 void keep_led_turns(const System& system, const VecX& home, const VecX& led, State& state) {
   const auto keep = [&](const auto& owner) {
+    if (counting(owner.remembering()) == nullptr) return;
     const int first = owner.first_memory(), n = owner.n_own_memory();
     if (n > 0 && std::abs(led[first] - home[first]) > kPi) state.z.segment(first, n) = led.segment(first, n);
   };
@@ -213,8 +288,14 @@ void keep_led_turns(const System& system, const VecX& home, const VecX& led, Sta
 }
 
 bool has_counting_links(const System& system) {
-  return std::ranges::any_of(system.links(), [](const auto& link) {
-    return link->remembering() != nullptr && link->remembering()->counts_turns_alone();
+  return std::ranges::any_of(system.links(), [](const auto& link) { return counting(link->remembering()) != nullptr; });
+}
+
+bool has_drives(const System& system, const State& state) {
+  return std::ranges::any_of(system.links(), [&](const auto& link) {
+    const Jointed* joint = is_active(state, *link) ? link->jointed() : nullptr;
+    return joint != nullptr &&
+           std::ranges::any_of(joint->imposed().drives, [](const Drive& drive) { return !drive.speed; });
   });
 }
 
@@ -222,11 +303,12 @@ bool turn_to_drives(Dynamics& dynamics, State& state) {
   bool any = false;
   std::vector<AskedTurn> asked = turns_of_drives(dynamics.system(), state);
   measure(dynamics, state, asked);
+  const BodyGraph graph(dynamics.system(), state);
   for (AskedTurn& to : asked) {
-    const double way = nearest_to(0, to.angle - to.now);
+    const double way = nearest_to(0, to.way());
     if (!(std::abs(way) > kStage)) continue;
     any = true;
-    if (const Side side = side_of(dynamics.system(), state, *to.link); side.whole) turn(dynamics, state, to, side, way);
+    if (const Side side = graph.side_of(*to.link); side.whole) turn(dynamics, state, to, side, way);
   }
   return any;
 }
@@ -237,7 +319,7 @@ std::string farthest_drive(Dynamics& dynamics, const State& state) {
   const AskedTurn* farthest = nullptr;
   double most = kStage;
   for (const AskedTurn& turn : asked)
-    if (const double way = std::abs(nearest_to(0, turn.angle - turn.now)); way > most) most = way, farthest = &turn;
+    if (const double way = std::abs(nearest_to(0, turn.way())); way > most) most = way, farthest = &turn;
   if (farthest == nullptr) return "";
   return fmt::format(
       " (drive {} of link '{}' begins at {:.6g} deg, {:.6g} deg from the poses given: put its bodies there)",
@@ -245,25 +327,11 @@ std::string farthest_drive(Dynamics& dynamics, const State& state) {
 }
 
 std::optional<double> known_turn(const System& system, const State& state, const Lock& link, int axis) {
+  constexpr Axis kAxes[] = {Axis::rx, Axis::ry, Axis::rz};
   if (link.pairs().empty()) return {};
-  if (is_active(state, link))
+  if (is_active(state, link) && turns_about_one_axis(link, kAxes[axis]))
     if (const auto angle = driven_angle(link, state.t, axis)) return angle;
-  if (axis != 2) return {};
-  const auto pair = link.pairs().front();
-  for (const auto& each : system.links()) {  // three numbers for each pair
-    const Remembering* own = each->remembering();
-    const auto pairs = each->pairs();
-    if (own == nullptr || !own->counts_turns_alone() || own->n_memory() != 3 * static_cast<int>(pairs.size())) continue;
-    for (std::size_t k = 0; k < pairs.size(); ++k)
-      if (pairs[k] == pair) return state.z[each->first_memory() + 3 * static_cast<int>(k)];
-  }
-  for (const auto& force : system.forces()) {
-    const auto* spring = dynamic_cast<const TorsionSpringDamper*>(force.get());
-    if (spring != nullptr && &spring->p() == pair.first && spring->s() == pair.second &&
-        state.z[spring->first_memory() + 3] != 0)
-      return state.z[spring->first_memory()];
-  }
-  return {};
+  return counted_angle(system, state, link, axis);
 }
 
 }  // namespace lockstep

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <vector>
 
 #include <lockstep/assembly.h>
 
@@ -12,21 +14,36 @@ namespace lockstep {
 ///
 ///     theta = theta_0 + way,   theta_0 in (-pi, pi] of the poses that the bodies are given
 ///
-/// Leads what counts turns (links, forces) along these ways, from the given poses on, so that it begins in the turn that
-/// is asked for: P turns about the axis of S with all that it carries, or alone where it is part of a loop. Writes
-/// State::z alone, and only where it is as System::start() left it. Returns whether it did. Warns by name of an angle of
-/// more than half a turn that it cannot lead to: about an axis beside which P turns freely, or of more than 10000 turns.
-LOCKSTEP_API bool begin_turns(Dynamics&, State&, const AssemblyOptions&);
+/// Leads what counts turns and nothing else (Remembering::counts_turns_alone: links, forces) along these ways, from the
+/// given poses on, so that it begins in the turn that is asked for: P, or S where P is held, turns about the axis of S with
+/// all that it carries, or alone where it is part of a loop. Writes State::z alone, and only where it is as
+/// System::start() left it. Returns whether it did. `warnings`: of an angle of more than half a turn that it does not lead
+/// to, by name: about an axis beside which P turns freely, of more than 10000 turns, or that others turn away.
+bool begin_turns(Dynamics&, State&, const AssemblyOptions&, std::vector<std::string>& warnings);
 
-/// Lets links and forces that count turns take the branches nearest to those before, at this state.
+/// The same for a start that is not assembled, by the drives alone; logs the warnings.
+LOCKSTEP_API void begin_turns(Dynamics&, State&);
+
+/// Lets links and forces that count turns take the branches nearest to those before, at this state; the first time forces
+/// take those within half a turn of zero.
 void follow_turns(Dynamics&, State&);
 
+/// The share of a step of 6 numbers a slot that turns no body by more than an eighth of a turn, so that the angles between
+/// two of them can be followed. `length`: of what stands for a turn of 1 rad.
+double short_share(int n_slots, const VecX& d, double length = 1);
+
 /// Iterations come to a pose by other ways than begin_turns(): forces and stops that it led from `home` by more than half a
-/// turn keep their memory `led`, State::z.
+/// turn keep their memory `led`; all three State::z.
 void keep_led_turns(const System&, const VecX& home, const VecX& led, State&);
+
+/// Whether the link holds the turns about the other two axes.
+LOCKSTEP_API bool turns_about_one_axis(const Lock&, Axis);
 
 /// Whether a link counts turns and remembers nothing else.
 bool has_counting_links(const System&);
+
+/// Whether a link in force is driven by a law of its place or angle.
+bool has_drives(const System&, const State&);
 
 /// Turns the bodies of open chains to where drives about axes begin that are more than a quarter turn from there. Returns
 /// whether there are such drives, of loops too.
@@ -37,7 +54,7 @@ bool turn_to_drives(Dynamics&, State&);
 std::string farthest_drive(Dynamics&, const State&);
 
 /// The angle of P about an axis of S (0, 1, 2) that a law or what counts its turns says at this state, rad; nothing where
-/// none does.
+/// none does, or P turns about other axes, too.
 LOCKSTEP_API std::optional<double> known_turn(const System&, const State&, const Lock&, int axis);
 
 }  // namespace lockstep

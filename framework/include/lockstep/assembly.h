@@ -68,7 +68,8 @@ struct AssemblyOptions {
 
 /// Brings a state onto the constraints. Positions: Newton's method with the Cayley update (8.2) and the least
 /// mass-weighted move; a step that does not reduce |C| is halved. Velocities: the least mass-weighted change onto
-/// Jh v = -Ct and the targets, which are met to round-off. A notable correction is logged (log.h, level info), and the
+/// Jh v = -Ct and the targets, which are met to round-off. What counts turns (State::z) begins in the turn that coordinates
+/// or drives ask for, where the state's memory is that of System::start(). A notable correction is logged (log.h, level info), and the
 /// report's warnings are. Throws AssemblyError with the names of the worst rows; ModelError for a target of an unknown link
 /// or body, or of a link without markers, for a weight below zero, a value that is not finite, and for weights or
 /// coordinates of more than 250 bodies; and what an evaluation throws. The state is then unchanged.

@@ -10,7 +10,7 @@ namespace lockstep {
 /// it: a step may make several turns if that is right to half a turn.
 struct CountedAngle {
   /// The angle accepted last, rad; its rate, rad/s; the time of both, s; 1 once a state was accepted. Zero at the start:
-  /// the angle begins in (-pi, pi].
+  /// the angle begins in (-pi, pi], or where it is led from there (begin_turns()).
   static constexpr int kMemory = 4;
 
   static double expected(const double* z, double t, double rate) {

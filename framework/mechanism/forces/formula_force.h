@@ -36,6 +36,7 @@ class LOCKSTEP_API CoordinateForce final : public FormulaForce<CoordinateForce>,
   /// This for a torque.
   const Remembering* remembering() const override { return is_rotation(axis_) ? this : nullptr; }
   int n_memory() const override { return CountedAngle::kMemory; }
+  bool counts_turns_alone() const override { return true; }
   void start_memory(std::span<double> z) const override { std::ranges::fill(z, 0.0); }
   void accept_step(const Inputs& in, std::span<double> z) const override {
     CountedAngle::accept(quantity(0, in), quantity(1, in), in.t, z);

@@ -7,6 +7,7 @@
 #include <lockstep/assembly.h>
 #include <lockstep/error.h>
 #include <lockstep/kinematics.h>
+#include "framework/dynamics/simulate/start_turns.h"
 #include "framework/tools/analysis/wild_starts.h"
 
 namespace lockstep {
@@ -16,7 +17,9 @@ BranchReport find_branches(Dynamics& dynamics, const State& start, const BranchO
   State first = start;
   dynamics.to_slots(first);
   first.v.setZero();
-  if (!fit(dynamics, first)) {
+  State turned = first;
+  begin_turns(dynamics, turned);
+  if (turned.z != first.z || !fit(dynamics, first)) {
     State again = start;
     assemble(dynamics, again);  // says which rows do not fit
     first = again;

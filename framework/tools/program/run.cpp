@@ -289,7 +289,7 @@ class ProgramRun {
         for (const std::string& text : frames_taken(loaded_.scene))
           words_.say("  taken      {}, as no place is given\n", text);
     } else {
-      begin_turns(dynamics_, start, {});
+      begin_turns(dynamics_, start);
     }
     tell_near(start);
     if (args_.quiet) return start;

@@ -10,6 +10,7 @@
 #include <lockstep/equilibrium.h>
 #include <lockstep/log.h>
 #include <lockstep/text.h>
+#include "framework/dynamics/simulate/start_turns.h"
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/program/commands.h"
 #include "framework/tools/program/document.h"
@@ -41,7 +42,10 @@ struct Resting {
     state.t = instant_of(args);
     if (before != nullptr && before->q.size() == state.q.size()) state.q = before->q;
     state.v.setZero();
-    if (m.run.assemble || before != nullptr) assemble(dynamics, state);
+    if (m.run.assemble || before != nullptr)
+      assemble(dynamics, state);
+    else
+      begin_turns(dynamics, state);
     report = find_equilibrium(dynamics, state, {.friction = friction, .nearest = args.nearest});
   }
   /// Rows and multipliers at rest, without accelerations.
@@ -243,7 +247,10 @@ int find_all(const Arguments& args, const Loaded& loaded) {
   Resting first(loaded.scene, loaded.registry);
   first.state.t = instant_of(args);
   first.state.v.setZero();
-  if (first.m.run.assemble) assemble(first.dynamics, first.state);
+  if (first.m.run.assemble)
+    assemble(first.dynamics, first.state);
+  else
+    begin_turns(first.dynamics, first.state);
   EquilibriaReport found = find_equilibria(first.dynamics, first.state, {.starts = starts});
   Json all = Json::array();
   if (!args.json)

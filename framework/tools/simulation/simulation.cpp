@@ -5,6 +5,7 @@
 #include <lockstep/error.h>
 #include <lockstep/registry.h>
 #include <lockstep/text.h>
+#include "framework/dynamics/simulate/start_turns.h"
 #include "framework/tools/simulation/checkpoint.h"
 
 namespace lockstep {
@@ -64,7 +65,10 @@ void Simulation::begin() {
 }
 
 void Simulation::start_from(State start) {
-  if (options_.assemble) assembly_ = assemble(*dynamics_, start);
+  if (options_.assemble)
+    assembly_ = assemble(*dynamics_, start);
+  else
+    begin_turns(*dynamics_, start);
   loop_->set_state(std::move(start));
 }
 

@@ -1,6 +1,7 @@
 #include <lockstep/sweep.h>
 
 #include "framework/description/scene/builder.h"
+#include "framework/dynamics/simulate/start_turns.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/refusals.h"
 #include "framework/mechanism/params/units.h"
@@ -22,7 +23,8 @@ Channel channel_of(Mechanism& m, const std::string& name) {
   Channel channel = make_channel(m.system, name);
   if (!m.run.assemble) return channel;
   for (const CoordinateTarget& target : m.assembly.coordinates)
-    if (is_rotation(target.axis) && name == target.link + ".angle_" + "xyz"[axis_index(target.axis) % 3])
+    if (is_rotation(target.axis) && turns_about_one_axis(m.system.link(target.link), target.axis) &&
+        name == target.link + ".angle_" + "xyz"[axis_index(target.axis) % 3])
       channels::begin_about(channel, target.value);
   return channel;
 }

@@ -34,7 +34,7 @@ inline State assembled_start(Dynamics& dynamics, Mechanism& m) {
   if (m.run.assemble)
     assemble(dynamics, start, m.start_speeds, m.assembly);
   else
-    begin_turns(dynamics, start, {});
+    begin_turns(dynamics, start);
   return start;
 }
 
