@@ -108,7 +108,8 @@ Taken taken_by(const std::string& kind, int n) {
 // Three steps of dopri5 after what it begins with.
 struct Stepped {
   double bytes;  // in use at the end, a body
-  State end;
+  double t;
+  VecX q, v;  // along the joints
 };
 
 Stepped stepped(const std::string& kind, int n, const std::function<void(StepLoop&)>& begin) {
@@ -123,7 +124,7 @@ Stepped stepped(const std::string& kind, int n, const std::function<void(StepLoo
   for (int k = 0; k < 3; ++k) loop.step(1e-3);
   CHECK_FALSE(dynamics.holds_rows());
   const double bytes = (bytes_in_use() - before) / bodies;
-  return {bytes, loop.state()};
+  return {bytes, loop.state().t, loop.state().q, loop.state().v};
 }
 
 }  // namespace
@@ -162,9 +163,9 @@ TEST_CASE("a run of many bodies that writes a checkpoint, or goes on from one, t
   });
   const Stepped resumed = stepped(kind, kBodies, [&](StepLoop& loop) { loop.load(saved); });
   for (const Stepped* other : {&saving, &resumed}) {
-    CHECK(other->end.t == plain.end.t);
-    CHECK(other->end.q == plain.end.q);
-    CHECK(other->end.v == plain.end.v);
+    CHECK(other->t == plain.t);
+    CHECK(other->q == plain.q);
+    CHECK(other->v == plain.v);
     if (allocations_are_counted()) CHECK(other->bytes <= 1.05 * plain.bytes);
   }
 }
