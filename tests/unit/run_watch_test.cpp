@@ -225,6 +225,34 @@ TEST_CASE("a condition that is zero at the start and goes on in its sense does n
   CHECK(met == Approx(1e-10).epsilon(0.1));
 }
 
+TEST_CASE("a condition that is zero when its event is added to a run is told with that time, from a checkpoint too",
+          "[unit][dynamics]") {
+  const bool beside = GENERATE(false, true);  // another event, watched from the start on
+  Stone stone, same;
+  Dynamics dynamics = dynamics_of(stone.system), dynamics_of_same = dynamics_of(same.system);
+  StepLoop run(dynamics, std::make_unique<Dopri5>()), again(dynamics_of_same, std::make_unique<Dopri5>());
+  Event far{.name = "far"};
+  far.value = [](const Sample&) { return 1.0; };
+  if (beside) run.add_event(far), again.add_event(far);
+  run.set_state(stone.thrown(10));
+  run.run_until(1.5);  // on its way down
+  REQUIRE(run.report().warnings.empty());
+  Event event{.name = "level", .stop = true};
+  event.value = [level = run.state().q[2]](const Sample& s) { return s.state.q[2] - level; };
+  event.crossing = Event::Crossing::falling;
+  run.add_event(event), again.add_event(event);
+  Snapshot saved;
+  run.save(saved);
+  again.load(saved);
+  for (StepLoop* loop : {&run, &again}) {
+    loop->run_until(3);
+    REQUIRE(loop->report().warnings.size() == 1);
+    check_words(loop->report().warnings[0], {"event 'level'", "zero at t = 1.5 s", "added", "again"});
+    CHECK_FALSE(says(loop->report().warnings[0], {"the start"}));
+    CHECK(loop->state().t == 3);
+  }
+}
+
 TEST_CASE("events say what they leave out", "[unit][dynamics]") {
   Stone stone;
   Dynamics dynamics = dynamics_of(stone.system);

@@ -1,5 +1,6 @@
 // Mechanisms of many bodies: what a body takes of the memory, and that the setup's work for it does not grow.
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -8,6 +9,7 @@
 #include <lockstep/dynamics.h>
 #include <lockstep/integrators.h>
 #include <lockstep/joints.h>
+#include <lockstep/memory.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>
 #include "tests/support/allocations.h"
@@ -103,6 +105,28 @@ Taken taken_by(const std::string& kind, int n) {
   return taken;
 }
 
+// Three steps of dopri5 after what it begins with.
+struct Stepped {
+  double bytes;  // in use at the end, a body
+  double t;
+  VecX q, v;  // along the joints
+};
+
+Stepped stepped(const std::string& kind, int n, const std::function<void(StepLoop&)>& begin) {
+  const double before = bytes_in_use();
+  System system = large(kind, n);
+  const double bodies = static_cast<double>(system.bodies().size()) - 1;
+  Dynamics dynamics(system, std::make_unique<SchurSolver>());
+  StepLoop loop(dynamics, std::make_unique<Dopri5>());
+  begin(loop);
+  CHECK(loop.state().coordinates);
+  CHECK_FALSE(dynamics.holds_rows());
+  for (int k = 0; k < 3; ++k) loop.step(1e-3);
+  CHECK_FALSE(dynamics.holds_rows());
+  const double bytes = (bytes_in_use() - before) / bodies;
+  return {bytes, loop.state().t, loop.state().q, loop.state().v};
+}
+
 }  // namespace
 
 TEST_CASE("a mechanism of many bodies takes few bytes a body, with its names, links and dopri5", "[large]") {
@@ -120,6 +144,30 @@ TEST_CASE("the setup of a mechanism of many bodies asks for as much memory a bod
   const Taken few = taken_by(kind, 400), many = taken_by(kind, 4000);
   CHECK(many.built <= 1.1 * few.built);
   CHECK(many.allocations <= 1.1 * few.allocations);
+}
+
+TEST_CASE("a run of many bodies that writes a checkpoint, or goes on from one, takes no more memory than others",
+          "[large]") {
+  const std::string kind = GENERATE("chain", "ladder", "ladder in space");
+  CAPTURE(kind);
+  constexpr int kBodies = 1000;
+  const auto three_steps = [](StepLoop& loop) {
+    for (int k = 0; k < 3; ++k) loop.step(1e-3);
+  };
+  Snapshot saved;
+  stepped(kind, kBodies, [&](StepLoop& loop) { three_steps(loop), loop.save(saved); });
+  const Stepped plain = stepped(kind, kBodies, three_steps);
+  const Stepped saving = stepped(kind, kBodies, [&](StepLoop& loop) {
+    Snapshot own;
+    three_steps(loop), loop.save(own);
+  });
+  const Stepped resumed = stepped(kind, kBodies, [&](StepLoop& loop) { loop.load(saved); });
+  for (const Stepped* other : {&saving, &resumed}) {
+    CHECK(other->t == plain.t);
+    CHECK(other->q == plain.q);
+    CHECK(other->v == plain.v);
+    if (allocations_are_counted()) CHECK(other->bytes <= 1.05 * plain.bytes);
+  }
 }
 
 }  // namespace large_test

@@ -228,10 +228,12 @@ void Dynamics::accept(State& state) {
 }
 
 void Dynamics::save(const State& state, Snapshot& out) {
+  const bool held = holds_rows();
   for (const long n : {work_.evaluations, work_.factors, work_.projections, work_.corrections})
     out.put(static_cast<double>(n));
   factor_.save(gather(state), out);
   if (state.coordinates && state.coordinates->has_rows()) tree(state.modes).of(state).closures().save(out);
+  if (!held) forget_rows(state);
 }
 
 void Dynamics::restore(const State& state, const Snapshot& in) {

@@ -66,7 +66,6 @@ void EventLocator::join(const State& state) {
 
 void EventLocator::start(double t) {
   watched_.assign(events_.size(), {});
-  first_step_ = true;
   left_zero_.clear();
   for (std::size_t i = 0; i < events_.size(); ++i) watched_[i].over = !events_[i].value && events_[i].at < t;
 }
@@ -183,9 +182,8 @@ bool EventLocator::locate(State& state) {
   } else if (kept) {
     interval_.restore_method();
   }
-  if (first_step_) note_left_zero();
-  first_step_ = false;
-  for (Watched& w : watched_) w.value = w.now;
+  note_left_zero();
+  for (Watched& w : watched_) w.value = w.now, w.first = false;
   return std::isfinite(first);
 }
 
@@ -193,7 +191,7 @@ bool EventLocator::locate(State& state) {
 void EventLocator::note_left_zero() {
   for (std::size_t i = 0; i < events_.size(); ++i) {
     const Watched& w = watched_[i];
-    if (events_[i].value && !w.over && w.value == 0 && is_past(events_[i].crossing, w.now))
+    if (events_[i].value && !w.over && w.first && w.value == 0 && is_past(events_[i].crossing, w.now))
       left_zero_.push_back(events_[i].name);
   }
 }
@@ -219,17 +217,24 @@ std::vector<std::string> EventLocator::past_at_start() const {
   return names;
 }
 
+namespace {
+
+// What is saved of an event: whether it is watched, over, or watched and no step was made yet.
+constexpr long kStageWatched = 0, kStageOver = 1, kStageFirst = 2;
+
+}  // namespace
+
 void EventLocator::save(Snapshot& out) const {
   out.put(static_cast<double>(events_.size()));
   for (std::size_t i = 0; i < events_.size(); ++i) {
     const Watched& w = watched_[i];
     out.put_text(events_[i].name);
-    for (const double x : {w.value, w.now, w.last, w.at, w.over ? 1.0 : 0.0, w.met ? 1.0 : 0.0}) out.put(x);
+    const long stage = w.over ? kStageOver : w.first ? kStageFirst : kStageWatched;
+    for (const double x : {w.value, w.now, w.last, w.at, static_cast<double>(stage), w.met ? 1.0 : 0.0}) out.put(x);
   }
 }
 
 void EventLocator::load(const Snapshot& in) {
-  first_step_ = false;
   const long n = in.get_count();
   if (n != static_cast<long>(events_.size()))
     throw ModelError(fmt::format("the run was saved with {} events and has {}; add the same before it is loaded", n,
@@ -242,7 +247,12 @@ void EventLocator::load(const Snapshot& in) {
           fmt::format("the run was saved with the event '{}' where it has '{}' now; add the same in the same order",
                       name, events_[i].name));
     for (double* x : {&w.value, &w.now, &w.last, &w.at}) *x = in.get();
-    w.over = in.get_flag(), w.met = in.get_flag();
+    const long stage = in.get_count();
+    if (stage < kStageWatched || stage > kStageFirst)
+      throw ModelError(fmt::format("event '{}' has the stage {}, which no event has: the checkpoint is damaged",
+                                   events_[i].name, stage));
+    w.over = stage == kStageOver, w.first = stage == kStageFirst;
+    w.met = in.get_flag();
   }
 }
 

@@ -43,8 +43,8 @@ class EventLocator {
   void done(std::size_t i, double t);
   /// Names of the events that wait for a crossing in one sense whose far side the run starts on.
   std::vector<std::string> past_at_start() const;
-  /// Names of the events that wait for a crossing in one sense and whose condition was zero at the start and went to the
-  /// far side in the first step: told once, after it.
+  /// Names of the events that wait for a crossing in one sense and whose condition was zero at the start, or where they
+  /// joined the run, and went to the far side in the first step from there: told once, after it.
   std::vector<std::string> take_left_zero();
 
   // -- checkpoints
@@ -58,6 +58,7 @@ class EventLocator {
     double last = -std::numeric_limits<double>::infinity();  ///< when it happened last
     double at = 0;                                           ///< where the present step meets it
     bool over = false, met = false;
+    bool first = true;  ///< no step was made yet since it is watched
   };
   struct Point {
     double t, g;  // the condition's value there
@@ -75,7 +76,6 @@ class EventLocator {
   std::deque<Event> events_;  // a deque, so that references stay valid
   std::vector<Watched> watched_;
   std::vector<std::string> left_zero_;
-  bool first_step_ = false;
 };
 
 }  // namespace lockstep

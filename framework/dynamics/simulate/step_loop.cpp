@@ -267,9 +267,9 @@ void StepLoop::advance(double limit, double largest) {
   ++report_.steps;
   for (const std::string& name : events.take_left_zero())
     warn(
-        fmt::format("event '{}': its condition is zero at the start, from where it did not cross; it falls due only "
-                    "when it passes zero again",
-                    name));
+        fmt::format("event '{}': its condition is zero at {}, from where it did not cross; it falls due only when it "
+                    "passes zero again",
+                    name, report_.steps == 1 ? "the start" : fmt::format("t = {:.9g} s, when it was added", t0)));
   measure_turns(step.h);
   report_.rejected += step.rejected;
   if (step.manifold) ++report_.manifold_steps;

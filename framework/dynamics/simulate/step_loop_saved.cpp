@@ -169,6 +169,7 @@ void StepLoop::load_parts(const Snapshot& in) {
           "observer {}: load() reads less than save() wrote; it must read all of it, in the same order", started + 1));
   }
   dynamics_.restore(state_, learned);  // after all that evaluates
+  dynamics_.forget_rows(state_);       // steps that need them lay them out anew
   begun_ = true;
 }
 

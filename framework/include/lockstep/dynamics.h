@@ -216,7 +216,8 @@ class LOCKSTEP_API Factor {
   /// Forgets what it has learned since keep(). Nothing is factored: what was solved for last cannot be solved with again
   /// before compute() where the links in force were others in between.
   void put_back(const Learned&);
-  /// Gives back the memory of the matrix. What the solver has learned serves the next matrix with the same links in force.
+  /// Gives back the memory of the matrix. Of what the solver has learned only what Factorization::save writes is kept, for
+  /// the next matrix, where that has the same links in force.
   void rest();
 
  private:
@@ -358,7 +359,7 @@ class LOCKSTEP_API Dynamics {
   bool holds_rows() const { return evaluation_ != nullptr; }
   /// Gives back the memory of the last evaluation, gather() and evaluate(), and of its factor, where the formulation has
   /// joint coordinates for the links in force at this state: there steps need rows of closures only. What is asked next
-  /// is laid out anew; what the solver has learned stays.
+  /// is laid out anew; of what the solver has learned stays what Factorization::save writes.
   void forget_rows(const State&);
   /// |C| over the rows in force, m (Evaluation::norm). Throws NonFiniteError.
   double violation(const State&);
@@ -403,7 +404,8 @@ class LOCKSTEP_API Dynamics {
   /// The factored matrix of this evaluation; valid until the next evaluation or projection. Throws SolveError.
   Factor& factor(const Evaluation&);
   // -- checkpoints
-  /// Writes the counters of work, and what the solver has learned; `state`: the present one.
+  /// Writes the counters of work, and what the solver has learned; `state`: the present one. In joint coordinates no
+  /// rows are held afterwards if none were before (holds_rows).
   void save(const State&, Snapshot&);
   /// Takes back what save() wrote, at the same state.
   void restore(const State&, const Snapshot&);

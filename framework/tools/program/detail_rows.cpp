@@ -15,17 +15,6 @@ const std::vector<double>& times(const Table& table) { return table.columns().fr
 
 }  // namespace
 
-double RowsAtJumps::spacing() const { return kInfinity; }
-
-// At an output the row before is there already.
-void RowsAtJumps::before_jump(const Sample& sample) {
-  acted_ = sample.state.t;
-  if (rows_.last_instant() != acted_) recorder_.output(sample);
-}
-void RowsAtJumps::jumped(const Sample& sample) {
-  if (sample.state.t == acted_) recorder_.output(sample);
-}
-
 PictureRows::PictureRows(std::unique_ptr<Recorder> own, const RunRows& rows, double spacing)
     : own_(std::move(own)), rows_(rows), spacing_(spacing) {}
 

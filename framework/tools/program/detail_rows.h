@@ -1,4 +1,4 @@
-// Rows beside the outputs of a run: for smooth pictures, and at what jumps.
+// Rows beside the outputs of a run, for smooth pictures.
 #pragma once
 
 #include <cmath>
@@ -10,24 +10,6 @@
 #include "framework/tools/program/run_rows.h"
 
 namespace lockstep {
-
-/// Adds rows to a recorder just before and just after events, impacts and jumps of laws. Add it to the run after the
-/// recorder.
-class RowsAtJumps final : public DetailObserver {
- public:
-  RowsAtJumps(Recorder& recorder, const RunRows& rows) : recorder_(recorder), rows_(rows) {}
-  double spacing() const override;
-  void between(const Sample&) override {}
-  void before_jump(const Sample&) override;
-  void jumped(const Sample&) override;
-  void save(Snapshot& out) const override { out.put(acted_); }
-  void load(const Snapshot& in) override { acted_ = in.get(); }
-
- private:
-  Recorder& recorder_;
-  const RunRows& rows_;
-  double acted_ = -1;  // when something acted last, s
-};
 
 /// The rows that a picture needs beside those of the table: on a grid within steps, by dense output, or at the ends of
 /// steps of a method without it; before and after jumps.

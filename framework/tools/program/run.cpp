@@ -32,6 +32,7 @@
 #include "framework/tools/program/run_warnings.h"
 #include "framework/tools/program/run_words.h"
 #include "framework/tools/program/words.h"
+#include "framework/tools/sweep/rows_at_jumps.h"
 #include "framework/tools/sweep/scene_run.h"
 
 namespace lockstep {
@@ -245,7 +246,7 @@ class ProgramRun {
         report_(args, loaded_, m_, *recorder_, csv_),
         rows_(file_, *recorder_, report_ || args.certify, outputs_.units),  // both read the rows afterwards
         details_(picture_rows(m_, csv_, rows_, args)),
-        at_jumps_(*recorder_, rows_),
+        at_jumps_([this](const Sample& s) { recorder_->output(s); }, [this] { return rows_.last_instant(); }),
         singular_(m_.system),
         audit_(args.quiet ? nullptr : std::make_unique<EnergyAudit>(m_.system, m_.run.limits)),
         dynamics_(make_dynamics(m_, loaded_.registry)),

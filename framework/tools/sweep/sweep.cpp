@@ -8,11 +8,11 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/run_outputs.h"
-#include "framework/dynamics/simulate/detail_observer.h"
 #include "framework/foundation/support/csv_cells.h"
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/analysis/singular_watch.h"
 #include "framework/tools/precision/work_precision.h"
+#include "framework/tools/sweep/rows_at_jumps.h"
 #include "framework/tools/sweep/scene_run.h"
 #include "framework/tools/sweep/watched_run.h"
 
@@ -29,21 +29,15 @@ ColumnRange range_of(const std::vector<double>& values) {
   return range;
 }
 
-// Adds rows to a recorder just before and just after events, impacts and jumps of laws: "at_jumps" of "run", in histories.
-// Add it to the run after the recorder.
-class HistoryAtJumps final : public DetailObserver {
+// Rows at jumps in the history of a run: "at_jumps" of "run".
+class HistoryRows {
  public:
-  explicit HistoryAtJumps(Recorder& recorder) : recorder_(recorder) {}
-  double spacing() const override { return std::numeric_limits<double>::infinity(); }
-  void between(const Sample&) override {}
-  void before_jump(const Sample& sample) override {
-    acted_ = sample.state.t;
-    const std::vector<double>& times = recorder_.table().columns().front().values;
-    if (times.empty() || times.back() != acted_) add(sample);  // at an output the row before is there already
-  }
-  void jumped(const Sample& sample) override {
-    if (sample.state.t == acted_) add(sample);
-  }
+  explicit HistoryRows(Recorder& recorder)
+      : recorder_(recorder), at_jumps_([this](const Sample& s) { add(s); }, [this] { return last_instant(); }) {}
+  HistoryRows(const HistoryRows&) = delete;
+  HistoryRows& operator=(const HistoryRows&) = delete;
+
+  Observer& observer() { return at_jumps_; }
   /// The table but for these rows: what sweeps tell of a run does not hang on whether its history is kept.
   Table outputs_alone() const {
     const Table& all = recorder_.table();
@@ -63,9 +57,13 @@ class HistoryAtJumps final : public DetailObserver {
     added_.push_back(recorder_.table().n_rows());
     recorder_.output(sample);
   }
+  double last_instant() const {
+    const std::vector<double>& times = recorder_.table().columns().front().values;
+    return times.empty() ? std::numeric_limits<double>::infinity() : times.back();
+  }
   Recorder& recorder_;
   std::vector<std::size_t> added_;  // rows, rising
-  double acted_ = -1;               // when something acted last, s
+  RowsAtJumps at_jumps_;
 };
 
 void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepRun& result,
@@ -159,7 +157,7 @@ SweepRun watched_run(const Scene& scene, const Registry& registry, const Table& 
     Mechanism m = build_mechanism(scene, registry);
     record_places(m);
     const std::unique_ptr<Recorder> recorder = make_recorder(m);
-    std::optional<HistoryAtJumps> at_jumps;
+    std::optional<HistoryRows> at_jumps;
     if (history != nullptr && outputs_of(scene).at_jumps) at_jumps.emplace(*recorder);
     const auto end = [&] {
       if (history != nullptr) *history = recorder->table();
@@ -168,7 +166,7 @@ SweepRun watched_run(const Scene& scene, const Registry& registry, const Table& 
     try {
       refuse_other_columns(recorder->table(), like);
       if (!(m.run.until > 0)) throw ModelError("the scene does not say how long it runs; add \"until\" to \"run\"");
-      simulate(m, *recorder, registry, result, go_on, at_jumps ? &*at_jumps : nullptr, watch.observer);
+      simulate(m, *recorder, registry, result, go_on, at_jumps ? &at_jumps->observer() : nullptr, watch.observer);
     } catch (...) {
       end();
       throw;

@@ -1,0 +1,22 @@
+#include "framework/tools/sweep/rows_at_jumps.h"
+
+#include <limits>
+#include <utility>
+
+namespace lockstep {
+
+RowsAtJumps::RowsAtJumps(std::function<void(const Sample&)> add, std::function<double()> last_instant)
+    : add_(std::move(add)), last_instant_(std::move(last_instant)) {}
+
+double RowsAtJumps::spacing() const { return std::numeric_limits<double>::infinity(); }
+
+void RowsAtJumps::before_jump(const Sample& sample) {
+  acted_ = sample.state.t;
+  if (last_instant_() != acted_) add_(sample);
+}
+
+void RowsAtJumps::jumped(const Sample& sample) {
+  if (sample.state.t == acted_) add_(sample);
+}
+
+}  // namespace lockstep

@@ -1,0 +1,30 @@
+// Rows of a table beside its outputs: at what jumps.
+#pragma once
+
+#include <functional>
+
+#include "framework/dynamics/simulate/detail_observer.h"
+
+namespace lockstep {
+
+/// Adds rows just before and just after events, impacts and jumps of laws: "at_jumps" of "run". Add it to the run after the
+/// recorder.
+class LOCKSTEP_API RowsAtJumps final : public DetailObserver {
+ public:
+  /// `add`: adds a row of this state; `last_instant`: of the last row, s, infinity before the first. Where that is the
+  /// instant of the jump, at an output, the row before it is there already.
+  RowsAtJumps(std::function<void(const Sample&)> add, std::function<double()> last_instant);
+  double spacing() const override;
+  void between(const Sample&) override {}
+  void before_jump(const Sample&) override;
+  void jumped(const Sample&) override;
+  void save(Snapshot& out) const override { out.put(acted_); }
+  void load(const Snapshot& in) override { acted_ = in.get(); }
+
+ private:
+  std::function<void(const Sample&)> add_;
+  std::function<double()> last_instant_;
+  double acted_ = -1;  // when something acted last, s
+};
+
+}  // namespace lockstep
