@@ -330,8 +330,9 @@ class LOCKSTEP_API SingularRate {
 //
 // Near one its stages are evaluated on the constraints; and always where rows are redundant only there, as in a spherical
 // loop of hinges: a little off the constraints they are nearly dependent, and their multipliers grow without limit.
-// Where the indicator of the last stages says when the position will be reached, the steps are placed so that it falls into the widest gap between the nodes of the method: round-off
-// in the accelerations grows with a high power of the nearness. A step whose late stage is ill-conditioned all the same,
+// Where the indicator of the last stages says when the position will be reached, the steps are placed so that it falls
+// into the widest gap between the nodes of the method: round-off in the accelerations grows with a high power of the
+// nearness. A step whose late stage is ill-conditioned all the same,
 // or whose estimate is spoilt by such a stage, is shifted: a slightly different step ends elsewhere.
 
 /// When stages are evaluated on the constraints (see StagesOn).
@@ -339,7 +340,8 @@ enum class StagesWhen {
   plain,     ///< never
   manifold,  ///< always
   automatic  ///< near a singular position: from a Conditioning::indicator below 1e-2, or a tenth of the usual one if
-             ///< that is less, until it is three times as large
+             ///< that is less, until it is three times as large; where it also heads for zero within half a radian, by
+             ///< its change over the stages, or is below a hundredth of that
 };
 
 /// The Conditioning::indicator below which a position counts as near a singular one. Bodies of very different inertia
