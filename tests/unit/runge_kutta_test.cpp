@@ -1,6 +1,7 @@
 #include <lockstep/stepping.h>
 
 #include "tests/support/catch.h"
+#include "tests/support/messages.h"
 #include "tests/support/motions.h"
 
 namespace runge_kutta_test {
@@ -81,6 +82,19 @@ TEST_CASE("stages on the constraints are those of the projected states", "[unit]
   dynamics.rate(on, k);
   CHECK((manifold.k(0).v - k.v).norm() <= 1e-12 * k.v.norm());
   CHECK((plain.k(0).v - k.v).norm() > 1e-3 * k.v.norm());
+}
+
+TEST_CASE("rates of another size are refused as those of a stage", "[unit][integrators]") {
+  const System system = thrown(2), other = thrown(3);
+  Stages stages;
+  stages.begin(kTableau, system.start());
+  StateRate k = sized_like(system.start());
+  k.v[3] = 7;
+  stages.put(2, k);
+  CHECK(stages.k(2).v[3] == 7);
+  testing::check_words(testing::message_of<ModelError>([&] { stages.put(2, sized_like(other.start())); }),
+                       {"Stages::put", "another size", "sized_like()"});
+  CHECK(stages.k(2).v == k.v);
 }
 
 }  // namespace runge_kutta_test
