@@ -155,6 +155,18 @@ TEST_CASE("a first guess of the step may be as short as it is: only steps that w
   CHECK(run.state().t > 1e-5);
 }
 
+TEST_CASE("a fixed step that cannot be brought back names the row that is violated most", "[unit][dynamics]") {
+  const bool stages = GENERATE(false, true);
+  RodPendulum pendulum;
+  Dynamics dynamics = dynamics_of(pendulum.system);
+  std::unique_ptr<Integrator> method = builtin_registry().integrators.make(
+      stages ? "dopri5" : "semi_implicit_euler", stages ? Params{{"fixed", "true"}} : Params{}, nullptr, "run");
+  StepLoop run(dynamics, std::move(method), {.step = 5});
+  const std::string said = message_of<StepError>([&] { run.run_until(50); });
+  INFO(said);
+  check_words(said, {"could not be brought back", "; most of all row "});
+}
+
 // Rows and forces change from one long step to the next whatever limits their number.
 TEST_CASE("a limit of steps that are as long as the motion has them blames nobody", "[unit][dynamics]") {
   RodPendulum pendulum;

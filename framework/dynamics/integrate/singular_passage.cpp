@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include <lockstep/error.h>
+#include "framework/dynamics/integrate/heads_for_zero.h"
 #include "framework/dynamics/integrate/speed_of.h"
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/dynamics/solvers/stop_rule.h"
@@ -18,9 +19,7 @@ constexpr double kTurn = 0.5;        // rad per step, with the stages on the con
 constexpr double kFirstTurn = 0.1;   // rad: a first step that leads out of a singular position
 constexpr double kSingular = 1e-2;   // indicator below which the stages go onto the constraints: this,
 constexpr double kUnusual = 0.1;     // or this part of the usual one, if that is less;
-constexpr double kRegular = 3;       // and times which they leave them again;
-constexpr double kHeads = 0.5;       // rad: where it heads for zero within this,
-constexpr double kDeep = 1e-2;       // or is below this part of that
+constexpr double kRegular = 3;       // and times which they leave them again
 constexpr double kKnown = 0.5;       // rad: turn after which the largest indicator counts as the usual one
 constexpr double kNowhere = 1e-7;    // indicator below which it only reflects the proximal term
 constexpr double kRedundant = 1e-6;  // pivot of a row that others make redundant
@@ -327,14 +326,10 @@ double SingularPassage::first_step(Dynamics& dynamics, const State& y, Stages& s
 
 bool SingularPassage::near(const Stages& stages) const { return is_near(stages, 1); }
 
-// The indicator of a mechanism may vary over regular positions, too. Beside a singular one its root is in proportion to the
-// distance, s = c d: over the turn of a step it tells the distance, d = s turn/(change of s).
+// The indicator of a mechanism may vary over regular positions, too.
 bool SingularPassage::is_near(const Stages& stages, double factor) const {
   const double now = stages.indicator(), limit = factor * usual_.limit();
-  if (!(now < limit)) return false;
-  if (now < kDeep * limit) return true;
-  const double s = std::sqrt(now), change = std::sqrt(stages.largest_indicator()) - s;
-  return !(s * turn_ >= kHeads * change);
+  return now < limit && heads_for_zero(now, stages.largest_indicator(), limit, turn_, factor > 1);
 }
 
 // Accelerations are uncertain where the rows could not be met, and by round-off divided by the indicator. Where that has

@@ -45,7 +45,7 @@ double round_off(const State& state, double length) {
   return 1e-14 * length + 8 * std::numeric_limits<double>::epsilon() * x_max;
 }
 
-constexpr int kMostShort = 50'000;       // iterations that short steps add
+constexpr int kMostShort = 400'000;      // iterations that short steps add
 constexpr double kVelocityLimit = 1e-6;  // m/s, residual |Jh v + Ct|: more is a contradiction, not round-off
 
 class Assembler {
@@ -57,7 +57,6 @@ class Assembler {
   double distance() {
     dynamics_.normalize(state_);
     residual();
-    check_gradients(*now_);
     return start_distance(*now_, C_);
   }
 
@@ -75,16 +74,9 @@ class Assembler {
       if (report.iterations - cut >= options_.iterations || !std::isfinite(now)) stop(now, report.iterations);
       const VecX c = -C_;
       dynamics_.factor(*now_).solve(*now_, zero, c, d, lambda);
-      const State from = state_;
-      double next = 0;
       const double whole = short_steps ? short_share(n_, d) : 1.0;
-      for (double share = whole;; share *= 0.5) {
-        state_ = from;
-        cayley_move(state_, n_, share, d);
-        next = residual();
-        if (next < now || share < 1e-3 * whole) break;
-      }
-      const bool on_the_way = whole < 1 && next < now && cut < kMostShort;
+      const double next = move_along(d, whole, now);
+      const bool on_the_way = whole < 1 && next < (1 - 0.1 * whole) * now && cut < kMostShort;
       if (on_the_way) ++cut;
       const bool stalled = !on_the_way && !(next < 0.9 * now);
       stalls = stalled ? stalls + 1 : 0;
@@ -155,6 +147,17 @@ class Assembler {
                             "ask for fewer coordinates, or for one that is free");
       state_.v += response * impulse;
       dynamics_.project_velocity(state_);
+    }
+  }
+
+  // By this share of d, or by half of it, ..., until |C| falls. Returns |C|.
+  double move_along(const VecX& d, double whole, double now) {
+    const State from = state_;
+    for (double share = whole;; share *= 0.5) {
+      state_ = from;
+      cayley_move(state_, n_, share, d);
+      const double next = residual();
+      if (next < now || share < 1e-3 * whole) return next;
     }
   }
 
@@ -294,7 +297,7 @@ void add_missed(Dynamics& dynamics, const State& assembled, const AssemblyOption
   for (const CoordinateTarget& target : options.coordinates) {
     if (!std::isfinite(target.weight) || target.weight == 0) continue;
     const bool turns = is_rotation(target.axis);
-    const double value = coordinate_row(dynamics, assembled, target.link, target.axis).value;
+    const double value = coordinate_value(dynamics, assembled, dynamics.system().link(target.link), target.axis);
     const double off = turns ? std::remainder(value - target.value, kTwoPi) : value - target.value;
     if (std::abs(off) <= (turns ? kMissed : kMissedBy * dynamics.system().length())) continue;
     const double unit = turns ? 180 / kPi : 1;
@@ -346,14 +349,6 @@ void find_positions_from(Dynamics& dynamics, State& work, const AssemblyOptions&
   report.iterations += rounds;
 }
 
-// What counts turns begins at the pose given, whatever its velocity.
-void begin_at_pose(Dynamics& dynamics, State& state) {
-  State at_rest = state;
-  at_rest.v.setZero();
-  follow_turns(dynamics, at_rest);
-  state.z = at_rest.z;
-}
-
 /// Once more where drives begin more than a quarter turn away and Newton's method was lost: with the bodies of open chains
 /// turned there, by shorter steps. Returns whether what counts turns followed the iterations.
 bool find_positions(Dynamics& dynamics, State& work, const AssemblyOptions& options, Assembler& assembler,
@@ -362,7 +357,9 @@ bool find_positions(Dynamics& dynamics, State& work, const AssemblyOptions& opti
   const bool led = begin_turns(dynamics, work, options, report.warnings),
              follows =
                  led || (has_counting_links(system) && (!options.coordinates.empty() || has_drives(system, work)));
-  if (follows && !led) begin_at_pose(dynamics, work);
+  const bool begins = follows && (led || work.z == system.start().z);
+  const VecX counted = begins ? counted_at(dynamics, work) : VecX();
+  if (begins && !led) work.z = counted;
   const bool weighs = !options.coordinates.empty() || !options.poses.empty();
   report.before = weighs ? dynamics.violation(work) : assembler.distance();
   const State given = work;
@@ -378,7 +375,7 @@ bool find_positions(Dynamics& dynamics, State& work, const AssemblyOptions& opti
       throw AssemblyError(error.what() + drive);
     }
   }
-  if (led) keep_led_turns(system, system.start().z, given.z, work);
+  if (begins) settle_turns(system, counted, given.z, work);
   return follows;
 }
 

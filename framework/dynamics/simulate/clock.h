@@ -53,6 +53,10 @@ class LOCKSTEP_API Clock {
   /// very many steps; "" otherwise. Throws StepError where it has no end in sight, or max_steps are made.
   std::string watch_pace(double t, long n);
   long paced() const { return pace_.n_steps; }  ///< steps since the pace was last measured
+  /// The mean length of the steps since then, s; of a run that has reached t.
+  double recent_mean(double t) const {
+    return pace_.n_steps > 0 ? (t - pace_.from) / static_cast<double>(pace_.n_steps) : 0.0;
+  }
 
   // -- outputs
   double next_output() const { return output_time(next_output_); }  ///< infinity: none left

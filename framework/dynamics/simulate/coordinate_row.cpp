@@ -8,6 +8,24 @@
 
 namespace lockstep {
 
+namespace {
+
+double value_of(const Inputs& in, const MarkerFrame& P, const MarkerFrame& S, Axis axis) {
+  const int k = axis_index(axis) % 3;
+  const MarkerInWorld p = in_world(P, in), s = in_world(S, in);
+  if (!is_rotation(axis)) return s.A.col(k).dot(Vec3(p.x - s.x));
+  const Mat3 A = s.A.transpose() * p.A;  // axes of P in those of S
+  const int i = (k + 1) % 3, j = (k + 2) % 3;
+  return std::atan2(A(j, i) - A(i, j), A(i, i) + A(j, j));
+}
+
+}  // namespace
+
+double coordinate_value(Dynamics& dynamics, const State& state, const Lock& link, Axis axis) {
+  const auto [p, s] = link.pairs().front();
+  return value_of(dynamics.inputs(state), MarkerFrame(*p), MarkerFrame(*s), axis);
+}
+
 CoordinateRow coordinate_row(Dynamics& dynamics, const State& state, const std::string& name, Axis which) {
   const Lock& link = dynamics.system().link(name);
   const auto pairs = link.pairs();
@@ -33,16 +51,12 @@ CoordinateRow coordinate_row(Dynamics& dynamics, const State& state, const std::
   if (is_rotation(which)) {
     put_both(kernel::angular_velocity_row(O1.A, n, n2));
     out.rate = dot(axis, kernel::relative_angular_velocity(O1, O2, mP, mS));
-    const Mat3 A = in_world(S, in).A.transpose() * in_world(P, in).A;  // axes of P in those of S
-    const int i = (k + 1) % 3, j = (k + 2) % 3;
-    out.value = std::atan2(A(j, i) - A(i, j), A(i, i) + A(j, j));
   } else {
     const auto at = kernel::position(O1, O2, mP, mS);
     put_both(kernel::translation_row(O1.A, mP.u, at.s, n, n2));
     out.rate = dot(axis, kernel::position_rate(mS, at, kernel::velocity(O1, O2, mP, at)));
-    const MarkerInWorld x = in_world(P, in), y = in_world(S, in);
-    out.value = y.A.col(k).dot(Vec3(x.x - y.x));
   }
+  out.value = value_of(in, P, S, which);
   return out;
 }
 

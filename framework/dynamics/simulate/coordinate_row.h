@@ -15,5 +15,7 @@ struct CoordinateRow {
   VecX row;          ///< derivative of the rate by the velocities, 6 per slot
 };
 CoordinateRow coordinate_row(Dynamics&, const State&, const std::string& link, Axis axis);
+/// Its value alone.
+double coordinate_value(Dynamics&, const State&, const Lock& link, Axis axis);
 
 }  // namespace lockstep

@@ -50,7 +50,7 @@ class NearestStart {
       if (!std::isfinite(t.value))
         throw ModelError(fmt::format("start by {}: the value {} is not finite", name_of(t), t.value));
     }
-    most_short_ = static_cast<int>(std::clamp(2e10 / (1.0 * n_ * n_ * n_), 200.0, 50'000.0));
+    most_short_ = static_cast<int>(std::clamp(2e10 / (1.0 * n_ * n_ * n_), 4'000.0, 50'000.0));
     freedom_ = VecX::Ones(n_);
     const Plane plane = system_.plane();
     for (int k = 0; k < system_.n_slots(); ++k) {
@@ -175,9 +175,9 @@ class NearestStart {
   int restore(bool from_afar) {
     linearise();
     const double goal = std::max(options_.tolerance, 1e-13 * length_);
-    int round = 0, cut = 0;
-    for (; off() > goal; ++round) {
-      if (round - cut == options_.iterations) stop(round);
+    int round = 0;
+    for (const int cut_before = cut_; off() > goal; ++round) {
+      if (round - (cut_ - cut_before) >= options_.iterations) stop(round);
       VecX easy(n_);  // root of how easily each unknown moves
       for (int i = 0; i < n_; ++i) {
         const double w = weights_[i / 6];
@@ -188,13 +188,13 @@ class NearestStart {
       const State from = state_;
       const double now = off();
       const double whole = follows_ ? short_share(system_.n_slots(), d, length_) : 1.0;
-      if (whole < 1 && cut < most_short_) ++cut;
       for (double share = whole;; share *= 0.5) {
         state_ = from;
         move(share, d);
         linearise();
         if (off() < now || share < kLeastShare * whole) break;
       }
+      if (whole < 1 && off() < (1 - 0.1 * whole) * now && cut_ < most_short_) ++cut_;
       if (!(off() < now)) {
         if (now < 1e3 * goal) {
           state_ = from;
@@ -246,7 +246,7 @@ class NearestStart {
   const AssemblyOptions& options_;
   const bool follows_;
   int n_;
-  int most_short_ = 0;  // short steps beside the rounds: as many as some work allows
+  int most_short_ = 0, cut_ = 0;  // short steps beside the rounds: how many may be and are made on the way
   double length_;
   VecX weights_, freedom_;
   MatX E_, S_;

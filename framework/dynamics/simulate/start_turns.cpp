@@ -20,6 +20,7 @@ constexpr double kStage = 0.5 * kPi;        // rad: counters tell a way from its
 constexpr double kReached = 1e-9;           // rad
 constexpr double kMostTurns = 1e4;
 constexpr double kDegrees = 180 / kPi;
+constexpr Axis kAxes[] = {Axis::rx, Axis::ry, Axis::rz};
 
 double nearest_to(double about, double angle) { return angle + kTwoPi * std::round((about - angle) / kTwoPi); }
 
@@ -51,7 +52,6 @@ std::optional<double> driven_angle(const Lock& link, double t, int axis) {
 bool is_active(const State& state, const Lock& link) { return state.modes[static_cast<std::size_t>(link.number())]; }
 
 std::vector<AskedTurn> turns_of_drives(const System& system, const State& state) {
-  constexpr Axis kAxes[] = {Axis::rx, Axis::ry, Axis::rz};
   std::vector<AskedTurn> asked;
   for (const auto& link : system.links()) {
     if (!is_active(state, *link)) continue;
@@ -75,7 +75,7 @@ std::vector<AskedTurn> turns_asked(const System& system, const State& state, con
 
 void measure(Dynamics& dynamics, const State& state, std::vector<AskedTurn>& asked) {
   for (AskedTurn& turn : asked)
-    turn.now = nearest_to(turn.now, coordinate_row(dynamics, state, turn.link->name(), turn.axis).value);
+    turn.now = nearest_to(turn.now, coordinate_value(dynamics, state, *turn.link, turn.axis));
 }
 
 const Remembering* counting(const Remembering* own) {
@@ -204,7 +204,13 @@ void drop_unled(std::vector<AskedTurn>& asked, std::vector<std::string>& warning
 void lead(Dynamics& dynamics, State& state, std::vector<AskedTurn>& asked, std::vector<std::string>& warnings) {
   const BodyGraph graph(dynamics.system(), state);
   const auto is_off = [](const AskedTurn& to) { return std::abs(to.way()) > kReached; };
-  for (std::size_t pass = 0; pass <= asked.size() && std::ranges::any_of(asked, is_off); ++pass)
+  const auto all = [&] {
+    double sum = 0;
+    for (const AskedTurn& to : asked) sum += std::abs(to.way());
+    return sum;
+  };
+  for (double before = HUGE_VAL, now = all(); now < before && std::ranges::any_of(asked, is_off);
+       before = now, now = all())
     for (AskedTurn& to : asked) {
       if (!is_off(to)) continue;
       const Side side = graph.side_of(*to.link);
@@ -217,7 +223,7 @@ void lead(Dynamics& dynamics, State& state, std::vector<AskedTurn>& asked, std::
   for (const AskedTurn& to : asked)
     if (is_off(to))
       warnings.push_back(
-          not_led(to, to.now, "other joints of its loop that are asked for turn it away; ask for fewer of them"));
+          not_led(to, to.now, "other joints that are asked for turn it away, as in a loop; ask for fewer of them"));
 }
 
 }  // namespace
@@ -229,8 +235,10 @@ bool turns_about_one_axis(const Lock& link, Axis axis) {
 
 bool begin_turns(Dynamics& dynamics, State& state, const AssemblyOptions& options, std::vector<std::string>& warnings) {
   const System& system = dynamics.system();
-  if (system.n_memory() == 0) return false;
   std::vector<AskedTurn> asked = turns_asked(system, state, options);
+  const bool counts = system.n_memory() > 0;
+  if (!counts)  // there is nothing to lead, but what may be warned of
+    std::erase_if(asked, [](const AskedTurn& turn) { return !(std::abs(turn.angle) > kPi + 1e-6); });
   if (asked.empty()) return false;
   State home = system.start();
   if (state.z != home.z) return false;
@@ -238,6 +246,7 @@ bool begin_turns(Dynamics& dynamics, State& state, const AssemblyOptions& option
   measure(dynamics, home, asked);
   if (!is_asked_beyond(asked)) return false;
   drop_unled(asked, warnings);
+  if (!counts) return false;
   home.v.setZero();
   follow_turns(dynamics, home);  // before it is led, what counts is where the poses given are
   for (AskedTurn& turn : asked)  // half a turn has two names
@@ -276,15 +285,28 @@ void follow_turns(Dynamics& dynamics, State& state) {
     if (counting(force->remembering()) != nullptr) accept(*force);
 }
 
-void keep_led_turns(const System& system, const VecX& home, const VecX& led, State& state) {
-  const auto keep = [&](const auto& owner) {
+VecX counted_at(Dynamics& dynamics, const State& state) {
+  State at_rest = state;
+  at_rest.z = dynamics.system().start().z;
+  at_rest.v.setZero();
+  follow_turns(dynamics, at_rest);
+  return at_rest.z;
+}
+
+void settle_turns(const System& system, const VecX& given, const VecX& led, State& state) {
+  const VecX home = system.start().z;
+  const auto settle = [&](const auto& owner) {
     if (counting(owner.remembering()) == nullptr) return;
     const int first = owner.first_memory(), n = owner.n_own_memory();
-    if (n > 0 && std::abs(led[first] - home[first]) > kPi) state.z.segment(first, n) = led.segment(first, n);
+    if (n == 0) return;
+    if (std::abs(led[first] - home[first]) > kPi)
+      state.z.segment(first, n) = led.segment(first, n);
+    else if (std::abs(state.z[first] - given[first]) <= kPi)
+      state.z.segment(first, n) = home.segment(first, n);
   };
   for (const auto& link : system.links())
-    if (link->unilateral() != nullptr) keep(*link);
-  for (const auto& force : system.forces()) keep(*force);
+    if (link->unilateral() != nullptr) settle(*link);
+  for (const auto& force : system.forces()) settle(*force);
 }
 
 bool has_counting_links(const System& system) {
@@ -327,7 +349,6 @@ std::string farthest_drive(Dynamics& dynamics, const State& state) {
 }
 
 std::optional<double> known_turn(const System& system, const State& state, const Lock& link, int axis) {
-  constexpr Axis kAxes[] = {Axis::rx, Axis::ry, Axis::rz};
   if (link.pairs().empty()) return {};
   if (is_active(state, link) && turns_about_one_axis(link, kAxes[axis]))
     if (const auto angle = driven_angle(link, state.t, axis)) return angle;

@@ -19,7 +19,7 @@ namespace lockstep {
 /// all that it carries, or alone where it is part of a loop. Writes State::z alone, and only where it is as
 /// System::start() left it. Returns whether it did. `warnings`: of an angle of more than half a turn that it does not lead
 /// to, by name: about an axis beside which P turns freely, of more than 10000 turns, or that others turn away.
-bool begin_turns(Dynamics&, State&, const AssemblyOptions&, std::vector<std::string>& warnings);
+LOCKSTEP_API bool begin_turns(Dynamics&, State&, const AssemblyOptions&, std::vector<std::string>& warnings);
 
 /// The same for a start that is not assembled, by the drives alone; logs the warnings.
 LOCKSTEP_API void begin_turns(Dynamics&, State&);
@@ -32,9 +32,14 @@ void follow_turns(Dynamics&, State&);
 /// two of them can be followed. `length`: of what stands for a turn of 1 rad.
 double short_share(int n_slots, const VecX& d, double length = 1);
 
-/// Iterations come to a pose by other ways than begin_turns(): forces and stops that it led from `home` by more than half a
-/// turn keep their memory `led`; all three State::z.
-void keep_led_turns(const System&, const VecX& home, const VecX& led, State&);
+/// The memory State::z where what counts turns is at these poses, from System::start().
+VecX counted_at(Dynamics&, const State&);
+
+/// Iterations come to a pose by other ways than begin_turns(), from where forces and stops are at the poses given. Those that
+/// were led from zero by more than half a turn keep that memory; those that came by no more than half a turn begin as
+/// they would without, within half a turn of zero. `given`, `led`: State::z before the iterations, as counted_at() and as
+/// begin_turns() leave it.
+void settle_turns(const System&, const VecX& given, const VecX& led, State&);
 
 /// Whether the link holds the turns about the other two axes.
 LOCKSTEP_API bool turns_about_one_axis(const Lock&, Axis);

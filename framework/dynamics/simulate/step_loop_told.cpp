@@ -88,10 +88,10 @@ std::string StepLoop::Parts::who_slows(Dynamics& dynamics, const State& state, l
   const long paced = clock.paced() > 0 ? clock.paced() : Pace::kPaced;
   if (const std::string stops = paced < kEnough ? "" : contacts.who_engaged(paced); !stops.empty()) return "; " + stops;
   std::string words;
-  const bool long_steps =
-      (state.t - clock.started_at()) * fastest_rate(dynamics, state) > kLongStep * static_cast<double>(n);
-  if (long_steps && clock.is_counted_out(n)) return {};
-  const double mean = long_steps ? clock.too_long_by(state.t, n) : 0;
+  const double rate = fastest_rate(dynamics, state);
+  if (clock.is_counted_out(n) && clock.recent_mean(state.t) * rate > kLongStep) return {};
+  double mean = clock.too_long_by(state.t, n);
+  if (!(mean * rate > kLongStep)) mean = 0;  // the steps are short, not the run long
   if (mean == 0) words = below_rounding(dynamics.system(), state, tolerance);
   if (mean > 0)
     words = fmt::format(

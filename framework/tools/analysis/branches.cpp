@@ -2,6 +2,8 @@
 #include <lockstep/branches.h>
 
 #include <algorithm>
+#include <string>
+#include <vector>
 
 #include <lockstep/analysis.h>
 #include <lockstep/assembly.h>
@@ -18,7 +20,8 @@ BranchReport find_branches(Dynamics& dynamics, const State& start, const BranchO
   dynamics.to_slots(first);
   first.v.setZero();
   State turned = first;
-  begin_turns(dynamics, turned);
+  std::vector<std::string> warnings;  // said by assemble()
+  begin_turns(dynamics, turned, {}, warnings);
   if (turned.z != first.z || !fit(dynamics, first)) {
     State again = start;
     assemble(dynamics, again);  // says which rows do not fit
