@@ -160,7 +160,7 @@ TEST_CASE("a fixed step that cannot be brought back names the row that is violat
   RodPendulum pendulum;
   Dynamics dynamics = dynamics_of(pendulum.system);
   std::unique_ptr<Integrator> method = builtin_registry().integrators.make(
-      stages ? "dopri5" : "semi_implicit_euler", stages ? Params{{"fixed", "true"}} : Params{}, nullptr, "run");
+      stages ? "dopri5" : "semi_implicit_euler", stages ? Params{{"fixed", true}} : Params{}, nullptr, "run");
   StepLoop run(dynamics, std::move(method), {.step = 5});
   const std::string said = message_of<StepError>([&] { run.run_until(50); });
   INFO(said);

@@ -185,14 +185,14 @@ TEST_CASE("in lanes a tree accelerates as alone: laws, drives, forces", "[unit][
 namespace {
 
 /// A cart that is driven along x, at a speed that jumps from 0 to 2 m/s, and a rod that hangs on it.
-std::unique_ptr<System> cart(int k) {
+std::unique_ptr<System> cart(int k, const LawPtr<MotionLaw>& law = nullptr) {
   auto sys = std::make_unique<System>(System::Options{Vec3(0, 0, -9.81)});
   Body& car = sys->add_body("car", {1.0 + k, Vec3::Zero(), Vec3(1, 1, 1).asDiagonal()}, {Vec3(0, 0, 0), Quat{}});
   Body& rod = sys->add_body("rod", {1.0 + 0.1 * k, Vec3::Zero(), Vec3(0.1, 0.1, 0.01).asDiagonal()},
                             {Vec3(0, 0, -0.5), Quat{}});
   auto& rail = sys->add<Prismatic>("rail", car, sys->ground(), pose_at(Vec3(0, 0, 0), Vec3(1, 0, 0)));
   sys->add<Revolute>("pin", rod, car, pose_at(Vec3(0, 0, 0), Vec3(0, 1, 0)));
-  rail.drive(Axis::z, laws::law([](auto t) { return t < 0.3 ? 0.0 * t : 2.0 * t - 0.6; }, {0.3}));
+  rail.drive(Axis::z, law ? law : laws::law([](auto t) { return t < 0.3 ? 0.0 * t : 2.0 * t - 0.6; }, {0.3}));
   return sys;
 }
 
@@ -260,6 +260,26 @@ TEST_CASE("copies in lanes cross a jump of velocity as a single run does", "[uni
   // The jump itself: the pin moves at 2 m/s at once, and the rod, which hung still, by w = m l 2 m/s / (J + m l^2).
   const RunEnds just = ends_of(family, 0.3 + 1e-9, "dop853", true);
   CHECK(std::abs(just.states[0].v[10]) == Approx(0.5 * 2.0 / (0.1 + 0.25)).epsilon(1e-6));
+}
+
+// Laws of pieces count an instant as the jump that is within a rounding of it: the step before has to end earlier.
+TEST_CASE("copies in lanes cross the jumps of laws of pieces", "[unit][copies]") {
+  const double at = GENERATE(0.3, 0.25, 0.7);
+  const LawPtr<MotionLaw> law = laws::sequence({{at, laws::constant(0)}, {2, laws::ramp(2)}});
+  Family family(5, [&](int k) { return cart(k, law); });
+  for (const bool lanes : {true, false}) {
+    const RunEnds just = ends_of(family, at + 1e-9, "dop853", lanes), on = ends_of(family, at, "dop853", lanes);
+    CAPTURE(at, lanes);
+    for (std::size_t k = 0; k < 5; ++k) {
+      INFO(k << ": " << just.reports[k].error << on.reports[k].error);
+      REQUIRE(just.reports[k].finished);
+      REQUIRE(on.reports[k].finished);
+      CHECK(just.reports[k].alone != lanes);
+      const double m = 1.0 + 0.1 * static_cast<double>(k), w = m * 0.5 * 2.0 / (0.1 + 0.25 * m);
+      CHECK(std::abs(just.states[k].v[10]) == Approx(w).epsilon(1e-6));
+      CHECK(std::abs(on.states[k].v[10]) == Approx(w).epsilon(1e-6));  // an output at the jump is of its far side
+    }
+  }
 }
 
 TEST_CASE("who follows copies sees every step of theirs, and jumps", "[unit][copies]") {

@@ -112,9 +112,22 @@ void Builder::build() {
   const Value of_no_thing;  // what "run" records or draws of a thing that failed is no matter here
   errors_.attempt(of_no_thing, [&] { make_integrator(out_.run, registry_); });
   errors_.attempt(of_no_thing, [&] { make_solver(out_.run, registry_); });
+  errors_.attempt(of_no_thing, [&] { check_assembled(); });
   errors_.raise();
   set_merge(root.text("merge"));
   set_up(root);
+}
+
+// What links ask of the start, assembling brings about.
+void Builder::check_assembled() const {
+  if (out_.run.assemble) return;
+  const std::string link = !out_.start_speeds.empty()           ? out_.start_speeds.front().link
+                           : !out_.assembly.coordinates.empty() ? out_.assembly.coordinates.front().link
+                                                                : "";
+  if (!link.empty())
+    refuse(out_.run.where, "run.assemble",
+           "false leaves the start as the bodies give it, and link '" + link +
+               "' has a \"start\": leave \"assemble\" out, or give the bodies poses and velocities in its place");
 }
 
 void Builder::set_merge(const std::string& how) {

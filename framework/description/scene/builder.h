@@ -115,6 +115,7 @@ class Builder {
   void events(const Params& root);
   void event(const Value& object, const std::string& owner);
   std::vector<std::string> switched_by(const Params& event, const std::string& key);
+  void check_assembled() const;
   void set_merge(const std::string& how);
   void set_up(const Params& root);
   void choose_plane(bool asked);

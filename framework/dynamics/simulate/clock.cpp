@@ -1,4 +1,5 @@
 #include "framework/dynamics/simulate/clock.h"
+#include "framework/dynamics/simulate/consistency.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -43,8 +44,7 @@ void Clock::begin(double t, double guess) {
 }
 
 // Where a law jumps at t, the step ends slightly before t, so that no stage sees the right side; the rest is crossed
-// with the rates there (StepLoop::cross_jump). That rest is wider than the fraction kEarly of its own duration by which
-// a law may count an instant as the jump (motionlaws/side.h), for laws up to a hundred times as long as the run.
+// with the rates there (StepLoop::cross_jump).
 Clock::Target Clock::next_target(double t, double limit, double event, double largest, bool interpolates) {
   refresh_breakpoints(t, limit, largest);
   double next = std::min(limit, event);
@@ -52,7 +52,7 @@ Clock::Target Clock::next_target(double t, double limit, double event, double la
   while (next_breakpoint_ < breakpoints_.size() && breakpoints_[next_breakpoint_] <= t) ++next_breakpoint_;
   if (next_breakpoint_ == breakpoints_.size() || breakpoints_[next_breakpoint_] > next) return {next, next, false};
   const double jump = breakpoints_[next_breakpoint_];
-  const double before = 1e-10 * std::max({std::abs(jump), jump - t, span()});
+  const double before = before_jump(jump, std::max(jump - t, span()));
   return {jump, jump - before > t ? jump - before : jump, true};
 }
 

@@ -95,6 +95,20 @@ void check_start(Dynamics& dynamics, const State& s, double limit) {
         s.t, cv, limit, largest_row(at, speeds)));
 }
 
+double before_jump(double jump, double span) { return 1e-10 * std::max(std::abs(jump), span); }
+
+void cross_rest(Dynamics& dynamics, State& state, double t, StateRate& rate) {
+  const double h = t - state.t;
+  if (h > 0) {
+    dynamics.rates(state, rate);
+    state.q += h * rate.q;
+    state.v += h * rate.v;
+    state.s += h * rate.s;
+    dynamics.normalize(state);
+  }
+  state.t = t;
+}
+
 void engage_links(Dynamics& dynamics, State& state, const std::vector<std::string>& links) {
   for (const std::string& name : links) {
     const Lock& link = dynamics.system().link(name);

@@ -29,6 +29,13 @@ void check_links(Dynamics&, const State&, const std::vector<std::string>& links,
 /// than the limit), and always velocities: an inelastic impact. Then updates the memory.
 void make_consistent(Dynamics&, State&, const std::string& cause, double limit);
 
+/// The time before the jump of a law at `jump` at which a step ends, so that no stage sees its far side, s; `span`: of the
+/// run. Wider than the part of its own duration by which a law may count an instant as the jump (motionlaws/side.h), for
+/// laws up to a hundred times as long as the run.
+double before_jump(double jump, double span);
+/// Crosses what is left to t with the rates now, in the slots' own coordinates. `rate`: scratch.
+void cross_rest(Dynamics&, State&, double t, StateRate& rate);
+
 /// Whether rows change at an instant at which time crosses the jump of a law: then the law jumps in position.
 class PositionJump {
  public:

@@ -51,6 +51,7 @@ class NearestStart {
         throw ModelError(fmt::format("start by {}: the value {} is not finite", name_of(t), t.value));
     }
     most_short_ = static_cast<int>(std::clamp(2e10 / (1.0 * n_ * n_ * n_), 4'000.0, 50'000.0));
+    for (const CoordinateTarget& t : options.coordinates) angles_.push_back(t.value);
     freedom_ = VecX::Ones(n_);
     const Plane plane = system_.plane();
     for (int k = 0; k < system_.n_slots(); ++k) {
@@ -65,7 +66,8 @@ class NearestStart {
   int run() {
     int rounds = restore(true);
     double cost = linearise();
-    for (int round = 0; round < options_.iterations; ++round, ++rounds) {
+    int cut = 0;
+    for (int round = 0; round - cut < options_.iterations; ++round, ++rounds) {
       // along the free motions, to where the linear cost is least
       const Eigen::CompleteOrthogonalDecomposition<MatX> rows(E_);
       const Eigen::Index rank = rows.rank(), free = n_ - rank;
@@ -76,11 +78,13 @@ class NearestStart {
       const VecX d = N * y;
       if (d.lpNorm<Eigen::Infinity>() < kStill * length_) break;
       const State from = state_;
-      double next = HUGE_VAL, share = 1;
-      for (; share > kLeastShare; share *= 0.5) {
+      const double whole = follows_ ? short_share(system_.n_slots(), d, length_) : 1.0;
+      double next = HUGE_VAL, share = whole;
+      for (; share > kLeastShare * whole; share *= 0.5) {
         state_ = from;
         move(share, d);
         try {
+          if (follows_) linearise(), follow_turns(dynamics_, state_);
           restore(false);
         } catch (const AssemblyError&) {
           continue;
@@ -92,6 +96,7 @@ class NearestStart {
         state_ = from;
         break;
       }
+      if (whole < 1 && next < (1 - 0.1 * whole) * cost && cut < most_short_) ++cut;
       const bool settled = cost - next < kSettled * cost;
       cost = next;
       if (settled) break;
@@ -133,10 +138,14 @@ class NearestStart {
       }
     }
     farthest_ = links_, worst_.clear();
-    for (const CoordinateTarget& target : options_.coordinates) {
+    for (std::size_t k = 0; k < options_.coordinates.size(); ++k) {
+      const CoordinateTarget& target = options_.coordinates[k];
       const CoordinateRow at = coordinate_row(dynamics_, state_, target.link, target.axis);
       const bool turns = is_rotation(target.axis);
-      const double off = turns ? wrapped(at.value - target.value) : at.value - target.value;
+      if (turns && follows_) angles_[k] += wrapped(at.value - angles_[k]);
+      const double off = !turns     ? at.value - target.value
+                         : follows_ ? angles_[k] - target.value
+                                    : wrapped(at.value - target.value);
       const double unit = turns ? length_ : 1.0;
       if (std::isinf(target.weight)) {
         exact.push_back(at.row), c.push_back(off);
@@ -248,6 +257,8 @@ class NearestStart {
   int n_;
   int most_short_ = 0, cut_ = 0;  // short steps beside the rounds: how many may be and are made on the way
   double length_;
+  std::vector<double>
+      angles_;  // of the coordinates asked for, of those that are turns: as far as they were followed, rad
   VecX weights_, freedom_;
   MatX E_, S_;
   VecX c_, r_;

@@ -346,17 +346,8 @@ void StepLoop::cross_jump(double t) {
     keep_state(state_, parts_->before_change);
     dynamics_.to_slots(state_);
   }
-  const double h = t - state_.t;
   const PositionJump jump(dynamics_, state_);
-  if (h > 0) {
-    StateRate& rate = parts_->crossing;
-    dynamics_.rates(state_, rate);
-    state_.q += h * rate.q;
-    state_.v += h * rate.v;
-    state_.s += h * rate.s;
-    dynamics_.normalize(state_);
-  }
-  state_.t = t;
+  cross_rest(dynamics_, state_, t, parts_->crossing);
   parts_->ended.refusal = jump.refusal(dynamics_, state_, options_.start_limit);
 }
 

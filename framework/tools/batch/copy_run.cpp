@@ -21,14 +21,16 @@ void OutputSchedule::begin(const System& system, double t0, std::span<const doub
   next_ = static_cast<std::size_t>(std::lower_bound(times.begin(), times.end(), t0) - times.begin());
   jumps_ = times.empty() ? std::vector<double>{} : system.breakpoints(t0, times.back());
   next_jump_ = 0;
+  span_ = times.empty() ? 0.0 : times.back() - t0;
 }
 
-bool OutputSchedule::jump_first() const { return next_jump_ < jumps_.size() && jumps_[next_jump_] < times_[next_]; }
+// An output at the jump is of its far side.
+bool OutputSchedule::jump_first() const { return next_jump_ < jumps_.size() && jumps_[next_jump_] <= times_[next_]; }
 
 double OutputSchedule::reach() const {
   if (!jump_first()) return times_[next_];
   const double t = jumps_[next_jump_];
-  return t - 8 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), 1e-3);
+  return t - before_jump(t, span_);
 }
 
 double OutputSchedule::step(double t, double h, bool equal) const {
@@ -48,7 +50,8 @@ void pass_jump(Dynamics& dynamics, State& state, double t) {
   const double limit = StepLoopOptions().start_limit;
   dynamics.to_slots(state);
   const PositionJump jump(dynamics, state);
-  state.t = t;
+  StateRate rate = sized_like(state);
+  cross_rest(dynamics, state, t, rate);
   if (const std::string refusal = jump.refusal(dynamics, state, limit); !refusal.empty()) throw AssemblyError(refusal);
   make_consistent(dynamics, state, "the jump of a law", limit);
 }
@@ -174,7 +177,7 @@ class AloneRun {
     if (landed) state_.t = schedule_.reach();
     report_.t = state_.t;
     tell_step(false);
-    if (landed) arrive();
+    if (landed) arrive();  // run() goes on where an output is at a jump
   }
 
   int copy_;

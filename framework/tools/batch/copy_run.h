@@ -19,7 +19,8 @@ class OutputSchedule {
   bool done() const { return next_ == times_.size(); }
   double end() const { return times_.back(); }
   std::size_t next() const { return next_; }
-  /// The next instant at which a step ends: an output time, or a few roundings before a jump.
+  /// The next instant at which a step ends: an output time, or just before a jump (before_jump). May be passed already
+  /// where a jump follows an output closely.
   double reach() const;
   /// A step of about h from t, by step_within(), that does not pass reach(). With `equal`, the interval is divided into
   /// equal steps.
@@ -34,6 +35,7 @@ class OutputSchedule {
   std::span<const double> times_;
   std::vector<double> jumps_;
   std::size_t next_ = 0, next_jump_ = 0;
+  double span_ = 0;  // of the run, s
 };
 
 struct CallerThrew {

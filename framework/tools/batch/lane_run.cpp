@@ -51,7 +51,7 @@ void LaneRun::begin(std::span<const State> starts) {
     the.control.begin();
     the.pace.start(start.t);
     reports_[l].t = start.t;
-    while (the.going && the.schedule.reach() <= start.t) arrive(lane);
+    if (the.schedule.reach() <= start.t) arrive(lane);
     if (the.going) the.advised = task_.options.step > 0 ? task_.options.step : first_step(lane, start);
   }
   batch_.start_from(y_.data(), t_);
@@ -112,6 +112,7 @@ void LaneRun::arrive(int lane) {
   else
     tell_step(lane, true);
   the.going = the.going && !the.schedule.done();
+  if (the.going && the.schedule.reach() <= t_[l]) arrive(lane);  // an output at a jump, or a jump just behind one
 }
 
 // To those who follow every step.

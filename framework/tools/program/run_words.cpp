@@ -80,18 +80,20 @@ std::string passed_words(const std::vector<PassedPosition>& passed, long n, cons
 }  // namespace
 
 std::vector<std::string> doubts_of(const EndedRun& ended) {
+  constexpr double kMostRounding = 1e-7;  // relative error: beyond, it is not rounding that spoils a step
   std::vector<std::string> all;
   StepLoop& sim = ended.sim;
   if (!ended.passed.empty())
     all.push_back(passed_words(ended.passed, ended.n_passed, sim.integrator().info(),
                                sim.dynamics().options().stabilization.kind == Stabilization::Kind::project));
   if (const Doubts& d = ended.doubts; d.beyond() > 0)
-    all.push_back(
-        fmt::format("the tolerance of {:g} was not reached in {} of {}, from t = {:.6g} s on: rounding leaves errors "
-                    "of up to {:.2g} "
-                    "times it there; the run went on with what can be reached",
-                    ended.settings.tolerance.relative, d.beyond(), counted(sim.report().steps, "step", "steps"),
-                    d.first(), d.largest_error()));
+    all.push_back(fmt::format(
+        "the tolerance of {:g} was not reached in {} of {}, from t = {:.6g} s on: {} errors of up to {:.2g} "
+        "times it there; the run went on with what can be reached",
+        ended.settings.tolerance.relative, d.beyond(), counted(sim.report().steps, "step", "steps"), d.first(),
+        ended.settings.tolerance.relative * d.largest_error() > kMostRounding ? "a singular position leaves"
+                                                                              : "rounding leaves",
+        d.largest_error()));
   if (const long n = ended.doubts.n_uncertain(); n > 0)
     all.push_back(
         fmt::format("the reactions at t = {}{} are uncertain by more than 1 %: {} lie{} in or beside a singular "
