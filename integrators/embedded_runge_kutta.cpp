@@ -104,7 +104,7 @@ Attempt EmbeddedRungeKutta::attempt(Dynamics& dynamics, double h) {
   if (!first_done_) first_done_ = passage_.first_stage(dynamics, start_, stages_);
   const bool evaluated =
       first_done_ && stages_.evaluate(dynamics, start_, h, 1, scheme_.tableau.n_stages, passage_.stages_on());
-  if (passage_.enters(stages_, h)) {
+  if (passage_.enters(stages_)) {
     first_done_ = false;
     made.next = fixed() ? h : passage_.longest(h);
     return made;

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include <lockstep/lockstep.h>
-#include "framework/dynamics/integrate/heads_for_zero.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 
@@ -145,24 +144,6 @@ TEST_CASE("a start at rest in a flat position is refused", "[unit][dynamics]") {
                  builtin_registry().integrators.make("dop853", Params{{"stages", "auto"}}, nullptr, "run.integrator"));
   testing::check_words(testing::message_of<StepError>([&] { run.run_until(0.1); }),
                        {"dop853", "singular position", "start slightly off it"});
-}
-
-// s = c d at distances d1 < d2 of the stages: zero is d1 away, d1/(d2 - d1) steps.
-TEST_CASE("an indicator heads for zero where its root says so", "[unit][dynamics]") {
-  const double c = GENERATE(0.02, 1.0, 30.0);
-  const auto heads = [&](double d1, double d2, double limit, bool stays) {
-    return heads_for_zero(c * c * d1 * d1, c * c * d2 * d2, c * c * limit, d2 - d1, stays);
-  };
-  CAPTURE(c);
-  CHECK(heads(0.49, 0.6, 1, false));         // within half a radian
-  CHECK_FALSE(heads(0.51, 0.62, 1, false));  // not, and more than two steps away
-  CHECK(heads(0.99, 1.1, 2, true));          // twice as far once there
-  CHECK_FALSE(heads(1.01, 1.11, 2, true));
-  CHECK(heads(1.9, 2.9, 10, false));  // within two steps
-  CHECK_FALSE(heads(2.1, 3.1, 10, false));
-  CHECK(heads(2.1, 3.1, 500, false));                    // below a hundredth of the limit
-  CHECK_FALSE(heads_for_zero(0.5, 0.5, 1, 0.3, false));  // it does not change
-  CHECK(heads_for_zero(0.5, 0.5, 1, 0, false));          // nobody knows how far the step turned
 }
 
 }  // namespace singular_rate_test

@@ -117,12 +117,6 @@ double Stages::indicator() const {
   return smallest;
 }
 
-double Stages::largest_indicator() const {
-  double largest = 0;
-  for (int i = 0; i < tableau_.n_stages; ++i) largest = std::max(largest, conditioning(i).indicator());
-  return largest;
-}
-
 void Stages::combine(const State& y, double h, const Weights& w, State& out) const {
   add_part(y.q.data(), k_.data(), &StateRate::q, h, w, out.q);
   add_part(y.v.data(), k_.data(), &StateRate::v, h, w, out.v);

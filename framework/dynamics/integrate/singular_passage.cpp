@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include <lockstep/error.h>
-#include "framework/dynamics/integrate/heads_for_zero.h"
 #include "framework/dynamics/integrate/speed_of.h"
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/dynamics/solvers/stop_rule.h"
@@ -149,7 +148,6 @@ void SingularPassage::begin(const Tableau& tableau, const State& state, const Dy
   redundant_ = Redundant::unknown;
   longest_plain_ = 0;
   ahead_ = HUGE_VAL;
-  turn_ = 0;
   const double* c = tableau.c;
   nodes_.assign(c, c + tableau.n_stages);
   std::ranges::sort(nodes_);
@@ -269,8 +267,7 @@ double SingularPassage::straddle(double h) const {
   return before > 0 ? std::max(before, kLeast * h) : best;
 }
 
-bool SingularPassage::enters(const Stages& stages, double h) {
-  turn_ = h * rate_of_turn_;
+bool SingularPassage::enters(const Stages& stages) {
   if (!active_ || on_ == StagesOn::manifold || !near(stages)) return false;
   on_ = StagesOn::manifold;
   entered_ = true;
@@ -312,7 +309,7 @@ void SingularPassage::finish_step(const Stages& stages, StepReport& report) {
   const bool falls = s1 < s0 && std::isfinite(s0);
   ahead_ = falls ? report.h * (c[last_] - c[inner_]) * s1 / (s0 - s1) : HUGE_VAL;
   const double now = stages.indicator();
-  near_ = when_ == StagesWhen::automatic && is_near(stages, on_ == StagesOn::manifold ? kRegular : 1.0);
+  near_ = when_ == StagesWhen::automatic && now < (on_ == StagesOn::manifold ? kRegular : 1.0) * usual_.limit();
   usual_.add(now, report.h * rate_of_turn_);
 }
 
@@ -324,13 +321,7 @@ double SingularPassage::first_step(Dynamics& dynamics, const State& y, Stages& s
   return from_both_sides_ ? std::min(largest, std::max(guess, time_to_turn(kFirstTurn))) : guess;
 }
 
-bool SingularPassage::near(const Stages& stages) const { return is_near(stages, 1); }
-
-// The indicator of a mechanism may vary over regular positions, too.
-bool SingularPassage::is_near(const Stages& stages, double factor) const {
-  const double now = stages.indicator(), limit = factor * usual_.limit();
-  return now < limit && heads_for_zero(now, stages.largest_indicator(), limit, turn_, factor > 1);
-}
+bool SingularPassage::near(const Stages& stages) const { return stages.indicator() < usual_.limit(); }
 
 // Accelerations are uncertain where the rows could not be met, and by round-off divided by the indicator. Where that has
 // not fallen, no position is near: in large mechanisms round-off leaves more of the rows than their tolerance everywhere,

@@ -299,9 +299,9 @@ void settle_turns(const System& system, const VecX& given, const VecX& led, Stat
     if (counting(owner.remembering()) == nullptr) return;
     const int first = owner.first_memory(), n = owner.n_own_memory();
     if (n == 0) return;
-    if (std::abs(led[first] - home[first]) > kPi)
+    if (std::abs(led[first] - home[first]) > kNearlyHalf)
       state.z.segment(first, n) = led.segment(first, n);
-    else if (std::abs(state.z[first] - given[first]) <= kPi)
+    else if (std::abs(state.z[first] - given[first]) <= kNearlyHalf)
       state.z.segment(first, n) = home.segment(first, n);
   };
   for (const auto& link : system.links())

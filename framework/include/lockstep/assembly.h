@@ -59,7 +59,7 @@ struct AssemblyReport {
 /// When assembling ends.
 struct AssemblyOptions {
   double tolerance = 1e-12;  ///< of |C|, m (not below the round-off of the largest position)
-  int iterations = 60;       ///< of the positions, at most
+  int iterations = 60;       ///< of the positions, at most; short steps on a way of many turns are not counted
   /// With these or weights, the assembled start is the one for which the sum of weights times squared distances from what
   /// is asked is least (solved densely, up to 250 bodies).
   std::vector<CoordinateTarget> coordinates{};

@@ -103,7 +103,6 @@ class LOCKSTEP_API Stages {
   const Conditioning& conditioning(int i) const { return conditioning_[static_cast<std::size_t>(i)]; }
   /// Smallest Conditioning::indicator of the stages of the step.
   double indicator() const;
-  double largest_indicator() const;                    ///< the largest of the stages
   const Tableau& tableau() const { return tableau_; }  ///< the coefficients
 
  private:
@@ -340,8 +339,7 @@ enum class StagesWhen {
   plain,     ///< never
   manifold,  ///< always
   automatic  ///< near a singular position: from a Conditioning::indicator below 1e-2, or a tenth of the usual one if
-             ///< that is less, until it is three times as large; where it also heads for zero within half a radian, by
-             ///< its change over the stages, or is below a hundredth of that
+             ///< that is less, until it is three times as large
 };
 
 /// The Conditioning::indicator below which a position counts as near a singular one. Bodies of very different inertia
@@ -383,9 +381,9 @@ class LOCKSTEP_API SingularPassage {
   /// The step to attempt, s, at most h: with its stages on the constraints a step turns no body by more than 0.5 rad and
   /// keeps its stages away from a singular position ahead.
   double longest(double h);
-  /// Whether an attempt of length h came near a singular position and must be repeated with its stages on the constraints, as
+  /// Whether an attempt came near a singular position and must be repeated with its stages on the constraints, as
   /// stages_on() then says.
-  bool enters(const Stages&, double h);
+  bool enters(const Stages&);
   /// Whether an attempt of this error should be shifted rather than accepted or rejected.
   bool must_shift(const Stages&, double error) const;
   /// The step to attempt instead of h, s; after a dozen of them the best one, with a larger limit of its error.
@@ -419,7 +417,6 @@ class LOCKSTEP_API SingularPassage {
   enum class Redundant { unknown, everywhere, on_constraints };
 
   bool ill_conditioned(const Stages&, int stage) const;
-  bool is_near(const Stages&, double factor) const;
   double straddle(double h) const;
   Redundant where_redundant(Dynamics&, const State& y, const StateRate& rate) const;
   double fastest_turn(const State&);
@@ -441,7 +438,6 @@ class LOCKSTEP_API SingularPassage {
   bool entered_ = false;          // the present step went onto the constraints
   double longest_plain_ = 0;      // step so far, s
   double rate_of_turn_ = 0;       // at the start of the present step, rad/s
-  double turn_ = 0;               // of the present attempt, rad
   double ahead_ = HUGE_VAL;       // time until a singular position is reached, s
   double unplaced_ = 0;           // the present step, s, had it not been placed
   std::vector<double> nodes_;     // as parts of the step, ascending

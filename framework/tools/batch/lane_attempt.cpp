@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include <lockstep/error.h>
-#include "framework/dynamics/integrate/heads_for_zero.h"
 #include "framework/tools/batch/lane_run.h"
 
 namespace lockstep::lanes {
@@ -58,12 +57,8 @@ void LaneRun::see_pivots(bool first) {
 bool LaneRun::near_singular(int lane) {
   Lane& the = lanes_[static_cast<std::size_t>(lane)];
   the.usual = std::min({the.usual, the.first.fewest, the.stages.fewest});
-  if (std::max(the.first.most, the.stages.most) > the.usual) return true;
-  const double least = std::min(the.first.smallest, the.stages.smallest),
-               largest = std::max(the.first.largest, the.stages.largest),
-               limit = the.singular.limit_from(the.first.smallest),
-               turn = h_[static_cast<std::size_t>(lane)] * batch_.fastest_turn(lane, y_.data());
-  return least < limit && heads_for_zero(least, largest, limit, turn, false);
+  return std::max(the.first.most, the.stages.most) > the.usual ||
+         std::min(the.first.smallest, the.stages.smallest) < the.singular.limit_from(the.first.smallest);
 }
 
 double LaneRun::error_of(int lane) {

@@ -16,10 +16,10 @@ namespace lockstep::lanes {
 // What SingularPassage asks of the stages of an attempt.
 struct Pivots {
   double fewest = HUGE_VAL, most = 0;  // small ones
-  double smallest = 1, largest = 0;    // of the others, relative to its diagonal: the least of them, over the stages
+  double smallest = 1;                 // of the others, relative to its diagonal
   void add(double n_small, double least) {
     fewest = std::min(fewest, n_small), most = std::max(most, n_small);
-    smallest = std::min(smallest, least), largest = std::max(largest, least);
+    smallest = std::min(smallest, least);
   }
 };
 

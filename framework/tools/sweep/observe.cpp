@@ -1,5 +1,7 @@
 #include <lockstep/sweep.h>
 
+#include <cmath>
+
 #include "framework/description/scene/builder.h"
 #include "framework/dynamics/simulate/start_turns.h"
 #include "framework/mechanism/params/read.h"
@@ -18,12 +20,19 @@ void record_places(Mechanism& m) {
 
 namespace {
 
+// Whether what counts turns tells the turn in which a coordinate that is asked for approximately begins.
+bool is_counted(const Mechanism& m, const CoordinateTarget& target) {
+  return std::isfinite(target.weight) &&
+         known_turn(m.system, m.system.start(), m.system.link(target.link), axis_index(target.axis) % 3).has_value();
+}
+
 // An angle that the start asks for begins in the turn that is asked for.
 Channel channel_of(Mechanism& m, const std::string& name) {
   Channel channel = make_channel(m.system, name);
   if (!m.run.assemble) return channel;
   for (const CoordinateTarget& target : m.assembly.coordinates)
-    if (is_rotation(target.axis) && turns_about_one_axis(m.system.link(target.link), target.axis) &&
+    if (is_rotation(target.axis) && !is_counted(m, target) &&
+        turns_about_one_axis(m.system.link(target.link), target.axis) &&
         name == target.link + ".angle_" + "xyz"[axis_index(target.axis) % 3])
       channels::begin_about(channel, target.value);
   return channel;
