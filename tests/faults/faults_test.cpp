@@ -194,7 +194,7 @@ TEST_CASE("a run or sweep that a signal ends at any instant leaves whole rows an
   const std::string scene =
       arm_scene("killed", R"("until": 1e6, "output": 0.01, "integrator": "rk4", "step": 0.01, "record": ["arm.x"])");
   const std::string old = kFolder + "/killed.csv", partial = old + ".partial";
-  const std::string sweep = "sweep --jobs 2 --vary gravity.2=-9.81:-1:10000 --until 0.5";
+  const std::string sweep = "sweep --jobs 2 --vary gravity.2=-9.81:-1:10000 --until 10";
   const int rounds = std::getenv("LOCKSTEP_FAULTS") != nullptr ? 40 : 3;
   for (const std::string& verb : {std::string("run --quiet"), sweep + " --quiet"})
     for (const char* signal : {"KILL", "TERM", "HUP"})

@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <filesystem>
 #include <fstream>
+#include <new>
 #include <system_error>
 
 #include <lockstep/error.h>
@@ -15,6 +16,7 @@ Value read_json_file(const std::string& path) {
   if (fs::is_directory(path, error)) throw FileError("cannot read '" + path + "': it is a folder; name a file in it");
   errno = 0;
   std::ifstream file(path, std::ios::binary);
+  if (!file && errno == ENOMEM) throw std::bad_alloc();
   if (!file)
     throw FileError("cannot read '" + path + "': " + std::generic_category().message(errno) + "; check the path");
   std::string text;

@@ -26,6 +26,7 @@
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/progress.h"
 #include "framework/tools/program/run_queue.h"
+#include "framework/tools/program/threads.h"
 #include "framework/tools/sweep/step_limit.h"
 
 namespace lockstep {
@@ -105,7 +106,7 @@ class Atlas {
     };
     {
       std::vector<std::jthread> threads;
-      for (int j = 0; j < jobs_; ++j) threads.emplace_back(loop);
+      start_threads(threads, static_cast<std::size_t>(jobs_), [&loop](std::size_t) { loop(); });
     }
     if (failed) std::rethrow_exception(failed);
   }

@@ -28,6 +28,7 @@
 #include "framework/tools/program/run_report.h"
 #include "framework/tools/program/sweep_plan.h"
 #include "framework/tools/program/sweep_rest.h"
+#include "framework/tools/program/threads.h"
 #include "framework/tools/program/words.h"
 #include "framework/tools/sweep/sweep_lanes.h"
 #include "framework/tools/sweep/watched_run.h"
@@ -118,7 +119,7 @@ class Sweep {
     {
       std::vector<std::jthread> threads;
       const Stopper stopper{queue_};  // before the threads are joined
-      for (std::atomic<double>& share : under_way_) threads.emplace_back([this, &share] { work(share); });
+      start_threads(threads, under_way_.size(), [this](std::size_t k) { work(under_way_[k]); });
       while (go_on() && !queue_.all_taken()) {
         if (const std::optional<FinishedRun> run = queue_.take(std::chrono::milliseconds(100))) take(*run);
         progress_.at(n_done());

@@ -25,6 +25,8 @@ void Table::reserve(std::size_t n) {
 
 void Table::add_row(std::span<const double> row) {
   assert(row.size() == columns_.size());
+  for (Column& c : columns_)  // room in all of them first: a row is there as a whole, or not
+    if (c.values.size() == c.values.capacity()) c.values.reserve(2 * c.values.size() + 1);
   for (std::size_t i = 0; i < columns_.size(); ++i) columns_[i].values.push_back(row[i]);
 }
 
