@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
+
+#include <unistd.h>
 #include <utility>
 #include <vector>
 
@@ -54,7 +56,7 @@ Called with_failing(const std::string& call_of, const std::string& words) {
 
 // Calls of each kind that these words make.
 std::vector<long> counts_of(const std::string& words) {
-  const std::string file = kFolder + "/counts";
+  const std::string file = kFolder + "/counts-" + std::to_string(::getpid());  // other tests count at the same time
   fs::remove(file);
   const Called whole = call(words, "PATH=/nowhere LOCKSTEP_FAIL_COUNT='" + file + "' LD_PRELOAD='" + kFailing + "'");
   INFO(whole.text);

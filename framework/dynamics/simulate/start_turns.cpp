@@ -257,6 +257,15 @@ bool begin_turns(Dynamics& dynamics, State& state, const AssemblyOptions& option
   return true;
 }
 
+bool may_begin_beyond(const System& system, const State& state, const AssemblyOptions& options) {
+  const bool places = has_counting_links(system);
+  return std::ranges::any_of(turns_of_drives(system, state),
+                             [](const AskedTurn& turn) { return std::abs(turn.angle) > kPi + 1e-6; }) ||
+         std::ranges::any_of(options.coordinates, [&](const CoordinateTarget& target) {
+           return is_rotation(target.axis) ? std::abs(target.value) > kPi + 1e-6 : places;
+         });
+}
+
 void begin_turns(Dynamics& dynamics, State& state) {
   std::vector<std::string> warnings;
   begin_turns(dynamics, state, {}, warnings);

@@ -24,6 +24,10 @@ LOCKSTEP_API bool begin_turns(Dynamics&, State&, const AssemblyOptions&, std::ve
 /// The same for a start that is not assembled, by the drives alone; logs the warnings.
 LOCKSTEP_API void begin_turns(Dynamics&, State&);
 
+/// Whether a start or a drive asks for an angle of more than half a turn, or for a place that a link which counts turns may
+/// turn into one.
+LOCKSTEP_API bool may_begin_beyond(const System&, const State&, const AssemblyOptions&);
+
 /// Lets links and forces that count turns take the branches nearest to those before, at this state; the first time forces
 /// take those within half a turn of zero.
 void follow_turns(Dynamics&, State&);
