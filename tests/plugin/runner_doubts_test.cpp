@@ -4,6 +4,7 @@
 #include <string>
 
 #include "tests/support/catch.h"
+#include "tests/support/four_bar_scene.h"
 #include "tests/support/paths.h"
 #include "tests/support/program.h"
 
@@ -116,23 +117,10 @@ TEST_CASE("a tolerance below rounding is told", "[runner]") {
 
 // The other hinges of a loop turn along when its crank begins a turn and 20 degrees away; those of an open chain do not.
 TEST_CASE("a recorded angle whose turns nothing counts before the run is told", "[runner]") {
-  const auto scene = [](const std::string& name, const std::string& angle, const std::string& more, bool closed) {
-    return scene_file(name, R"("gravity": [0, 0, 0], "bodies": [
-      {"name": "crank", "rod": {"mass": 1, "from": [0, 0, 0], "to": [0.3, 0, 0]}},
-      {"name": "coupler", "rod": {"mass": 1, "from": [0.3, 0, 0], "to": [1.1, 0.4123105625617661, 0]}},
-      {"name": "rocker", "rod": {"mass": 1, "from": [1, 0, 0], "to": [1.1, 0.7937253933193772, 0]}}],
-    "links": [
-      {"name": "A", "type": "revolute", "p": "crank", "s": "ground", "at": [0, 0, 0],
-       "start": {"position": {"rz": ")" +
-                                angle +
-                                R"("}}},
-      {"name": "B", "type": "revolute", "p": "coupler", "s": "crank", "at_p": [0.3, 0, 0], "at_s": [0.3, 0, 0])" +
-                                more + "}" +
-                                (closed ? R"(, {"name": "C", "type": "revolute", "p": "coupler", "s": "rocker",
-       "at_p": [1.1, 0.4123105625617661, 0], "at_s": [1.1, 0.7937253933193772, 0]})"
-                                        : "") +
-                                R"(, {"name": "D", "type": "revolute", "p": "rocker", "s": "ground", "at": [1, 0, 0]}],
-    "run": {"until": 0.01, "record": ["A.angle_z", "B.angle_z"]})");
+  const auto scene = [](const std::string& name, const std::string& angle, const std::string& on_B, bool closed) {
+    const std::string start = R"(, "start": {"position": {"rz": ")" + angle + R"("}})";
+    return scene_file(name, R"("gravity": [0, 0, 0], )" + four_bar({.A = start, .B = on_B, .closed = closed}) +
+                                R"(, "run": {"until": 0.01, "record": ["A.angle_z", "B.angle_z"]})");
   };
   const std::string warned = "B.angle_z begins within half a turn of zero: nothing counts its turns";
   const auto says = [&](const std::string& file) { return contains(call("run --no-picture " + file).text, warned); };
@@ -140,6 +128,10 @@ TEST_CASE("a recorded angle whose turns nothing counts before the run is told", 
   CHECK_FALSE(says(scene("within", "20 deg", "", true)));
   CHECK_FALSE(says(scene("open", "380 deg", "", false)));
   CHECK_FALSE(says(scene("counted", "380 deg", R"(, "stops": [{"axis": "rz", "high": "1000 deg"}])", true)));
+  const std::string sweep =
+      "sweep " + scene("swept", "20 deg", "", true) + " --record turns.csv --vary links.A.start.position.rz=";
+  CHECK(contains(call(sweep + "'20 deg,380 deg'").text, warned));
+  CHECK_FALSE(contains(call(sweep + "'20 deg,30 deg'").text, warned));
 }
 
 // At 0.52 s a sample falls on the position itself (the indicator is 2e-8), where the force in A is 18.62 N.

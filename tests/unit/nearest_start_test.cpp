@@ -10,12 +10,14 @@
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
 #include "tests/support/catch.h"
+#include "tests/support/four_bar_scene.h"
 #include "tests/support/messages.h"
 #include "tests/support/paths.h"
 
 namespace nearest_start_test {
 
 using namespace lockstep;
+using testing::four_bar;
 
 namespace {
 
@@ -42,21 +44,6 @@ std::string two_points(const std::string& a, const std::string& b) {
          b + R"(}], "links": [{"name": "J", "type": "spherical", "p": "a", "s": "b"}])";
 }
 
-/// Crank 0.3 at the origin, rocker 0.8 at (1, 0), coupler 0.9: not assembled, the crank along x.
-std::string four_bar(const std::string& start_a, const std::string& start_d = "") {
-  return R"("gravity": [0, 0, 0], "bodies": [
-    {"name": "crank", "rod": {"mass": 1, "from": [0, 0, 0], "to": [0.3, 0, 0]}},
-    {"name": "coupler", "rod": {"mass": 1, "from": [0.3, 0, 0], "to": [1.1, 0.4123105625617661, 0]}},
-    {"name": "rocker", "rod": {"mass": 1, "from": [1, 0, 0], "to": [1.1, 0.7937253933193772, 0]}}],
-  "links": [
-    {"name": "A", "type": "revolute", "p": "crank", "s": "ground", "at": [0, 0, 0])" +
-         start_a + R"(},
-    {"name": "B", "type": "revolute", "p": "coupler", "s": "crank", "at_p": [0.3, 0, 0], "at_s": [0.3, 0, 0]},
-    {"name": "C", "type": "revolute", "p": "coupler", "s": "rocker", "at_p": [1.1, 0.4123105625617661, 0], "at_s": [1.1, 0.7937253933193772, 0]},
-    {"name": "D", "type": "revolute", "p": "rocker", "s": "ground", "at": [1, 0, 0])" +
-         start_d + "}]";
-}
-
 }  // namespace
 
 // w_a x^2 + w_b (1 - x)^2 is least at x = w_b/(w_a + w_b), whatever the masses.
@@ -79,7 +66,8 @@ TEST_CASE("weights of starts share out a move", "[unit][assembly]") {
 // The rocker's angle by the intersection of two circles.
 TEST_CASE("a start by a joint's coordinate is met exactly", "[unit][assembly]") {
   const double asked = GENERATE(0.0, 0.7, -1.2, 2.5, 3.1);
-  const Assembled found(four_bar(R"(, "start": {"position": {"rz": )" + std::to_string(asked) + "}}"));
+  const Assembled found(R"("gravity": [0, 0, 0], )" +
+                        four_bar({.A = R"(, "start": {"position": {"rz": )" + std::to_string(asked) + "}}"}));
   CAPTURE(asked);
   CHECK(std::remainder(found.angle("crank") - asked, kTwoPi) == Approx(0).margin(1e-9));
   const double x = 0.3 * std::cos(asked), y = 0.3 * std::sin(asked);  // of B; then C = D + 0.8 (cos, sin)
@@ -127,7 +115,8 @@ TEST_CASE("an angle that is missed is told in degrees", "[unit][assembly]") {
 
 TEST_CASE("what cannot hold together is refused by name", "[unit][assembly]") {
   try {
-    const Assembled found(four_bar(R"(, "start": {"position": {"rz": 0}})", R"(, "start": {"position": {"rz": -2}})"));
+    const Assembled found(R"("gravity": [0, 0, 0], )" + four_bar({.A = R"(, "start": {"position": {"rz": 0}})",
+                                                                  .D = R"(, "start": {"position": {"rz": -2}})"}));
     FAIL("it was assembled");
   } catch (const AssemblyError& error) {
     const std::string words = error.what();

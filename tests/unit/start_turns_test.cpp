@@ -6,12 +6,14 @@
 #include <lockstep/lockstep.h>
 #include "framework/tools/sweep/sweep_lanes.h"
 #include "tests/support/catch.h"
+#include "tests/support/four_bar_scene.h"
 #include "tests/support/messages.h"
 
 namespace start_turns_test {
 
 using namespace lockstep;
 using lockstep::testing::message_of;
+using std::string_literals::operator""s;
 
 namespace {
 
@@ -46,6 +48,26 @@ std::string screw(const std::string& more) {
   return R"("bodies": [{"name": "n", "box": {"mass": 1, "size": [0.1, 0.1, 0.1]}}],
     "links": [{"name": "S", "type": "screw", "p": "n", "s": "ground", "at": [0, 0, 0], "lead": 0.1, )" +
          more + "}]";
+}
+
+/// Wheels g1 and g2 on hinges A and B, with more keys of these, geared by G; `of_bodies`: more keys of both.
+std::string wheels(const std::string& on_A, const std::string& on_B, double ratio, const std::string& of_bodies = "") {
+  return R"("bodies": [{"name": "g1", "cylinder": {"mass": 1, "radius": 0.1, "length": 0.02})" + of_bodies + R"(},
+    {"name": "g2", "cylinder": {"mass": 2, "radius": 0.2, "length": 0.02}, "position": [0.3, 0, 0])" +
+         of_bodies + R"(}],
+    "links": [{"name": "A", "type": "revolute", "p": "g1", "s": "ground", "at": [0, 0, 0])" +
+         on_A + R"(}, {"name": "B", "type": "revolute", "p": "g2", "s": "ground", "at": [0.3, 0, 0])" + on_B + R"(},
+    {"name": "G", "type": "gear", "pairs": ["A", "B"], "ratio": )" +
+         std::to_string(ratio) + "}]";
+}
+std::string driven_from(double angle, double slope = 0) {
+  return R"(, "drive": {"axis": "rz", "law": {"type": "ramp", "slope": )" + std::to_string(slope) + R"(, "y0": )" +
+         std::to_string(angle) + "}}";
+}
+/// On one of the wheels.
+std::string spring_on(const std::string& wheel, const std::string& at) {
+  return R"(, "forces": [{"name": "T", "type": "torsion_spring_damper", "p": ")" + wheel +
+         R"(", "s": "ground", "at": )" + at + R"(, "stiffness": 2}])";
 }
 
 std::string formulation() { return GENERATE(std::string("omega"), std::string("quaternion"), std::string("joint")); }
@@ -168,18 +190,10 @@ TEST_CASE("a screw begins where all its turns have brought it", "[unit][assembly
 // theta_A + 2 theta_B = 0.
 TEST_CASE("the other wheel of a gear begins in the turn that the first brings it to", "[unit][assembly]") {
   const std::string start =
-      GENERATE(R"("start": {"position": {"rz": "380 deg"}, "velocity": {"rz": 1}})",
-               R"("drive": {"axis": "rz", "law": {"type": "ramp", "slope": 1, "y0": "380 deg"}})");
+      GENERATE(R"(, "start": {"position": {"rz": "380 deg"}, "velocity": {"rz": 1}})"s, driven_from(380 * kDegree, 1));
   const std::string in = formulation_with(start);
   CAPTURE(in, start);
-  const Table run = history_of(scene_of(
-      R"("bodies": [{"name": "g1", "cylinder": {"mass": 1, "radius": 0.1, "length": 0.02}},
-                    {"name": "g2", "cylinder": {"mass": 2, "radius": 0.2, "length": 0.02}, "position": [0.3, 0, 0]}],
-         "links": [{"name": "A", "type": "revolute", "p": "g1", "s": "ground", "at": [0, 0, 0], )" +
-          start + R"(},
-                   {"name": "B", "type": "revolute", "p": "g2", "s": "ground", "at": [0.3, 0, 0]},
-                   {"name": "G", "type": "gear", "pairs": ["A", "B"], "ratio": 2}])",
-      R"("A.angle_z", "B.angle_z", "G.violation")", in));
+  const Table run = history_of(scene_of(wheels(start, "", 2), R"("A.angle_z", "B.angle_z", "G.violation")", in));
   CHECK(run.first("A.angle_z") == Approx(380 * kDegree));
   CHECK(run.first("B.angle_z") == Approx(-190 * kDegree));
   CHECK(run.first("G.violation") < 1e-10);
@@ -190,20 +204,11 @@ TEST_CASE("the other wheel of a gear begins in the turn that the first brings it
 // theta_B = -N theta_A, however many turns that is.
 TEST_CASE("a wheel that makes many turns for one of the other begins as many turns away", "[unit][assembly]") {
   const double teeth = GENERATE(3.0, 10.0, 60.0), asked = GENERATE(360.0, -370.0);
-  CAPTURE(teeth, asked);
-  const Table run = history_of(scene_of(
-      R"("bodies": [{"name": "slow", "cylinder": {"mass": 1, "radius": 0.1, "length": 0.02}},
-                    {"name": "fast", "cylinder": {"mass": 2, "radius": 0.2, "length": 0.02}, "position": [0.3, 0, 0]}],
-         "links": [{"name": "A", "type": "revolute", "p": "slow", "s": "ground", "at": [0, 0, 0],
-                    "drive": {"axis": "rz", "law": {"type": "ramp", "slope": 0.1, "y0": ")" +
-          std::to_string(asked) + R"( deg"}}},
-                   {"name": "B", "type": "revolute", "p": "fast", "s": "ground", "at": [0.3, 0, 0]},
-                   {"name": "G", "type": "gear", "pairs": ["A", "B"], "ratio": )" +
-          std::to_string(1 / teeth) + R"(}],
-         "forces": [{"name": "T", "type": "torsion_spring_damper", "p": "slow", "s": "ground", "at": [0, 0, 0],
-                     "stiffness": 2}])",
-      R"("A.angle_z", "B.angle_z", "G.violation", "T.angle")"));
   const double ratio = std::stod(std::to_string(1 / teeth));
+  CAPTURE(teeth, asked);
+  const Table run =
+      history_of(scene_of(wheels(driven_from(asked * kDegree, 0.1), "", ratio) + spring_on("g1", "[0, 0, 0]"),
+                          R"("A.angle_z", "B.angle_z", "G.violation", "T.angle")"));
   const double theta = asked * kDegree;
   CHECK(run.first("A.angle_z") == Approx(theta));
   CHECK(run.first("T.angle") == Approx(theta));
@@ -250,18 +255,7 @@ TEST_CASE("an angle that has no number of turns is told, and recorded within hal
 
 // The wheels are driven apart: that is found out in a few iterations, not in as many as the way would take.
 TEST_CASE("wheels that contradict each other are refused at once", "[unit][assembly]") {
-  const auto drive = [](double angle) {
-    return R"("drive": {"axis": "rz", "law": {"type": "ramp", "slope": 0, "y0": )" + std::to_string(angle) + "}}";
-  };
-  const std::string text = scene_of(
-      R"("bodies": [{"name": "slow", "cylinder": {"mass": 1, "radius": 0.1, "length": 0.02}},
-                    {"name": "fast", "cylinder": {"mass": 2, "radius": 0.2, "length": 0.02}, "position": [0.3, 0, 0]}],
-         "links": [{"name": "A", "type": "revolute", "p": "slow", "s": "ground", "at": [0, 0, 0], )" +
-          drive(40) + R"(},
-                   {"name": "B", "type": "revolute", "p": "fast", "s": "ground", "at": [0.3, 0, 0], )" +
-          drive(3) + R"(},
-                   {"name": "G", "type": "gear", "pairs": ["A", "B"], "ratio": 0.1}])",
-      R"("slow.x")");
+  const std::string text = scene_of(wheels(driven_from(40), driven_from(3), 0.1), R"("g1.x")");
   Mechanism m = build_mechanism(scene_from_text(text, "apart.json"), builtin_registry());
   Dynamics dynamics(m.system, std::make_unique<SchurSolver>(), {Formulation::omega, {}});
   State state = m.system.start();
@@ -303,19 +297,10 @@ TEST_CASE("what is coupled goes along where a start is asked for approximately",
   const double asked = GENERATE(3.0, 7.0, -7.0, 12.6, 20.0, -33.3);
   const bool free = GENERATE(true, false);
   CAPTURE(asked, free);
-  const std::string anywhere = free ? R"(, "assembled": "free")" : "";
-  const Table run = history_of(
-      scene_of(R"("bodies": [{"name": "g1", "cylinder": {"mass": 1, "radius": 0.1, "length": 0.02})" + anywhere + R"(},
-                    {"name": "g2", "cylinder": {"mass": 2, "radius": 0.2, "length": 0.02}, "position": [0.3, 0, 0])" +
-                   anywhere + R"(}],
-         "links": [{"name": "A", "type": "revolute", "p": "g1", "s": "ground", "at": [0, 0, 0],
-                    "start": {"near": {"rz": )" +
-                   std::to_string(asked) + R"(}}},
-                   {"name": "B", "type": "revolute", "p": "g2", "s": "ground", "at": [0.3, 0, 0]},
-                   {"name": "G", "type": "gear", "pairs": ["A", "B"], "ratio": 1}],
-         "forces": [{"name": "T", "type": "torsion_spring_damper", "p": "g2", "s": "ground", "at": [0.3, 0, 0],
-                     "stiffness": 2}])",
-               R"("A.angle_z", "B.angle_z", "T.angle", "G.violation")"));
+  const std::string start = R"(, "start": {"near": {"rz": )" + std::to_string(asked) + "}}";
+  const Table run =
+      history_of(scene_of(wheels(start, "", 1, free ? R"(, "assembled": "free")" : "") + spring_on("g2", "[0.3, 0, 0]"),
+                          R"("A.angle_z", "B.angle_z", "T.angle", "G.violation")"));
   CHECK(run.first("B.angle_z") == Approx(-run.first("A.angle_z")));
   CHECK(run.first("T.angle") == Approx(run.first("B.angle_z")));
   CHECK(run.first("G.violation") < 1e-9);
@@ -324,25 +309,14 @@ TEST_CASE("what is coupled goes along where a start is asked for approximately",
 
 // A crank turned by a full turn more stands where it stood, and winds its spring by a turn more.
 TEST_CASE("a crank of a loop begins in its turn, with the rest of the loop where it was", "[unit][assembly]") {
-  const auto four_bar = [](const std::string& angle) {
-    return history_of(scene_of(
-        R"("bodies": [
-        {"name": "crank", "rod": {"mass": 1, "from": [0, 0, 0], "to": [0.3, 0, 0]}},
-        {"name": "coupler", "rod": {"mass": 1, "from": [0.3, 0, 0], "to": [1.1, 0.4123105625617661, 0]}},
-        {"name": "rocker", "rod": {"mass": 1, "from": [1, 0, 0], "to": [1.1, 0.7937253933193772, 0]}}],
-      "links": [
-        {"name": "A", "type": "revolute", "p": "crank", "s": "ground", "at": [0, 0, 0],
-         "start": {"position": {"rz": ")" +
-            angle + R"("}}},
-        {"name": "B", "type": "revolute", "p": "coupler", "s": "crank", "at_p": [0.3, 0, 0], "at_s": [0.3, 0, 0]},
-        {"name": "C", "type": "revolute", "p": "coupler", "s": "rocker", "at_p": [1.1, 0.4123105625617661, 0],
-         "at_s": [1.1, 0.7937253933193772, 0]},
-        {"name": "D", "type": "revolute", "p": "rocker", "s": "ground", "at": [1, 0, 0]}],
-      "forces": [{"name": "T", "type": "torsion_spring_damper", "p": "crank", "s": "ground", "at": [0, 0, 0],
-                  "stiffness": 2}])",
-        R"("A.angle_z", "T.angle", "energy.potential", "rocker.center_x", "coupler.center_y")"));
+  const auto begun_at = [](const std::string& angle) {
+    return history_of(
+        scene_of(testing::four_bar({.A = R"(, "start": {"position": {"rz": ")" + angle + R"("}})"}) +
+                     R"(, "forces": [{"name": "T", "type": "torsion_spring_damper", "p": "crank", "s": "ground",
+                          "at": [0, 0, 0], "stiffness": 2}])",
+                 R"("A.angle_z", "T.angle", "energy.potential", "rocker.center_x", "coupler.center_y")"));
   };
-  const Table near = four_bar("20 deg"), on = four_bar("380 deg");
+  const Table near = begun_at("20 deg"), on = begun_at("380 deg");
   CHECK(near.first("A.angle_z") == Approx(20 * kDegree));
   CHECK(on.first("A.angle_z") == Approx(380 * kDegree));
   CHECK(on.first("T.angle") == Approx(380 * kDegree));

@@ -12,7 +12,8 @@ using namespace lockstep;
 namespace {
 
 /// A mass of 1 kg on a slide, stiffness and damping to the ground, let go 0.1 m off; what the method says of 0.5 s.
-SimulationReport pulled(const char* method, double stiffness, double damping, double tolerance) {
+SimulationReport pulled(std::unique_ptr<Integrator> method, double stiffness, double damping, double tolerance,
+                        Stabilization::Kind kind = Stabilization::Kind::project) {
   System sys;
   Body& mass = sys.add_body("mass", MassProperties{1.0, Vec3::Zero(), Mat3::Identity()}, {{0, 0, 0.1}, {}});
   Marker& P = sys.add_marker("P", mass);
@@ -21,11 +22,26 @@ SimulationReport pulled(const char* method, double stiffness, double damping, do
   sys.add<Prismatic>("slide", P, S);
   sys.add<SpringDamper>("spring", P, anchor,
                         SpringDamper::Options{.stiffness = stiffness, .damping = damping, .free_length = 1});
-  Dynamics dynamics(sys, std::make_unique<DenseSolver>());
-  StepLoop run(dynamics, builtin_registry().integrators.make(method, Params{}, nullptr, "run.integrator"),
-                 {.tolerance = {tolerance, 1e-2 * tolerance}});
+  Dynamics dynamics(sys, std::make_unique<DenseSolver>(), {Formulation::omega, {.kind = kind}});
+  StepLoop run(dynamics, std::move(method), {.tolerance = {tolerance, 1e-2 * tolerance}});
   return run.run_until(0.5);
 }
+SimulationReport pulled(const char* method, double stiffness, double damping, double tolerance) {
+  return pulled(builtin_registry().integrators.make(method, Params{}, nullptr, "run.integrator"), stiffness, damping,
+                tolerance);
+}
+
+/// A method that takes every step for one that damped modes limit.
+struct TakesForStiff final : Integrator {
+  IntegratorInfo info() const override { return method.info(); }
+  void begin(Dynamics& dynamics, const State& state) override { method.begin(dynamics, state); }
+  StepReport step(Dynamics& dynamics, State& state, double h) override {
+    StepReport report = method.step(dynamics, state, h);
+    report.stiff = true;
+    return report;
+  }
+  Dopri5 method;
+};
 
 }  // namespace
 
@@ -59,6 +75,16 @@ TEST_CASE("an undamped fast oscillation is not called stiff", "[unit][integrator
   CAPTURE(method, tolerance);
   CHECK(std::isinf(pulled(method, 1e6, 0, tolerance).stiff_since));  // 1000 rad/s
   CHECK(std::isinf(pulled(method, 1e6, 5, tolerance).stiff_since));  // damped by a 400th
+}
+
+TEST_CASE("what has no damped modes is not called stiff, whatever a method says", "[unit][integrators]") {
+  using Kind = Stabilization::Kind;
+  const auto says = [](double damping, Kind kind) {
+    return std::isfinite(pulled(std::make_unique<TakesForStiff>(), 1e3, damping, 1e-6, kind).stiff_since);
+  };
+  CHECK_FALSE(says(0, Kind::project));
+  CHECK(says(1, Kind::project));
+  CHECK(says(0, Kind::baumgarte));
 }
 
 }  // namespace stiffness_test

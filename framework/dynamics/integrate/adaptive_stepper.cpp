@@ -128,11 +128,8 @@ bool AdaptiveStepper::land(Dynamics& dynamics, double h, StepReport& report) {
   const ProjectReport landed = project_end(dynamics, landed_);
   report.violation = landed.before, report.violation_after = landed.after;
   const bool near = end_is_near(dynamics, landed, fixed());
-  if (near || !fixed()) return near;
-  const std::string row = most_violated(dynamics, landed_);
-  throw StepError(
-      end_not_projected(landed, info().name, start_.t, h).what() + (row.empty() ? "" : "; most of all " + row),
-      start_.t);
+  if (!near && fixed()) throw end_not_projected_by(dynamics, landed_, landed, info().name, start_.t, h);
+  return near;
 }
 
 ProjectReport AdaptiveStepper::project_end(Dynamics& dynamics, State& y) { return lockstep::project_end(dynamics, y); }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <lockstep/error.h>
+#include <lockstep/stepping.h>
 #include "framework/dynamics/solvers/stop_rule.h"
 #include "framework/mechanism/system/diagnose.h"
 
@@ -149,6 +150,12 @@ std::string most_violated(Dynamics& dynamics, const State& state) {
     if (size > most) most = size, worst = row;
   }
   return worst < 0 ? "" : fmt::format("{} by {:.2g} m", e.system().row_name(e.rows(), worst), most);
+}
+
+StepError end_not_projected_by(Dynamics& dynamics, const State& end, const ProjectReport& report,
+                               const std::string& method, double t, double h) {
+  const std::string row = most_violated(dynamics, end);
+  return StepError(end_not_projected(report, method, t, h).what() + (row.empty() ? "" : "; most of all " + row), t);
 }
 
 }  // namespace lockstep

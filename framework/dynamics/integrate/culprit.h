@@ -4,6 +4,7 @@
 #include <string>
 
 #include <lockstep/dynamics.h>
+#include <lockstep/error.h>
 
 namespace lockstep {
 
@@ -14,5 +15,9 @@ LOCKSTEP_API std::string who_varies(Dynamics&, const State&, double after, bool 
 
 /// The row that is violated most at this state, "row z of link 'H' by 1e-05 m"; "" where there are no rows.
 LOCKSTEP_API std::string most_violated(Dynamics&, const State&);
+
+/// end_not_projected() with that row, at the end of the step.
+StepError end_not_projected_by(Dynamics&, const State& end, const ProjectReport&, const std::string& method, double t,
+                               double h);
 
 }  // namespace lockstep

@@ -153,9 +153,8 @@ StepError end_not_projected(const ProjectReport& report, const std::string& meth
 
 ProjectReport project_end_or_throw(Dynamics& dynamics, State& y, const char* method, double t, double h, StagesOn on) {
   const ProjectReport report = project_end(dynamics, y, on);
-  if (report.converged) return report;
-  const std::string row = most_violated(dynamics, y);
-  throw StepError(end_not_projected(report, method, t, h).what() + (row.empty() ? "" : "; most of all " + row), t);
+  if (!report.converged) throw end_not_projected_by(dynamics, y, report, method, t, h);
+  return report;
 }
 
 double combined_error(double e5, double e3) {

@@ -341,10 +341,12 @@ LOCKSTEP_API std::string AssemblyReport::text() const {
 
 namespace {
 
+// Whether the start is the one nearest to what is asked.
+bool weighs(const AssemblyOptions& options) { return !options.coordinates.empty() || !options.poses.empty(); }
+
 void find_positions_from(Dynamics& dynamics, State& work, const AssemblyOptions& options, Assembler& assembler,
                          AssemblyReport& report, bool follows, bool short_steps) {
-  const bool weighs = !options.coordinates.empty() || !options.poses.empty();
-  const int rounds = weighs ? nearest_start(dynamics, work, options, follows) : 0;
+  const int rounds = weighs(options) ? nearest_start(dynamics, work, options, follows) : 0;
   assembler.positions(report, follows, short_steps);
   report.iterations += rounds;
 }
@@ -360,8 +362,7 @@ bool find_positions(Dynamics& dynamics, State& work, const AssemblyOptions& opti
   const bool begins = follows && (led || work.z == system.start().z);
   const VecX counted = begins ? counted_at(dynamics, work) : VecX();
   if (begins && !led) work.z = counted;
-  const bool weighs = !options.coordinates.empty() || !options.poses.empty();
-  report.before = weighs ? dynamics.violation(work) : assembler.distance();
+  report.before = weighs(options) ? dynamics.violation(work) : assembler.distance();
   const State given = work;
   try {
     find_positions_from(dynamics, work, options, assembler, report, follows, follows);

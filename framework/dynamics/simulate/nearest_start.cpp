@@ -84,7 +84,7 @@ class NearestStart {
         state_ = from;
         move(share, d);
         try {
-          if (follows_) linearise(), follow_turns(dynamics_, state_);
+          if (follows_) follow_turns(dynamics_, state_);
           restore(false);
         } catch (const AssemblyError&) {
           continue;

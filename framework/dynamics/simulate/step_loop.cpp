@@ -8,6 +8,7 @@
 #include <lockstep/error.h>
 #include "framework/dynamics/simulate/along_laws.h"
 #include "framework/dynamics/simulate/consistency.h"
+#include "framework/dynamics/simulate/damping.h"
 #include "framework/dynamics/simulate/detail_observer.h"
 #include "framework/dynamics/simulate/keep_state.h"
 #include "framework/dynamics/simulate/step_loop_parts.h"
@@ -273,7 +274,7 @@ void StepLoop::advance(double limit, double largest) {
   measure_turns(step.h);
   report_.rejected += step.rejected;
   if (step.manifold) ++report_.manifold_steps;
-  if (step.stiff) report_.stiff_since = std::min(report_.stiff_since, state_.t);
+  if (step.stiff && !(report_.stiff_since <= state_.t) && may_damp(dynamics_, state_)) report_.stiff_since = state_.t;
   if (!(step.violation_after <= report_.largest_violation)) report_.largest_violation = step.violation_after;
   phase_ = Phase::inside;
   conclude();

@@ -40,7 +40,7 @@ void set_pose(const JointTree& tree, const System& system, int k, State& y) {
 }
 
 // Largest numbers of a row: in the plane; along its normal; about axes in the plane; of its residual.
-struct Parts {
+struct RowParts {
   double in = 0, along = 0, about = 0, C = 0;
   bool lies_in() const { return in > kNone * std::max(along, about); }
   // Lever arms along the normal give moments about axes in the plane, which the tree carries; a tilted axis gives more.
@@ -48,8 +48,8 @@ struct Parts {
 };
 
 // Rows of the links of a table in some poses: link after link, row after row.
-std::vector<std::vector<Parts>> parts_of(const JointTree& tree, const System& system, RowTable& table) {
-  std::vector<std::vector<Parts>> out(table.entries.size());
+std::vector<std::vector<RowParts>> parts_of(const JointTree& tree, const System& system, RowTable& table) {
+  std::vector<std::vector<RowParts>> out(table.entries.size());
   const Vec3 normal = Vec3::Unit(tree.planar()->plane().n);
   std::vector<Motion> motions(static_cast<std::size_t>(system.n_slots() + 1));
   State y = system.start();
@@ -74,7 +74,7 @@ std::vector<std::vector<Parts>> parts_of(const JointTree& tree, const System& sy
           const std::array<double, 6> J = block.J(i, row);
           const Motion& own = motions[static_cast<std::size_t>(link->slots()[i] + 1)];
           const Vec3 f(J[0], J[1], J[2]), t = own.A * Vec3(J[3], J[4], J[5]) / system.length();
-          Parts& p = out[l][static_cast<std::size_t>(row)];
+          RowParts& p = out[l][static_cast<std::size_t>(row)];
           const double along = f.dot(normal), turn = t.dot(normal);
           p.in = std::max({p.in, (f - along * normal).norm(), std::abs(turn)});
           p.along = std::max(p.along, std::abs(along)), p.about = std::max(p.about, (t - turn * normal).norm());
@@ -94,7 +94,7 @@ bool leave_out_normal_rows(const JointTree& tree, const System& system, RowTable
   };
   if (std::ranges::any_of(table.entries, [&](const RowEntry& e) { return !link_of(e).stays_in_plane(plane); }))
     return false;
-  std::vector<std::vector<Parts>> parts;
+  std::vector<std::vector<RowParts>> parts;
   try {
     parts = parts_of(tree, system, table);
   } catch (const Error&) {  // a function that is not everywhere
@@ -104,7 +104,7 @@ bool leave_out_normal_rows(const JointTree& tree, const System& system, RowTable
   for (std::size_t l = 0; l < absent.size(); ++l) {
     const RowEntry& e = table.entries[l];
     for (int k = 0; k < e.m; ++k) {
-      const Parts& p = parts[l][static_cast<std::size_t>(e.own[static_cast<std::size_t>(k)])];
+      const RowParts& p = parts[l][static_cast<std::size_t>(e.own[static_cast<std::size_t>(k)])];
       if (p.lies_in() && p.is_tilted()) return false;
       if (p.lies_in()) continue;
       const bool is_met = p.C <= kMet * std::max(1.0, system.length()), is_normal = p.along > 0 || p.about > 0;

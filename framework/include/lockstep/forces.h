@@ -425,9 +425,10 @@ extern template class LOCKSTEP_API FormulaForce<TorsionSpringDamper>;
 ///     power       T g.(w_S - w_P) of the two bodies                          W; -dV/dt - D - law thd, markers at rest
 ///
 /// g is the gradient of th, so that the power balance also holds for axes that are not exactly common. The angle starts
-/// in (-pi, pi], or in the turn that a start or a drive asks for, and takes the branch nearest to where the last accepted one would be by now at the mean of the rates then
-/// and now (four numbers of State::z): a step may make several turns if that is right to half a turn. Where z_P = -z_S
-/// there is no angle and no torque; setup() refuses such a start. k may be negative, c must not be.
+/// in (-pi, pi], or in the turn that a start or a drive asks for, and takes the branch nearest to where the last accepted
+/// one would be by now at the mean of the rates then and now (four numbers of State::z): a step may make several turns if
+/// that is right to half a turn. Where z_P = -z_S there is no angle and no torque; setup() refuses such a start. k may be
+/// negative, c must not be.
 class LOCKSTEP_API TorsionSpringDamper final : public FormulaForce<TorsionSpringDamper>, public Remembering {
  public:
   /// Stiffness, damping, free angle, preload and actuator.

@@ -262,7 +262,8 @@ class LOCKSTEP_API SlideStop final : public PhiLock<StopAlong> {
 extern template class LOCKSTEP_API PhiLock<StopAbout>;
 
 /// One end of a turn about z of S; a unilateral link, by default without restitution. The angle is within half a turn
-/// of zero at the start, or in the turn that a start or a drive asks for, and runs on past full turns. Free: everything on one side of the limit.
+/// of zero at the start, or in the turn that a start or a drive asks for, and runs on past full turns. Free: everything on
+/// one side of the limit.
 class LOCKSTEP_API TurnStop final : public PhiLock<StopAbout> {
  public:
   /// Where the turn ends, rad.

@@ -77,6 +77,7 @@ class LOCKSTEP_API Simulation {
   SimulationOptions options_;
   Tolerance tolerance_;
   Recorder recorder_;
+  std::vector<std::string> recorded_;       // names of its channels
   std::unique_ptr<Integrator> integrator_;  // until the loop takes them
   std::unique_ptr<LinearSolver> solver_;
   std::unique_ptr<Dynamics> dynamics_;

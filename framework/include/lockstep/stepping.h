@@ -331,8 +331,8 @@ class LOCKSTEP_API SingularRate {
 // loop of hinges: a little off the constraints they are nearly dependent, and their multipliers grow without limit.
 // Where the indicator of the last stages says when the position will be reached, the steps are placed so that it falls
 // into the widest gap between the nodes of the method: round-off in the accelerations grows with a high power of the
-// nearness. A step whose late stage is ill-conditioned all the same,
-// or whose estimate is spoilt by such a stage, is shifted: a slightly different step ends elsewhere.
+// nearness. A step whose late stage is ill-conditioned all the same, or whose estimate is spoilt by such a stage, is
+// shifted: a slightly different step ends elsewhere.
 
 /// When stages are evaluated on the constraints (see StagesOn).
 enum class StagesWhen {

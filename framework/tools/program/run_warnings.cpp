@@ -12,8 +12,6 @@
 #include <lockstep/lock.h>
 #include <lockstep/step_loop.h>
 #include "framework/dynamics/simulate/along_laws.h"
-#include "framework/dynamics/simulate/start_turns.h"
-#include "framework/dynamics/solvers/graph.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/analysis/branch_point.h"
 #include "framework/tools/program/check_dependencies.h"
@@ -36,24 +34,6 @@ std::vector<std::string> negative_stiffness(const Scene& scene) {
       all.push_back(fmt::format("force '{}', stiffness: {} is negative: it pushes away from its free length or angle",
                                 *name->text(), plain_text(*k)));
   }
-  return all;
-}
-
-// Recorded angles of links that begin within half a turn, whatever turn the start brings them to: nothing counts theirs.
-std::vector<std::string> uncounted_angles(const Mechanism& m) {
-  std::vector<std::string> all;
-  const State& start = m.system.start();
-  if (!m.run.assemble || !has_loops(m.system, start.modes)) return all;  // open chains carry their joints along
-  if (!may_begin_beyond(m.system, start, m.assembly)) return all;
-  for (const ChannelRequest& request : m.run.record)
-    for (const auto& link : m.system.links())
-      for (int k = 0; k < 3; ++k) {
-        const std::string angle = link->name() + ".angle_" + "xyz"[k];
-        const bool asked = std::ranges::any_of(m.assembly.coordinates, [&](const CoordinateTarget& target) {
-          return target.link == link->name() && is_rotation(target.axis) && axis_index(target.axis) % 3 == k;
-        });
-        if (request.channel == angle && !asked && !known_turn(m.system, start, *link, k)) all.push_back(angle);
-      }
   return all;
 }
 
@@ -110,11 +90,7 @@ void warn_of_settings(const Scene& scene, const Mechanism& m, const Arguments& a
     if (e.event.at > run.until)
       say(fmt::format("event '{}': {:g} s lies beyond the end of the run at {:g} s, so it never comes", e.event.name,
                       e.event.at, run.until));
-  if (const std::vector<std::string> angles = uncounted_angles(m); !angles.empty())
-    say(fmt::format(
-        "the start may be beyond half a turn, and {} begin{} within half a turn of zero: nothing counts {} turns "
-        "before the run; give the link a stop (\"stops\") or a torsion spring, which do",
-        first_of(angles), angles.size() == 1 ? "s" : "", angles.size() == 1 ? "its" : "their"));
+  if (const std::string words = uncounted_angles(m); !words.empty()) say(words);
   const Value* settings = scene.root.find("run");
   const bool in_scene = args.integrator.empty() && settings != nullptr && settings->find("tolerance") != nullptr;
   if ((in_scene || !args.tolerance.empty()) && !sim.integrator().info().adaptive)

@@ -3,9 +3,11 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <lockstep/error.h>
+#include <lockstep/log.h>
 #include <lockstep/registry.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/simulate/start_turns.h"
+#include "framework/tools/record/start_of_angle.h"
 #include "framework/tools/simulation/checkpoint.h"
 
 namespace lockstep {
@@ -42,6 +44,7 @@ const Table& Simulation::record(std::vector<Request> requests) {
   if (loop_) throw ModelError("simulation: record() after the run began; ask for all columns before run_until()");
   for (Request& request : requests) {
     Channel channel = make_channel(system_, request.channel);
+    recorded_.push_back(std::move(request.channel));
     channel.name = std::move(request.name);
     recorder_.add(std::move(channel));
   }
@@ -61,6 +64,7 @@ void Simulation::begin() {
   loop.tolerance = tolerance_;
   loop_ = std::make_unique<StepLoop>(*dynamics_, std::move(integrator_), loop);
   loop_->add_observer(recorder_);
+  if (const std::string words = channels::uncounted(system_, {}, recorded_); !words.empty()) log_warning(words);
   start_from(system_.start());
 }
 

@@ -8,6 +8,7 @@
 #include "framework/dynamics/simulate/decided_rows.h"
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/tools/analysis/left_out_rows.h"
+#include "framework/tools/record/start_of_angle.h"
 
 namespace lockstep {
 namespace {
@@ -116,6 +117,12 @@ State decided_start(Dynamics& dynamics, Mechanism& m, NearRows* out) {
   }
   if (out != nullptr) *out = std::move(near);
   return start;
+}
+
+std::string uncounted_angles(const Mechanism& m) {
+  std::vector<std::string> names;
+  for (const ChannelRequest& request : m.run.record) names.push_back(request.channel);
+  return channels::uncounted(m.system, m.assembly, names);
 }
 
 std::vector<NearDependency> nearly_redundant_at(Dynamics& dynamics, Mechanism& m, const State& start) {

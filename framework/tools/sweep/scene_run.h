@@ -2,6 +2,7 @@
 #pragma once
 
 #include <lockstep/analysis.h>
+#include <lockstep/log.h>
 #include <lockstep/sweep.h>
 #include "framework/dynamics/simulate/start_turns.h"
 
@@ -28,13 +29,18 @@ LOCKSTEP_API State decided_start(Dynamics& dynamics, Mechanism& m, NearRows* nea
 /// Rows that nearly depend on others at an assembled start, where nothing is decided; none where that cannot be found out.
 LOCKSTEP_API std::vector<NearDependency> nearly_redundant_at(Dynamics& dynamics, Mechanism& m, const State& start);
 
-/// The same start, assembled unless the scene says otherwise; what counts turns begins where drives do.
+/// channels::uncounted() of what a scene records.
+LOCKSTEP_API std::string uncounted_angles(const Mechanism&);
+
+/// The same start, assembled unless the scene says otherwise; what counts turns begins where drives do. Logs the angles
+/// whose turns nothing counts.
 inline State assembled_start(Dynamics& dynamics, Mechanism& m) {
   State start = decided_start(dynamics, m);
   if (m.run.assemble)
     assemble(dynamics, start, m.start_speeds, m.assembly);
   else
     begin_turns(dynamics, start);
+  if (const std::string words = uncounted_angles(m); !words.empty()) log_warning(words);
   return start;
 }
 

@@ -1,0 +1,13 @@
+// Whether a mechanism has damped modes at all. Internal to the step loop.
+#pragma once
+
+#include <lockstep/dynamics.h>
+
+namespace lockstep {
+
+/// Whether anything may take energy out of motions at this state: Baumgarte's terms, a force that dissipates or supplies a
+/// power, or one that says nothing of its energy or throws where it is asked. Where nothing does, a mode that decays has one
+/// that grows as fast beside it, and no step is short for damped modes.
+bool may_damp(Dynamics&, const State&);
+
+}  // namespace lockstep
