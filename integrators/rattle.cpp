@@ -9,8 +9,8 @@
 #include <array>
 #include <cmath>
 
-#include <lockstep/stepping.h>
 #include <lockstep/error.h>
+#include <lockstep/stepping.h>
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
@@ -124,17 +124,20 @@ StepReport Rattle::step(Dynamics& dynamics, State& state, double h) {
   }
   copy_motion(state, now_);
   if (state.z.size() > 0) now_.z = next_.z = state.z;
-  for (int i = 0; i < scheme_.n; ++i) substep(dynamics, scheme_.part[static_cast<std::size_t>(i)] * h);
+  for (int i = 0; i < scheme_.n; ++i) {
+    const double part = scheme_.part[static_cast<std::size_t>(i)] * h;
+    substep(dynamics, part);
+    if (!quadratures) continue;
+    dynamics.rate(now_, rate1_);  // symmetric, of order 2, as the substep: what composes the motion composes works too
+    now_.s += 0.5 * part * (rate0_.s + rate1_.s);
+    rate0_.s.swap(rate1_.s);
+  }
   StepReport report;
   report.h = h;
   report.violation = report.violation_after = left_;
   factored_q_ = now_.q, factored_t_ = now_.t;
   now_.t = state.t + h;
   dynamics.normalize(now_);
-  if (quadratures) {
-    dynamics.rate(now_, rate1_);
-    now_.s += 0.5 * h * (rate0_.s + rate1_.s);
-  }
   copy_motion(now_, state);
   ready_ = true;
   return report;

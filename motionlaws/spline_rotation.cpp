@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <lockstep/laws.h>
+#include "framework/mechanism/params/orientation_told.h"
 #include "framework/mechanism/params/read.h"
 #include "motionlaws/built_in.h"
 
@@ -105,7 +106,7 @@ LawPtr<RotationLaw> SplineRotation::make(const Params& p) {
     if (point.list() == nullptr || point.list()->size() != 2)
       refuse(point.where, place, "must be [t, orientation], not " + shown(point));
     const double t = read_number((*point.list())[0], Unit::time, place);
-    points.emplace_back(t, read_orientation((*point.list())[1], place));
+    points.emplace_back(t, read_orientation_told((*point.list())[1], place));
   }
   return laws::spline_rotation(points, spline_settings(p));
 }

@@ -35,6 +35,10 @@ target_compile_options(lockstep_own INTERFACE
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)  # g++ 12 warns of its own std::string
 target_compile_definitions(lockstep_own INTERFACE BOOST_DLL_USE_STD_FS)  # Boost.DLL from headers alone
 
+# A matrix that finds no memory for its new size is empty. What clients compile is Eigen's own; the layout is the same.
+target_compile_definitions(lockstep_own INTERFACE EIGEN_MATRIX_PLUGIN="framework/foundation/support/matrix_resize.inc")
+target_include_directories(lockstep_own INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
+
 # g++ collects its garbage when its heap has doubled; with a larger one to begin with (in kB) templates compile by a tenth
 # faster.
 target_compile_options(lockstep_own INTERFACE $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=1000000>)

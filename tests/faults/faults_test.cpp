@@ -1,124 +1,19 @@
-// The system fails under the program: memory, writing, fsync, rename, and signals at any instant. It ends by a documented
-// exit code with a sentence, old results are never lost, and what was computed stays. LOCKSTEP_FAULTS=all takes every
-// request for memory in place of some.
-#include <algorithm>
+// The system fails under the program: writing, fsync, rename and kill -9. It ends by a documented exit code with a
+// sentence, old results are never lost, and what was computed is gone on with.
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <string>
-
-#include <unistd.h>
 #include <utility>
 #include <vector>
 
-#include <lockstep/recorder.h>
 #include "framework/tools/program/run_checkpoint.h"
-#include "tests/support/catch.h"
-#include "tests/support/paths.h"
-#include "tests/support/program.h"
+#include "tests/faults/failing.h"
 
 namespace faults_test {
 
-using namespace lockstep;
-using namespace lockstep::testing;
-namespace fs = std::filesystem;
-
-namespace {
-
-const std::string kFailing = std::string(paths::kBuild) + "/test_plugins/failing_calls.so";
-const std::string kFolder = kRunnerFolder + "/faults";
-const std::set<int> kDocumented = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 130};
-
-std::string arm_scene(const std::string& name, const std::string& run) {
-  fs::create_directories(kFolder);
-  const std::string path = kFolder + "/" + name + ".json";
-  std::ofstream(path) << R"({"lockstep": 1, "gravity": [0,-9.81,0],
-    "bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}}],
-    "links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0]}], "run": {)"
-                      << run << "}}\n";
-  return path;
-}
-const char* const kShort = R"("until": 0.05, "output": 0.01, "integrator": "rk4", "step": 0.01, "record": ["arm.x"])";
-
-std::string bytes_of(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-const std::string kCalls[] = {"malloc", "write", "fsync", "rename"};  // whose numbers counts_of() tells, in this order
-
-// The program with a call that fails: "malloc:17".
-Called with_failing(const std::string& call_of, const std::string& words) {
-  return call(words, "PATH=/nowhere LOCKSTEP_FAIL='" + call_of + "' LD_PRELOAD='" + kFailing + "'");
-}
-
-// Calls of each kind that these words make.
-std::vector<long> counts_of(const std::string& words) {
-  const std::string file = kFolder + "/counts-" + std::to_string(::getpid());  // other tests count at the same time
-  fs::remove(file);
-  const Called whole = call(words, "PATH=/nowhere LOCKSTEP_FAIL_COUNT='" + file + "' LD_PRELOAD='" + kFailing + "'");
-  INFO(whole.text);
-  REQUIRE(whole.exit == 0);
-  std::ifstream in(file);
-  std::vector<long> counts;
-  for (long n; in >> n;) counts.push_back(n);
-  REQUIRE(counts.size() == 4);
-  return counts;
-}
-
-// Whole rows only, each as long as the header.
-void check_rows(const std::string& file) {
-  const std::string text = bytes_of(file);
-  if (text.empty()) return;
-  INFO(file << ":\n" << text.substr(text.size() < 200 ? 0 : text.size() - 200));
-  const std::size_t end = text.find_last_of('\n');
-  if (end == std::string::npos) return;
-  const auto commas = [](const std::string& line) { return std::count(line.begin(), line.end(), ','); };
-  const auto whole = commas(text.substr(0, text.find('\n')));
-  std::size_t at = 0;
-  long torn = 0;
-  for (std::size_t next; (next = text.find('\n', at)) != std::string::npos; at = next + 1)
-    torn += commas(text.substr(at, next - at)) != whole ? 1 : 0;
-  CHECK(torn == 0);
-}
-
-}  // namespace
-
-TEST_CASE("a request for memory that fails ends by one sentence and exit code 10", "[faults]") {
-  const std::string scene = arm_scene("memory", kShort), old = kFolder + "/memory.csv";
-  const bool all = std::getenv("LOCKSTEP_FAULTS") != nullptr;
-  for (const std::string verb : {"run", "check", "sweep --jobs 1 --vary gravity.2=-9.81,-1.62"}) {
-    const std::string record = verb == "check" ? "" : " --record '" + old + "'";
-    const std::string words = verb + " '" + scene + "'" + record;
-    const long n = counts_of(words)[0];
-    CHECK(n > 100);
-    const std::string whole = bytes_of(old);
-    const auto is_whole = [&](const std::string& text) {  // a sweep's rows have their seconds of computing
-      const auto lines = [](const std::string& t) { return std::count(t.begin(), t.end(), '\n'); };
-      return verb == "run"
-                 ? text == whole
-                 : lines(text) == lines(whole) && text.substr(0, text.find('\n')) == whole.substr(0, whole.find('\n'));
-    };
-    // Some spread over the whole run, and some from each of its parts.
-    const long step = all ? 1 : std::max(1L, n / 40);
-    for (const std::string on : {"", "+"})
-      for (long k = 1; k <= n; k += step) {
-        std::ofstream(old) << "t,old\n0,1\n";
-        const Called r = with_failing("malloc:" + std::to_string(k) + on, words);
-        INFO(verb << ", malloc:" << k << on << " of " << n << ", exit code " << r.exit << ":\n" << r.text);
-        // In a sweep a run that needs the memory is a failed row of a table that is whole.
-        const bool failed_row =
-            r.exit == 1 && verb.starts_with("sweep") && contains(bytes_of(old), "failed: std::bad_alloc");
-        CHECK((r.exit == 10 || r.exit == 0 || failed_row));
-        if (r.exit == 10) CHECK(contains(r.text, "out of memory"));
-        // Once the new table is whole and in its place, only words and pictures are left to fail.
-        if (verb != "check" && r.exit == 10) CHECK((bytes_of(old) == "t,old\n0,1\n" || is_whole(bytes_of(old))));
-        fs::remove(old + ".partial");
-      }
-  }
-}
+using namespace failing;
 
 TEST_CASE("a disk that is full, cannot be synchronised or forbids the name costs no old result", "[faults]") {
   const std::string scene = arm_scene("disk", kShort), old = kFolder + "/disk.csv";
@@ -190,30 +85,6 @@ TEST_CASE("a sweep goes on in rows of its own columns only", "[faults]") {
   std::ofstream(table + ".partial", std::ios::trunc | std::ios::binary) << rows;
   CHECK(call(words + " --resume").exit == 0);
   CHECK(bytes_of(table).starts_with("run,"));
-}
-
-TEST_CASE("a run or sweep that a signal ends at any instant leaves whole rows and the old results", "[faults]") {
-  const std::string scene =
-      arm_scene("killed", R"("until": 1e6, "output": 0.01, "integrator": "rk4", "step": 0.01, "record": ["arm.x"])");
-  const std::string old = kFolder + "/killed.csv", partial = old + ".partial";
-  const std::string sweep = "sweep --jobs 2 --vary gravity.2=-9.81:-1:10000 --until 10";
-  const int rounds = std::getenv("LOCKSTEP_FAULTS") != nullptr ? 40 : 3;
-  for (const std::string& verb : {std::string("run --quiet"), sweep + " --quiet"})
-    for (const char* signal : {"KILL", "TERM", "HUP"})
-      for (int k = 0; k < rounds; ++k) {
-        std::ofstream(old) << "t,old\n0,1\n";
-        fs::remove(partial);
-        const std::string wait = std::to_string(0.02 + 0.17 * k + 0.013 * (k % 7));
-        const Called r = shell("lockstep " + verb + " '" + scene + "' --record '" + old + "' & sleep " + wait +
-                               "; kill -" + signal + " $!; wait $!");
-        INFO(verb << ", " << signal << " after " << wait << " s, exit code " << r.exit << ":\n" << r.text);
-        // Killed, or before the program had its handlers ready by the signal itself; else in good order.
-        const int number = signal == std::string("KILL") ? 9 : signal == std::string("TERM") ? 15 : 1;
-        CHECK((r.exit == 128 + number || (number != 9 && r.exit == 130)));
-        if (r.exit != 130) CHECK(bytes_of(old) == "t,old\n0,1\n");
-        check_rows(r.exit == 130 && !fs::exists(partial) ? old : partial);
-      }
-  fs::remove(partial);
 }
 
 TEST_CASE("a run that kill -9 ends at any instant goes on from its checkpoint to the same table", "[faults]") {
@@ -440,23 +311,6 @@ TEST_CASE("the page of a sweep that went on says which runs it has no curves of"
   CHECK(contains(bytes_of(page), fact));
   CHECK(contains(r.text, "without curves of the "));
   CHECK(fs::exists(kFolder + "/told/01.csv"));
-}
-
-TEST_CASE("every verb that prints says that a full standard output is full", "[faults]") {
-  const std::string scene = arm_scene("full", kShort);
-  const std::vector<std::string> all = {"check '" + scene + "'",
-                                        "check --json '" + scene + "'",
-                                        "list",
-                                        "schema",
-                                        "describe revolute",
-                                        "assemble '" + scene + "'",
-                                        "run '" + scene + "' --record '" + kFolder + "/full.csv'"};
-  for (const std::string& words : all) {
-    const Called r = shell("lockstep " + words + " > /dev/full");
-    INFO(words << ": " << r.exit << '\n' << r.text);
-    CHECK(r.exit == 8);
-    CHECK(contains(r.text, "standard output"));
-  }
 }
 
 }  // namespace faults_test

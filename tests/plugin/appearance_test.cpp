@@ -46,7 +46,7 @@ TEST_CASE("list and describe show what a plugin brings", "[plugin][appearance]")
     CHECK(contains(described.text, "what it does wrong"));
   }
   CHECK_FALSE(contains(call("list").text, "naughty"));
-  CHECK(call("describe naughty_law").exit == 2);
+  check_refused(call("describe naughty_law"), 2, {"describe: unknown name \"naughty_law\""});
   CHECK(contains(call("describe naughty_lau" + kNaughty).text, "did you mean \"naughty_law\""));
   const auto json = nlohmann::json::parse(call("list laws --json" + kNaughty).text);
   bool found = false;

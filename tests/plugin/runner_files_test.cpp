@@ -1,4 +1,6 @@
 // What the program writes and reads: tables, pictures, reports, and what becomes of them when a run fails.
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -75,8 +77,10 @@ TEST_CASE("run, report, sweep and chart write pages", "[runner]") {
   for (const char* axis : {"x", "y"}) CHECK(contains("," + header + ",", "," + std::string(grid[axis]) + ","));
   CHECK(contains(grid["x"], "gravity.1"));
 
-  CHECK(call("run '" + kFourBar + "' --until 0.1 --record bar.csv --report bar.csv").exit == 2);
-  CHECK(call("run '" + kFourBar + "' --until 0.1 --record bar.csv --report bar.png").exit == 2);
+  check_refused(call("run '" + kFourBar + "' --until 0.1 --record bar.csv --report bar.csv"), 2,
+                {"the report would replace 'bar.csv', another result; name it bar.html"});
+  check_refused(call("run '" + kFourBar + "' --until 0.1 --record bar.csv --report bar.png"), 2,
+                {"the report would replace 'bar.png'"});
   const std::string own = scene_file("own", kArm + R"("run": {"until": 0.1})");
   const Called over = call("run '" + own + "' --record bar.csv --report '" + own + "'");
   CHECK(over.exit == 2);
@@ -100,8 +104,9 @@ TEST_CASE("the page of a run marks links whose reactions are not unique", "[runn
 }
 
 TEST_CASE("a run that fails leaves a report of what it computed", "[runner]") {
-  const std::string page = kFolder + "/broken.html";
+  const std::string page = kFolder + "/broken.partial.html";
   fs::remove(page);
+  std::ofstream(kFolder + "/broken.html") << "an older one";
   const std::string few = scene_file(
       "few", kArm + R"("run": {"until": 1, "integrator": "rk4", "step": 0.01, "max_steps": 20, "output": 0.05})");
   const Called r = call("run '" + few + "' --record broken.csv --report broken.html");
@@ -111,6 +116,7 @@ TEST_CASE("a run that fails leaves a report of what it computed", "[runner]") {
   std::ifstream in(page);
   const std::string text((std::istreambuf_iterator<char>(in)), {});
   CHECK(contains(text, "the run ended at t = 0.2 s"));
+  CHECK(contents_of(kFolder + "/broken.html") == "an older one");
 }
 
 TEST_CASE("a number that is none stops the run, what was computed is kept", "[runner]") {
@@ -163,16 +169,52 @@ TEST_CASE("results replace neither what a scene is read from nor what another ru
   CHECK(contains(two.text, "second 8"));
 }
 
-TEST_CASE("an interrupted run ends after its step with everything written", "[runner]") {
+TEST_CASE("an interrupted run ends after its step, with its rows beside the old ones", "[runner]") {
   const std::string swing = scene_file("swing", kArm + R"("gravity": [0,-9.81,0], "links": [{)" + kHinge + R"(}],
     "run": {"integrator": "rk4", "step": 1e-3, "until": 1e6, "output": 1, "record": ["arm.x"]})");
+  std::ofstream(kFolder + "/swing.csv") << "t,old\n0,1\n";
   const Called r = call("run '" + swing + "' --record swing.csv", "timeout --foreground --preserve-status -s INT 3");
   INFO(r.text);
   CHECK(r.exit == 130);
   CHECK(contains(r.text, "interrupted at t = "));
+  CHECK(contains(r.text, "the rows up to there are in swing.csv.partial"));
   CHECK_FALSE(contains(r.text, "the caller"));
-  CHECK(read_csv(kFolder + "/swing.csv").n_rows() >= 1);
-  CHECK(call("run '" + swing + "' --record swing.csv", "timeout --foreground --preserve-status -s TERM 2").exit == 130);
+  CHECK(read_csv(kFolder + "/swing.csv.partial").n_rows() >= 1);
+  CHECK(contents_of(kFolder + "/swing.csv") == "t,old\n0,1\n");
+  check_refused(call("run '" + swing + "' --record swing.csv", "timeout --foreground --preserve-status -s TERM 2"), 130,
+                {"interrupted at t = "});
+}
+
+// sin 0.3 = 0.2955...: the row is the start itself.
+TEST_CASE("a run or sweep to its own start has one row", "[runner]") {
+  const std::string members =
+      kArm + R"("gravity": [0,-9.81,0], "links": [{)" + kHinge +
+      R"(, "start": {"position": {"rz": 0.3}}}], "run": {"until": 0, "output": 0.1, "record": ["arm.y"]})";
+  const std::string scene = scene_file("at_start", members);
+  const std::string never =
+      scene_file("never", kArm + R"("links": [{)" + kHinge + R"(}], "run": {"record": ["arm.y"]})");
+  for (const std::string& words :
+       {scene + "'", never + "' --until 0", never + "' --until 0s --integrator rk4 --step 1ms"}) {
+    fs::remove(kFolder + "/at_start.csv");
+    const Called r = call("run '" + words + " --record at_start.csv --report at_start.html --strict");
+    INFO(words << '\n' << r.text);
+    CHECK(r.exit == 0);
+    const Table table = read_csv(kFolder + "/at_start.csv");
+    CHECK(table.n_rows() == 1);
+    CHECK(table.last("t") == 0);
+    CHECK(table.last("arm.y") == Approx(words.starts_with(scene) ? 0.5 * std::sin(0.3) : 0.0).margin(1e-15));
+  }
+  for (const char* lanes : {"on", "off"}) {
+    const Called r = call("sweep '" + scene + "' --vary gravity.1=-1,-2,-3,-4 --record at_starts.csv" +
+                          (lanes == std::string("off") ? " --lanes off" : ""));
+    INFO(r.text);
+    CHECK(r.exit == 0);
+    const std::string rows = contents_of(kFolder + "/at_starts.csv");
+    CHECK(std::count(rows.begin(), rows.end(), '\n') == 5);
+    CHECK(contains(rows, "\n4,-4,0,"));  // to t = 0
+  }
+  check_refused(call("run '" + never + "'"), 3, {"does not say how long it runs"});
+  check_refused(call("run '" + never + "' --until -1s"), 2, {"--until: the value is -1s; it must be 0 or greater"});
 }
 
 TEST_CASE("an interrupted chart writes the runs that are done", "[runner]") {
@@ -223,6 +265,7 @@ TEST_CASE("a picture that fails hides neither summary nor table", "[runner]") {
   const Called torn = call("run '" + kFourBar + "' --record /dev/full");
   INFO(torn.text);
   CHECK(torn.exit == 8);
+  CHECK(contains(torn.text, "file '/dev/full' cannot be written: No space left on device"));
   CHECK(contains(torn.text, "energy balance"));
   CHECK(fs::is_character_file("/dev/full"));  // a device is written to, and never replaced
 }
@@ -339,7 +382,8 @@ TEST_CASE("a scene named from its own folder reads the files beside it", "[runne
 }
 
 TEST_CASE("what a full standard output swallows is told", "[runner]") {
-  CHECK(shell("lockstep check '" + kFourBar + "' --json > /dev/full").exit == 8);
+  check_refused(shell("lockstep check '" + kFourBar + "' --json > /dev/full"), 8,
+                {"standard output cannot be written; what was printed is not complete"});
 }
 
 }  // namespace runner_files_test

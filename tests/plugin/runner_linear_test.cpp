@@ -72,15 +72,16 @@ TEST_CASE("modes refuse what is no equilibrium, with the next move", "[runner][m
   CHECK(frozen.exit == 0);
   CHECK(contains(frozen.text, "frozen coefficients"));
   CHECK(call("modes '" + scene + "' --set gravity.0=9.81 --set gravity.1=0").exit == 0);
-  CHECK(call("modes '" + scene + "' --frozen --spin 1,2").exit == 2);
+  check_refused(call("modes '" + scene + "' --frozen --spin 1,2"), 2,
+                {"--spin: \"1,2\" is no vector; write three numbers"});
   for (const char* spin : {"nan,0,0", "0,inf,0"}) {
     const Called endless = call("modes '" + scene + "' --frozen --spin " + spin);
     INFO(endless.text);
     CHECK(endless.exit == 2);
     for (const char* word : {"--spin", spin, "not finite"}) CHECK(contains(endless.text, word));
   }
-  CHECK(call("modes '" + scene + "' --frozen --count none").exit == 2);
-  CHECK(call("modes '" + scene + "' --frozen --at yesterday").exit == 2);
+  check_refused(call("modes '" + scene + "' --frozen --count none"), 2, {"--count: \"none\" is no number of modes"});
+  check_refused(call("modes '" + scene + "' --frozen --at yesterday"), 2, {"--at: \"yesterday\" is not a time"});
 }
 
 TEST_CASE("modes refuse a slender rod that falls about a hinge beside it", "[runner][modes]") {
@@ -103,7 +104,7 @@ TEST_CASE("modes of a scene at an instant to which it is run", "[runner][modes]"
     "forces": [{"name": "spring", "type": "spring_damper", "p": "mass", "s": "ground", "at_p": [0,0,0], "at_s": [0,-1,0],
                 "stiffness": 200, "damping": 20, "free_length": 1}],
     "run": {"until": 1, "tolerance": 1e-10})");
-  CHECK(call("modes '" + scene + "'").exit == 3);
+  check_refused(call("modes '" + scene + "'"), 3, {"'mass' accelerates with", "--at"});
   const Called settled = call("modes '" + scene + "' --at 10 --json");
   INFO(settled.text);
   REQUIRE(settled.exit == 0);
@@ -141,7 +142,7 @@ TEST_CASE("linearize: a motor, a push and a drive of a pendulum", "[runner][line
   const Called unknown = call("linearize '" + scene + "' --inputs moter");
   CHECK(unknown.exit == 2);
   CHECK(contains(unknown.text, "did you mean \"motor\""));
-  CHECK(call("linearize '" + scene + "' --outputs bob.speed").exit == 3);
+  check_refused(call("linearize '" + scene + "' --outputs bob.speed"), 3, {"channel \"bob.speed\""});
   CHECK(contains(call("linearize '" + scene + "' --outputs energy.dissipated").text, "integrated state"));
 }
 

@@ -1,14 +1,19 @@
 // What laws, links, forces and integrators of a plugin do wrong while they are used reaches the host by name.
 #include <cmath>
+#include <exception>
+#include <functional>
+#include <memory>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <lockstep/assembly.h>
-#include <lockstep/registry.h>
-#include <lockstep/solvers.h>
 #include <lockstep/joints.h>
 #include <lockstep/loader.h>
+#include <lockstep/registry.h>
 #include <lockstep/scene.h>
+#include <lockstep/solvers.h>
 #include <lockstep/system.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
@@ -180,6 +185,50 @@ TEST_CASE("what a user's code threw is nested in the error", "[plugin][user_code
     CHECK_THROWS_AS(std::rethrow_if_nested(error), std::length_error);
   }
   CHECK(caught);
+}
+
+TEST_CASE("what code of a plugin throws has its name, whatever its class", "[plugin][user_code]") {
+  struct Wind final : Force {
+    std::function<void()> thrown;
+    explicit Wind(std::function<void()> what) : Force("F"), thrown(std::move(what)) { set_origin("weather"); }
+    std::string_view type() const override { return "wind"; }
+    std::vector<const Marker*> markers() const override { return {}; }
+    void setup() override {}
+    void apply(const Inputs&, WrenchSum&) const override { thrown(); }
+  };
+  struct Thrown {
+    std::function<void()> act;
+    Error::Kind arrives;
+    std::string says;
+  };
+  const Thing rod{.kind = "body", .name = "rod"};
+  const std::vector<Thrown> all{
+      {[] { throw 7; }, Error::Kind::user_code, " threw: an object of type int, which is not an exception"},
+      {[] { throw ModelError("calm"); }, Error::Kind::user_code, " threw: calm"},
+      {[] { throw StepError("calm", 0.0); }, Error::Kind::user_code, " threw: calm"},
+      {[&] { throw ModelError("calm", {.thing = rod, .t = 0}); }, Error::Kind::user_code, " threw: calm"},
+      {[] { throw NonFiniteError("calm"); }, Error::Kind::non_finite, ": calm"},
+      {[] { throw UserCodeError("calm"); }, Error::Kind::user_code, ": calm"},
+  };
+  for (const Thrown& thrown : all) {
+    System system;
+    system.add_body("rod", shapes::rod(1.0, {0, 0, 0}, {1, 0, 0}));
+    system.add(std::make_unique<Wind>(thrown.act));
+    Dynamics dynamics(system, std::make_unique<SparseSolver>());
+    const State start = system.start();
+    bool caught = false;
+    try {
+      dynamics.evaluate(start);
+    } catch (const Error& error) {
+      caught = true;
+      CHECK(error.what() == "t = 0 s: force 'F' (wind of plugin weather)" + thrown.says);
+      CHECK(error.kind() == thrown.arrives);
+      CHECK(error.thing.origin == "weather");
+      CHECK(error.t == 0);
+      CHECK(dynamic_cast<const std::nested_exception*>(&error) != nullptr);
+    }
+    CHECK(caught);
+  }
 }
 
 TEST_CASE("an error class of a plugin's own passes setup as it is, a plain one gets the name", "[plugin][user_code]") {

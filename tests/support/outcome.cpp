@@ -1,5 +1,6 @@
 #include "tests/support/outcome.h"
 
+#include <algorithm>
 #include <memory>
 
 #include <spdlog/fmt/fmt.h>
@@ -34,7 +35,7 @@ Outcome outcome_of(const std::string& text) {
     for (Event& event : events) loop.add_event(std::move(event));
     loop.set_state(std::move(start));
     try {
-      loop.run_until(m.run.until);
+      loop.run_until(std::max(m.run.until, 0.0));
     } catch (const Error& error) {
       out.error = error.what();
     }

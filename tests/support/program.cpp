@@ -38,6 +38,15 @@ Called call(const std::string& words, const std::string& before) {
   return shell(before + " '" + paths::kProgram + "' " + words);
 }
 
+void check_refused(const Called& called, int exit, const std::vector<std::string>& words) {
+  INFO(called.text);
+  CHECK(called.exit == exit);
+  for (const std::string& word : words) {
+    INFO(word);
+    CHECK(contains(called.text, word));
+  }
+}
+
 std::string scene_file(const std::string& name, const std::string& members) {
   fs::create_directories(kRunnerFolder);
   const std::string path = kRunnerFolder + "/" + name + ".json";

@@ -17,6 +17,8 @@ struct Called {
 Called call(const std::string& words, const std::string& before = {});
 /// A whole line of the shell, the program on its PATH.
 Called shell(const std::string& line);
+/// What was called ended by this exit code, and its text has these words.
+void check_refused(const Called& called, int exit, const std::vector<std::string>& words);
 
 /// Writes a scene of these members into the folder; its path.
 std::string scene_file(const std::string& name, const std::string& members);

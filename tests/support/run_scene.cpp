@@ -43,7 +43,7 @@ SceneRun run_with_registry(const Registry& registry, const std::string& path,
   simulation.set_state(start);
   simulation.add_observer(*recorder);
   for (Event& event : events) simulation.add_event(std::move(event));
-  result.report = simulation.run_until(run.until);
+  result.report = simulation.run_until(std::max(run.until, 0.0));
   result.work = dynamics.work();
   result.n_velocities = mechanism.system.n_velocities();
   result.table = recorder->table();

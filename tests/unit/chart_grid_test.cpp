@@ -39,7 +39,8 @@ GridSpec two_panels() {
 }  // namespace
 
 TEST_CASE("a grid is drawn with its legend, strip and remarks", "[unit][chart]") {
-  if (find_gnuplot().empty()) return;
+  INFO("gnuplot draws it, and tests/run installs that (Debian: gnuplot-nox)");
+  REQUIRE(!find_gnuplot().empty());
   const fs::path folder = fs::temp_directory_path() / ("lockstep_grid_test_" + std::to_string(getpid()));
   fs::create_directory(folder);
   write_grid((folder / "grid").string(), two_panels());
@@ -61,7 +62,8 @@ TEST_CASE("a grid is drawn with its legend, strip and remarks", "[unit][chart]")
 }
 
 TEST_CASE("curves that would go on end in rings, which the legend names", "[unit][chart]") {
-  if (find_gnuplot().empty()) return;
+  INFO("gnuplot draws it, and tests/run installs that (Debian: gnuplot-nox)");
+  REQUIRE(!find_gnuplot().empty());
   const fs::path folder = fs::temp_directory_path() / ("lockstep_rings_test_" + std::to_string(getpid()));
   fs::create_directory(folder);
   const auto drawn = [&](const GridSpec& grid) {
@@ -82,7 +84,8 @@ TEST_CASE("curves that would go on end in rings, which the legend names", "[unit
 
 // A circle is one where both scales are equal: its curve is as wide as it is high, in pixels.
 TEST_CASE("a path is drawn with equal scales where that is asked for", "[unit][chart]") {
-  if (find_gnuplot().empty()) return;
+  INFO("gnuplot draws it, and tests/run installs that (Debian: gnuplot-nox)");
+  REQUIRE(!find_gnuplot().empty());
   const fs::path folder = fs::temp_directory_path() / ("lockstep_path_test_" + std::to_string(getpid()));
   fs::create_directory(folder);
   PathSpec spec{"a circle", "x [m]", "y [m]"};

@@ -71,6 +71,7 @@ template <class F>
 bool cannot(F&& act) {
   if (drawn) return false;
   check_words(message_of<FileError>(act), {"apt-get install gnuplot-nox"});
+  WARN("skipped: gnuplot is not installed (tests/run installs it)");
   return true;
 }
 

@@ -16,7 +16,21 @@ using lockstep::test::says;
 
 namespace {
 
-enum class Fault { none, potential, dissipation, negative, stiffness, damping, markers, breakpoint, keeps, nan, turns };
+enum class Fault {
+  none,
+  potential,
+  dissipation,
+  negative,
+  supply,  // a power too much
+  motor,   // pushes along, and says nothing of it
+  stiffness,
+  damping,
+  markers,
+  breakpoint,
+  keeps,
+  nan,
+  turns
+};
 
 /// A spring of length zero and a damper between P and S: F = -k d - c dd + law(t) e_x on P, and -F on S at S.
 class Rubber final : public Force {
@@ -33,7 +47,7 @@ class Rubber final : public Force {
   void setup() override { P_ = MarkerFrame(p_), S_ = MarkerFrame(s_); }
   void apply(const Inputs& in, WrenchSum& out) const override {
     const MarkerInWorld P = in_world(P_, in), S = in_world(S_, in);
-    Vec3 F = -kK * (P.x - S.x) - kC * (P.v - S.v) + law(in.t);
+    Vec3 F = -kK * (P.x - S.x) - (fault_ == Fault::motor ? -kC : kC) * (P.v - S.v) + law(in.t);
     if (fault_ == Fault::keeps) F *= 1 + 1e-3 * ++n_calls_;
     if (fault_ == Fault::nan) F /= 0.0 * in.t;
     out.force(P_.slot, F, P.x);
@@ -55,9 +69,13 @@ class Rubber final : public Force {
   }
   double dissipation(const Inputs& in) const override {
     const double d2 = (in_world(P_, in).v - in_world(S_, in).v).squaredNorm();
+    if (fault_ == Fault::motor) return 0;
     return (fault_ == Fault::dissipation ? 0.5 : fault_ == Fault::negative ? -1 : 1) * kC * d2;
   }
-  double supply(const Inputs& in) const override { return law(in.t).dot(in_world(P_, in).v - in_world(S_, in).v); }
+  double supply(const Inputs& in) const override {
+    const Vec3 v = in_world(P_, in).v - in_world(S_, in).v;
+    return law(in.t).dot(v) + (fault_ == Fault::supply ? v.squaredNorm() : 0);
+  }
 
  private:
   static constexpr double kK = 40, kC = 3;
@@ -120,6 +138,13 @@ TEST_CASE("check_force names wrong energies", "[unit][check]") {
   CHECK(says(r, "its force at rest fits potential() and supply(), so that what goes with the velocities is wrong"));
   CHECK(says(r, "look at dissipation()"));
   CHECK(says(rubber(Fault::negative), "below zero"));
+
+  // A supply that is wrong is not blamed on the damper alone; a power put in is no loss.
+  for (const Fault fault : {Fault::supply, Fault::motor}) {
+    r = rubber(fault);
+    CAPTURE(r.text());
+    CHECK(says(r, "or at supply(): the power that laws and motors put in"));
+  }
 }
 
 TEST_CASE("check_force finds wrong energies of a formula, whose supply follows from it", "[unit][check]") {

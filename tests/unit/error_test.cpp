@@ -140,14 +140,25 @@ TEST_CASE("an Error of a plugin is its own in use and keeps its type where it re
         "no solution");
 }
 
-TEST_CASE("an Error of the library or the host keeps its words and notes its thing", "[unit][errors]") {
-  const auto noted = error_of<ModelError>({.thing = kHosts, .t = 1}, ModelError("no speed"));
+TEST_CASE("an Error of the host is named in front of its words, one of the library notes its thing alone",
+          "[unit][errors]") {
+  const auto noted = error_of<ModelError>({.thing = kOurs, .t = 1}, ModelError("no speed"));
   CHECK(std::string(noted.what()) == "no speed");
-  CHECK(noted.thing.words() == "force 'F'");
+  CHECK(noted.thing.words() == "link 'A'");
+  const auto named = error_of<ModelError>({.thing = kHosts, .t = 1}, ModelError("no speed"));
+  CHECK(std::string(named.what()) == "t = 1 s: force 'F' (wind): no speed");
+  CHECK(named.thing.words() == "force 'F'");
+  CHECK(named.t == 1);
+  const auto of_itself = error_of<ModelError>({.thing = kHosts, .t = 1}, ModelError("force 'F': no speed"));
+  CHECK(std::string(of_itself.what()) == "t = 1 s: force 'F': no speed");
   const auto about_another =
       error_of<ModelError>({.thing = kHosts}, ModelError("no mass", {.thing = {.kind = "body", .name = "rod"}}));
   CHECK(about_another.thing.name == "rod");
-  CHECK(message_of<NonFiniteError>([] { throw_in({.thing = kPlugins}, NonFiniteError("nan", 1)); }) == "nan");
+  CHECK(message_of<NonFiniteError>([] { throw_in({.thing = kPlugins}, NonFiniteError("nan", 1)); }) ==
+        "t = 1 s: force 'F' (wind of plugin weather): nan");
+  const NonFiniteError told("t = 1 s: body 'rod' is lost", {.thing = {.kind = "body", .name = "rod"}, .t = 1});
+  for (const Thing& whose : {kOurs, kHosts, kPlugins})
+    CHECK(message_of<NonFiniteError>([&] { throw_in({.thing = whose, .t = 2}, told); }) == told.what());
 }
 
 TEST_CASE("a law's label belongs to the pointer that was labelled", "[unit][errors]") {

@@ -213,7 +213,7 @@ TEST_CASE("columns of a CSV file, and errors with file and line", "[unit][motion
   write("t,y\n0,1\n1,nan\n");
   CHECK_THROWS_WITH(read_columns(path, "t", {"y"}), says(path + ":3"));
   write("t,y\n0,1\n1\n");
-  CHECK_THROWS_WITH(read_columns(path, "t", {"y"}), says(path + ":3: has 1 cells"));
+  CHECK_THROWS_WITH(read_columns(path, "t", {"y"}), says(path + ":3:2: has 1 cells"));
   write("t,y\n0,1\n2,1\n1,5\n");
   CHECK_THROWS_WITH(read_columns(path, "t", {"y"}), says(path + ":4") && says("time 1 does not come after 2"));
   write("t,y\n");
@@ -247,7 +247,7 @@ TEST_CASE("columns of a CSV file, and errors with file and line", "[unit][motion
   CHECK_THROWS_WITH(read_columns(path, "t", {"y"}), says(path + ":2: column 2, '1,234.5'"));
   write("t,y\n0,1\n0.2,0,02\n");
   CHECK_THROWS_WITH(read_columns(path, "t", {"y"}),
-                    says(path + ":3: has 3 cells, the first line has 2; if a comma is a decimal"));
+                    says(path + ":3:7: has 3 cells, the first line has 2; if a comma is a decimal"));
   write("t,y\n0,\"1,5\"\n");
   CHECK_THROWS_WITH(read_columns(path, "t", {"y"}), says(path + ":2") && says("'1,5'") && says("by semicolons"));
 

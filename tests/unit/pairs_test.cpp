@@ -57,7 +57,7 @@ const std::vector<Bad> kBad = {
     {R"(~{"name": "G", "type": "gear", "ratio": 2, "pairs": ["A", "A"]})",
      {"link 'G'", "pairs 1 and 2", "the same two markers"}},
     {R"({"name": "G", "type": "revolute", "pairs": ~["A", "B"]})", {"link 'G', pairs", "2 are given", "takes 1"}},
-    {R"(~{"name": "G", "type": "gear", "ratio": 2})", {"link 'G'", "missing key \"p\""}},
+    {R"(~{"name": "G", "type": "gear", "ratio": 2})", {"link 'G'", "missing key \"pairs\" of a coupling"}},
     {R"({"name": "G", "type": "gear", "ratio": 2, "pairs": ["A", "B"], "drive": ~{"axis": "rz", "law": 1}})",
      {"link 'G', drive", "type \"gear\" takes no drive"}},
     {R"({"name": "G", "type": "gear", "ratio": 2, "pairs": ["A", "B"], "start": {"velocity": {"rz": ~1}}})",

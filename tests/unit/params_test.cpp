@@ -288,8 +288,8 @@ TEST_CASE("axes", "[unit][model]") {
 TEST_CASE("orientations in all their forms", "[unit][model]") {
   const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ();
   const Mat3 quarter = matrix(y, -x, z);  // about z
-  CHECK(distance(turn_of("[1, 0, 0, 1]"), quarter) < 1e-15);
-  CHECK(distance(turn_of("[1e-200, 0, 0, 1e-200]"), quarter) < 1e-15);
+  CHECK(distance(turn_of("[0.70710678118654757, 0, 0, 0.70710678118654757]"), quarter) < 1e-15);
+  CHECK(distance(turn_of("[0.75, 0, 0, 0.75]"), quarter) < 1e-15);  // of length 1.06
   CHECK(distance(turn_of(R"({"axis": "z", "angle": "90 deg"})"), quarter) < 1e-15);
   CHECK(distance(turn_of(R"({"axis": [0, 0, 5], "angle": 1.5707963267948966})"), quarter) < 1e-15);
   CHECK(distance(turn_of(R"({"angles": [0, 0, "90 deg"], "sequence": "xyz"})"), quarter) < 1e-15);
@@ -306,6 +306,8 @@ TEST_CASE("orientations in all their forms", "[unit][model]") {
 
 TEST_CASE("orientations that cannot be are refused", "[unit][model]") {
   check_words(problem_of("turn", "[0, 0, 0, 0]"), {"a.json:1:10: body 'B', turn: ", "[0, 0, 0, 0]", "[1, 0, 0, 0]"});
+  check_words(problem_of("turn", "[1, 0, 0, 1]"), {"turn: ", "has length 1.41", "[0.707106781, 0, 0, 0.707106781]"});
+  check_words(problem_of("turn", "[1e-200, 0, 0, 1e-200]"), {"has length 1.41e-200", "[0.707106781, 0, 0, 0.7"});
   check_words(problem_of("turn", "[1, 0, 0]"), {"an orientation", "a list of 3"});
   check_words(problem_of("turn", "\"x\""), {"an orientation", "a text (\"x\")"});
   check_words(problem_of("turn", "{}"), {"an orientation", "an object"});

@@ -106,12 +106,14 @@ void loop_with(const StepLoopOptions& options) {
 TEST_CASE("a state of another size is refused by whoever takes one, not written past", "[unit][refusals]") {
   Driven driven;
   driven.system.setup();
-  const auto cut = GENERATE(0, 1, 2);
+  const auto cut = GENERATE(0, 1, 2, 3, 4);
   CAPTURE(cut);
   State wrong = driven.system.start();
   if (cut == 0) wrong.q.conservativeResize(3);
   if (cut == 1) wrong.v.conservativeResize(2);
   if (cut == 2) wrong = State{};
+  if (cut == 3) wrong.s.resize(0);
+  if (cut == 4) wrong.modes.clear();
   Dynamics dynamics = driven.dynamics(), joint = driven.dynamics(Formulation::joint);
   const std::vector<std::string> words{"a state of", "does not fit"};
   const auto refused = [&](const char* what, auto&& call) {
@@ -122,9 +124,14 @@ TEST_CASE("a state of another size is refused by whoever takes one, not written 
   refused("assemble", [&](State& s) { assemble(dynamics, s); });
   refused("project", [&](State& s) { dynamics.project(s); });
   refused("project_velocity", [&](State& s) { dynamics.project_velocity(s); });
-  if (cut < 2) refused("normalize", [&](State& s) { dynamics.normalize(s); });
-  if (cut == 0) refused("advance", [&](State& s) { dynamics.advance(s, 0.1, driven.system.start().v); });
-  if (cut < 2) refused("to_formulation", [&](State& s) { joint.to_formulation(s); });
+  refused("normalize", [&](State& s) { dynamics.normalize(s); });
+  refused("advance", [&](State& s) { dynamics.advance(s, 0.1, driven.system.start().v); });
+  refused("accept", [&](State& s) { dynamics.accept(s); });
+  refused("to_slots", [&](State& s) { dynamics.to_slots(s); });
+  refused("to_formulation", [&](State& s) { joint.to_formulation(s); });
+  refused("evaluate", [&](State& s) { dynamics.evaluate(s); });
+  refused("inputs", [&](State& s) { dynamics.inputs(s); });
+  refused("violation_of_closures", [&](State& s) { dynamics.violation_of_closures(s); });
   refused("set_state", [&](State& s) { StepLoop(dynamics, std::make_unique<Dopri5>()).set_state(s); });
   for (const char* name : {"dopri5", "dop853", "rk4", "radau5", "generalized_alpha", "semi_implicit_euler"}) {
     const std::unique_ptr<Integrator> method = make_integrator({name}, builtin_registry(), "test");
@@ -132,6 +139,50 @@ TEST_CASE("a state of another size is refused by whoever takes one, not written 
     method->begin(dynamics, driven.system.start());
     refused(name, [&](State& s) { method->step(dynamics, s, 1e-3); });
   }
+}
+
+TEST_CASE("passes over a system and poses of bodies refuse vectors and states of another size", "[unit][refusals]") {
+  const auto in = GENERATE(Formulation::omega, Formulation::joint);
+  Driven driven;
+  Body& door = driven.system.add_body("door", shapes::box(1, {1, 1, 1}));
+  driven.system.add<Revolute>("free", door, driven.system.ground(), Pose{});
+  Dynamics dynamics = driven.dynamics(in);
+  State right = driven.system.start();
+  dynamics.to_formulation(right);
+  REQUIRE((right.coordinates != nullptr) == (in == Formulation::joint));
+  State short_q = right, short_v = right;
+  short_q.q.conservativeResize(right.q.size() - 1);
+  short_v.v.conservativeResize(right.v.size() - 1);
+  const Inputs& inputs = dynamics.inputs(right);
+  std::vector<Motion> motions;
+  RowTable rows;
+  VecX none;
+  State no_memory = right;
+  no_memory.z = VecX::Zero(right.z.size() + 1);
+  const Solution& solution = dynamics.evaluate(right);
+  const std::vector<std::string> counted{"numbers where", "are needed", "System::start()"},
+      holds{"does not hold body 'door'", "System::start()"};
+  check_refusals({
+      {"motions, q", [&] { driven.system.motions(short_q, motions); }, counted},
+      {"motions, v", [&] { driven.system.motions(short_v, motions); }, counted},
+      {"rows", [&] { driven.system.lay_out({}, rows); }, counted},
+      {"forces", [&] { driven.system.gather_forces(inputs, none); }, counted},
+      {"sums of forces", [&] { driven.system.check_forces(inputs, none); }, counted},
+      {"rates", [&] { driven.system.state_rates(solution, none); }, counted},
+      {"memory", [&] { driven.system.accept(inputs, no_memory); }, counted},
+      {"a pose, q", [&] { body_pose(door, short_q); }, holds},
+      {"a pose, v", [&] { body_pose(door, short_v); }, holds},
+      {"a twist", [&] { body_twist(door, State{}); }, holds},
+      {"to set a twist",
+       [&] {
+         State s;
+         StateEditor(s).set_twist(door, {});
+       },
+       holds},
+  });
+  Dopri5 method;
+  method.begin(dynamics, right);
+  check_words(message_of<ModelError>([&] { method.first_step(dynamics, short_v, 1); }), {"does not fit"});
 }
 
 TEST_CASE("a run refuses settings and states that cannot be", "[unit][refusals]") {

@@ -107,7 +107,7 @@ TEST_CASE("laws inside laws are made, bare values are constants", "[unit][plugin
   CHECK(registry.translation_law(read_json("[1, 2, \"3 mm\"]", "a.json"))->at(0).x == Vec3(1, 2, 0.003));
   CHECK(registry.translation_law(read_json(R"({"type": "constant", "value": [1, 2, 3]})", "a.json"))->at(0).x ==
         Vec3(1, 2, 3));
-  CHECK(registry.rotation_law(read_json("[0, 2, 0, 0]", "a.json"))->at(0).q.x == 1);
+  CHECK(registry.rotation_law(read_json("[0, 1, 0, 0]", "a.json"))->at(0).q.x == 1);
 }
 
 TEST_CASE("a fault inside a law names the whole way to it", "[unit][plugin]") {

@@ -92,7 +92,7 @@ TEST_CASE("a unit of another dimension is refused by both names", "[unit][model]
               {"is a torque", "torsional stiffness", "N m/rad"});
   check_words(read_quantity("3 kg", Unit::force).problem, {"is a mass", "a force"});
   check_words(read_quantity("3 kg m", Unit::mass).problem, {"of another dimension", "a mass"});
-  check_words(read_quantity("3 J", Unit::length).problem, {"\"3 J\" is a torque", "a length is expected"});
+  check_words(read_quantity("3 J", Unit::length).problem, {"\"3 J\" is an energy", "a length is expected"});
   CHECK(read_quantity("3 J", Unit::torque).value == 3);
   // No two units of the table may be confused.
   for (int k = 1; k < static_cast<int>(Unit::any); ++k)

@@ -158,6 +158,11 @@ void Builder::link(const Value& object, const std::string& owner) {
       placed(object.where, [&] { return split(object, scene_table("link"), registry_.links, owner, registry_); });
   const Params& p = parts.common;
   const std::string name = claim(p, "link");
+  if (!p.has("pairs") && !p.has("p") && !p.has("s"))
+    refuse(
+        object.where, owner,
+        "missing key \"pairs\" of a coupling of joints, such as a gear, or \"p\" and \"s\", the two sides of any other "
+        "link");
   if (!p.has("pairs"))
     for (const char* key : {"p", "s"})
       if (!p.has(key))

@@ -8,6 +8,7 @@
 #include <span>
 
 #include <lockstep/error.h>
+#include <lockstep/log.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/definitions.h"
@@ -129,31 +130,49 @@ Value settled(const Value& include, const std::string& owner, Definitions& outer
   return v;
 }
 
-std::string path_of(const Params& p, const std::vector<std::string>& files) {
+// The path is judged by what it says: whether there is such a file is no matter until it may be read.
+std::string path_of(const Params& p, const SceneReading& reading) {
   namespace fs = std::filesystem;
   fs::path path = p.text("scene");
   const auto& from = p.value("scene").where.file;
   if (path.is_relative() && from) path = fs::path(*from).parent_path() / path;
+  if (reading.rule) reading.rule(p.value("scene"), path.string());
   std::error_code error;
   if (fs::exists(path, error) && !fs::is_regular_file(path, error))
     p.refuse("scene", "\"" + p.text("scene") + "\" is no file that holds a scene");
-  for (const std::string& file : files)
+  for (const std::string& file : reading.files)
     if (fs::equivalent(path, file, error)) p.refuse("scene", "\"" + p.text("scene") + "\" includes itself");
-  if (files.size() > kMostFiles)
+  if (reading.files.size() > kMostFiles)
     p.refuse("scene", "scenes are included deeper than " + std::to_string(kMostFiles) + " within one another");
   return path.lexically_normal().string();
 }
 
-Value read_included(const Params& p, Definitions& outer, const std::vector<std::string>& files, Formulas& formulas) {
+// Keys of an included scene that say how the whole moves, unless they say what is taken without them.
+void note_left_out(const Value& root, SceneReading& reading) {
+  const auto note = [&](const char* key, const Value& value, const std::string& words) {
+    reading.left_out.push_back({value.where, key, words});
+  };
+  if (const Value* g = root.find("gravity"))
+    if (const Vec3 v = read_vector3(*g, Unit::acceleration, "scene, gravity"); !v.isZero(0))
+      note("gravity", *g, "[" + text::brief(v[0]) + ", " + text::brief(v[1]) + ", " + text::brief(v[2]) + "] m/s^2");
+  for (const auto& [key, same] : {std::pair{"planar", "auto"}, {"merge", "off"}})
+    if (const Value* word = root.find(key); word != nullptr && word->text() != nullptr && *word->text() != same)
+      note(key, *word, "\"" + *word->text() + "\"");
+}
+
+Value read_included(const Params& p, Definitions& outer, SceneReading& reading, Formulas& formulas) {
   Scene inner;
-  inner.file = path_of(p, files);
+  inner.file = path_of(p, reading);
   inner.root = read_json_file(inner.file);
   if (inner.root.object() == nullptr) p.refuse("scene", "\"" + inner.file + "\" holds no object");
+  check_format(inner.root);
   rename_old_keys(inner.root);
   set_parameters(inner.root, p, outer, formulas);
-  std::vector<std::string> within = files;
-  within.push_back(inner.file);
-  resolve_formulas(inner, within);
+  reading.files.push_back(inner.file);
+  resolve_formulas(inner, reading);
+  reading.files.pop_back();
+  read_root(inner);
+  note_left_out(inner.root, reading);
   formulas.insert(formulas.end(), inner.formulas.begin(), inner.formulas.end());
   if (p.has("at") || p.has("orientation"))
     with_formulas(inner, [&] { move_scene(inner.root, {p.vector3("at"), p.orientation("orientation")}); });
@@ -203,7 +222,7 @@ void put_before(Value& own, Value brought) {
 
 }  // namespace
 
-void expand_includes(Value& root, const std::vector<std::string>& files, Formulas& formulas) {
+void expand_includes(Value& root, SceneReading& reading, Formulas& formulas) {
   const Value source = root;
   const Value& includes = *source.find("include");
   if (includes.list() == nullptr)
@@ -214,7 +233,7 @@ void expand_includes(Value& root, const std::vector<std::string>& files, Formula
     const Value& include = (*includes.list())[i];
     const std::string owner = item("include", i);
     const Params p = params_of(settled(include, owner, definitions, formulas), "include", owner, nullptr);
-    parts.push_back(read_included(p, definitions, files, formulas));
+    parts.push_back(read_included(p, definitions, reading, formulas));
     definitions.add(parts.back());  // formulas of those behind it read what it brings
   }
   Value brought(Value::Object{});
@@ -222,6 +241,15 @@ void expand_includes(Value& root, const std::vector<std::string>& files, Formula
     for (const char* key : kBrought) append(brought, part, key);
   root = root.without({"include"});
   put_before(root, std::move(brought));
+}
+
+void tell_left_out(const Value& root, const SceneReading& reading) {
+  std::set<std::string> told;  // a scene may be included several times
+  for (const LeftOutKey& out : reading.left_out)
+    if (root.find(out.key) == nullptr && told.insert(out.where.text()).second)
+      log_warning(out.where.text() + ": scene, " + out.key + ": " + out.value +
+                  " of an included scene is not taken; the scene that includes it gives none: give it \"" + out.key +
+                  "\" there");
 }
 
 }  // namespace lockstep

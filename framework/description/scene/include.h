@@ -6,14 +6,17 @@
 #include <vector>
 
 #include <lockstep/params.h>
+#include "framework/description/scene/reading.h"
 
 namespace lockstep {
 
 /// Replaces "include" of a scene by what the named scenes hold: their points, bodies, markers, links, forces and events
-/// come before the scene's own, with a prefix before their names, moved by the pose that is asked for; their run settings
-/// and gravity stay out. `files`: those that are being read, the scene's own last. The formulas of the included scenes
-/// are added to `formulas`, as in Scene. Throws SceneError, FileError.
-void expand_includes(Value& root, const std::vector<std::string>& files,
-                     std::vector<std::pair<Where, std::string>>& formulas);
+/// come before the scene's own, with a prefix before their names, moved by the pose that is asked for. All of them is
+/// checked as if each stood alone; their run settings, gravity, "planar" and "merge" stay out. The formulas of the
+/// included scenes are added to `formulas`, as in Scene. Throws SceneError, FileError, and what the rule throws.
+void expand_includes(Value& root, SceneReading&, std::vector<std::pair<Where, std::string>>& formulas);
+
+/// Warns of each key that the included scenes give, that changes how things move, and that the whole does not give.
+void tell_left_out(const Value& root, const SceneReading&);
 
 }  // namespace lockstep

@@ -264,7 +264,7 @@ SceneError told_with_formulas(const Scene& scene, const SceneError& error) {
   return SceneError(words, static_cast<const ErrorData&>(error));
 }
 
-void resolve_formulas(Scene& scene, const std::vector<std::string>& files) {
+void resolve_formulas(Scene& scene, SceneReading& reading) {
   Value& root = scene.root;
   const auto has = [&](const char* key) { return root.find(key) != nullptr; };
   if (!has("parameters") && !has("points") && !has("repeat") && !has("include") && !has("set") && !holds_formula(root))
@@ -278,7 +278,7 @@ void resolve_formulas(Scene& scene, const std::vector<std::string>& files) {
     return later;
   });
   set_by_path(root, of_definitions);
-  if (has("include")) expand_includes(root, files, scene.formulas);
+  if (has("include")) expand_includes(root, reading, scene.formulas);
   if (has("repeat")) expand_repeats(root);
   set_by_path(root, of_parts);
   const Value source = root;

@@ -172,7 +172,12 @@ void read_clock(const Params& p, RunSettings& run, Refusals& wrong) {
     if (p.has(key)) wrong.attempt([&] { to = positive(p, key, what); });
   };
   take("step", "step", run.step);
-  take("until", "end of the run", run.until);
+  wrong.attempt([&] {
+    if (!p.has("until")) return;
+    const double until = p.number("until");
+    if (!(until >= 0)) p.refuse("until", "the end of the run is " + text::number(until) + "; it must be 0 or greater");
+    run.until = until;
+  });
   take("output", "interval", run.output);
   wrong.attempt([&] { run.times = read_times(p); });
   if (p.has("max_steps")) run.max_steps = p.integer("max_steps");

@@ -5,9 +5,11 @@
 #include <lockstep/loader.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/builder.h"
+#include "framework/description/scene/include.h"
 #include "framework/description/scene/json.h"
 #include "framework/description/scene/old_names.h"
 #include "framework/description/scene/read.h"
+#include "framework/description/scene/reading.h"
 #include "framework/description/scene/resolve.h"
 #include "framework/description/scene/run_settings.h"
 #include "framework/mechanism/params/refusals.h"
@@ -16,16 +18,6 @@ namespace lockstep {
 namespace {
 
 constexpr int kFormat = 1;
-
-// What a newer format has besides is no matter then.
-void check_format(const Value& root) {
-  const Value* format = root.find("lockstep");
-  const double* version = format != nullptr ? format->number() : nullptr;
-  if (version != nullptr && *version != kFormat)
-    refuse(format->where, "scene, lockstep",
-           "version " + text::number(*version) + " of the format is unknown here; this program reads version " +
-               std::to_string(kFormat));
-}
 
 // A plugin is named; where it may come from is given outside of the scene.
 void check_plugin(std::string name, const Where& where) {
@@ -39,7 +31,7 @@ void check_plugin(std::string name, const Where& where) {
 }
 
 // All but its lists and "run".
-void read_root(Scene& scene) {
+void read_plain(Scene& scene) {
   const Params p = params_of(scene.root, "scene", "scene", nullptr);
   if (p.has("title")) scene.title = p.text("title");
   if (p.has("description")) scene.description = p.text("description");
@@ -53,7 +45,26 @@ void read_root(Scene& scene) {
 
 }  // namespace
 
-Scene scene_from(Value root, std::string file) {
+void check_format(const Value& root) {
+  const Value* format = root.find("lockstep");
+  const double* version = format != nullptr ? format->number() : nullptr;
+  if (version != nullptr && *version != kFormat)
+    refuse(format->where, "scene, lockstep",
+           "version " + text::number(*version) + " of the format is unknown here; this program reads version " +
+               std::to_string(kFormat));
+}
+
+void read_root(Scene& scene) {
+  Refusals wrong;
+  wrong.attempt([&] { read_plain(scene); });
+  const Value* run = scene.root.find("run");
+  wrong.attempt([&] { scene.run = with_formulas(scene, [&] { return read_run(run != nullptr ? *run : Value()); }); });
+  wrong.raise();
+}
+
+Scene scene_from(Value root, std::string file) { return scene_from(std::move(root), std::move(file), {}); }
+
+Scene scene_from(Value root, std::string file, const IncludeRule& rule, bool again) {
   Scene scene;
   scene.root = std::move(root);
   scene.file = std::move(file);
@@ -61,12 +72,10 @@ Scene scene_from(Value root, std::string file) {
     refuse(scene.root.where, "scene", "expected an object ({\"lockstep\": 1, ...}), got " + shown(scene.root));
   check_format(scene.root);
   rename_old_keys(scene.root);
-  resolve_formulas(scene, {scene.file});
-  Refusals wrong;
-  wrong.attempt([&] { read_root(scene); });
-  const Value* run = scene.root.find("run");
-  wrong.attempt([&] { scene.run = with_formulas(scene, [&] { return read_run(run != nullptr ? *run : Value()); }); });
-  wrong.raise();
+  SceneReading reading{{scene.file}, rule};
+  resolve_formulas(scene, reading);
+  read_root(scene);
+  if (!again) tell_left_out(scene.root, reading);
   return scene;
 }
 

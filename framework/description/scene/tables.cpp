@@ -378,7 +378,7 @@ std::vector<SceneTable> runs() {
          {"step", Form::number, Unit::time, kOptional, "fixed step, or the largest step of an adaptive integrator"},
          {"tolerance", Form::number, Unit::none, 1e-6,
           "relative tolerance of adaptive integrators; absolute: a hundredth of it, m"},
-         {"until", Form::number, Unit::time, kOptional, "end of the run"},
+         {"until", Form::number, Unit::time, kOptional, "end of the run; 0: its start alone, one row"},
          {"output", Form::number, Unit::time, kOptional, "interval of the recorded instants; default: every step"},
          {"times", Form::numbers, Unit::time, kOptional, "or these instants, rising"},
          {"energy_limit", Form::number, Unit::none, 1e-3,

@@ -4,12 +4,13 @@
 #include <cmath>
 #include <optional>
 
-#include "framework/mechanism/params/read.h"
-#include "framework/mechanism/params/units.h"
-#include "framework/description/scene/old_names.h"
-#include "framework/description/scene/place.h"
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/description/scene/old_names.h"
+#include "framework/description/scene/place.h"
+#include "framework/description/scene/reading.h"
+#include "framework/mechanism/params/read.h"
+#include "framework/mechanism/params/units.h"
 
 namespace lockstep {
 namespace {
@@ -322,7 +323,7 @@ namespace {
 
 // The scene with other values; meshes that were read stay.
 Scene with_values(const Scene& scene, Value root) {
-  Scene other = scene_from(std::move(root), scene.file);
+  Scene other = scene_from(std::move(root), scene.file, {}, true);
   other.meshes = scene.meshes;
   return other;
 }

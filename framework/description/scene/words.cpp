@@ -31,7 +31,7 @@ constexpr Word kForms[] = {
   "z"    "-y"    [1, 1, 0]
 )_"},
     {"orientation",
-     R"_(how axes lie in others, in one of five ways; a quaternion has its scalar first
+     R"_(how axes lie in others, in one of five ways; a quaternion has its scalar first and length 1
   [1, 0, 0, 0]
   {"axis": "z", "angle": "30 deg"}
   {"angles": ["10 deg", "20 deg", "30 deg"], "sequence": "zxz"}

@@ -162,6 +162,7 @@ double Dynamics::violation(const State& state) {
 
 // Where a number is not finite, all rows are gathered to name the culprit.
 double Dynamics::violation_of_closures(const State& state) {
+  check_state(system_, state);
   if (!state.coordinates) return violation(state);
   if (!state.coordinates->has_rows()) return 0;
   const double found = tree(state.modes).of(state).violation(system_, state);
@@ -223,8 +224,8 @@ double Dynamics::project_velocity(State& state) {
 }
 
 void Dynamics::accept(State& state) {
-  if (state.z.size() == 0) return;
-  system_.accept(inputs(state), state);
+  check_state(system_, state);
+  if (state.z.size() > 0) system_.accept(inputs_.at(system_, state), state);
 }
 
 void Dynamics::save(const State& state, Snapshot& out) {
@@ -253,7 +254,7 @@ Dynamics::Aside::Aside(Dynamics& dynamics) : dynamics_(dynamics), work_(dynamics
 }
 
 Dynamics::Aside::~Aside() {
-  dynamics_.factor_.put_back(learned_);
+  dynamics_.factor_.put_back(std::move(learned_));
   if (coordinates_ && dynamics_.tree_->coordinates == coordinates_) dynamics_.tree_->closures().restore(closures_);
   dynamics_.work_ = work_;
 }

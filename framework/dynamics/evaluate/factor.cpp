@@ -79,16 +79,24 @@ void Factor::keep(Learned& out) const {
   if (layout_) factorization_->save(out.numbers);
 }
 
-// Where matrices of other links were factored in between, the next one is laid out anew.
-void Factor::put_back(const Learned& in) {
-  if (rested_.layout) rested_ = in;
+// Where matrices of other links were factored in between, the next one is laid out anew. Where no memory is left, it is
+// too, and takes up what was learned then.
+void Factor::put_back(Learned in) noexcept {
+  if (rested_.layout) {
+    layout_ = nullptr, rested_ = std::move(in);
+    return;
+  }
   if (!layout_) return;
   if (!in.layout || (in.layout != layout_ && *in.layout != *layout_)) {
     layout_ = nullptr;
     return;
   }
   in.numbers.rewind();
-  factorization_->restore(in.numbers);
+  try {
+    factorization_->restore(in.numbers);
+  } catch (const std::exception&) {
+    layout_ = nullptr, rested_ = std::move(in);
+  }
 }
 
 SolveReport Factor::solve(const Evaluation& e, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
@@ -129,7 +137,7 @@ void Factor::check(const Evaluation& e, const VecX& a, const VecX& lambda, const
     throw NonFiniteError(when() + "the accelerations are not finite although every row and force is; solver '" +
                              std::string(solver_->name()) +
                              "' failed on this pose (try `dense`), or the motion has blown up: " + kShorterStep,
-                         t);
+                         {.thing = {.kind = "mechanism"}, .t = t});
   }
   if (!report.contradictory) return;
   VecX C, Cd;

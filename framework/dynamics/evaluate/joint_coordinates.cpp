@@ -118,6 +118,7 @@ void Dynamics::joint_reactions(Tree& t, const Inputs& in) {
 std::string Dynamics::why_not_joint(const std::vector<bool>& modes) { return tree(modes).why_not; }
 
 const Lock* Dynamics::miscounts(const State& from, const State& to, double most) {
+  system_.check_size(from), system_.check_size(to);
   if (!from.coordinates || from.coordinates != to.coordinates) return nullptr;
   const int link = tree(from.modes).of(from).coordinates->miscounts(from, to, most);
   return link < 0 ? nullptr : system_.links()[static_cast<std::size_t>(link)].get();
@@ -142,8 +143,8 @@ bool Dynamics::has_current_coordinates(const State& state) {
 }
 
 void to_slot_coordinates(const System& system, State& state) {
-  if (!state.coordinates) return;
   system.check_size(state);
+  if (!state.coordinates) return;
   std::vector<Motion> motions;
   system.motions(state, motions);
   // Made beside: where memory ends, Eigen's resize leaves a vector that points to what it has freed.
@@ -175,6 +176,7 @@ SolveReport Dynamics::rates_with_report(const State& state, StateRate& out) {
 
 void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* report) {
   Tree& t = tree(state.modes).of(state);
+  system_.check_size(state);
   t.recursion->outward(*t.coordinates, state, t.motions);
   const Inputs in = t.inputs(state);
   const bool driven = t.coordinates->n_v() == 0;
@@ -215,7 +217,7 @@ void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* repo
   throw NonFiniteError("t = " + text::number(state.t) +
                            " s: the accelerations are not finite although every force is; the motion has blown up: "
                            "take a smaller step (--step) or tolerance",
-                       state.t);
+                       {.thing = {.kind = "mechanism"}, .t = state.t});
 }
 
 // With closures. Where their rows cannot be met, and not for redundant ones off the constraints alone, omega answers, and
@@ -251,11 +253,16 @@ const Solution* Dynamics::joint_accelerations(Tree& t, const State& state, const
 }
 
 void Dynamics::read_rates(const State& state, const StateRate& slots, StateRate& out) {
+  check_state(system_, state);
   if (!state.coordinates) {
     out = slots;
     return;
   }
   Tree& t = tree(state.modes).of(state);
+  if (slots.v.size() != 6 * system_.n_slots() || slots.s.size() != state.s.size())
+    throw ModelError("Dynamics::read_rates: rates of " + std::to_string(slots.v.size()) + " velocities and " +
+                     std::to_string(slots.s.size()) + " own states where " + std::to_string(6 * system_.n_slots()) +
+                     " (6 per slot) and " + std::to_string(state.s.size()) + " are needed; take those of rate()");
   t.recursion->outward(*t.coordinates, state, t.motions);
   t.recursion->read_off(*t.coordinates, t.motions, slots.v, out.v);
   t.coordinates->kinematic_rate(state, out.q);

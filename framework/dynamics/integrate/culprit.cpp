@@ -8,6 +8,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/stepping.h>
+#include <lockstep/text.h>
 #include "framework/dynamics/solvers/stop_rule.h"
 #include "framework/mechanism/system/diagnose.h"
 
@@ -16,7 +17,7 @@ namespace lockstep {
 namespace {
 
 constexpr double kContradict = 1e-6;  // residual of a row that cannot hold together with others
-constexpr double kNotable = 1e-2;  // relative change
+constexpr double kNotable = 1e-2;     // relative change
 
 // What links and forces say at one state.
 struct Said {
@@ -109,6 +110,35 @@ std::string in_words(Dynamics& dynamics, const State& state, const Said& from, c
   return words;
 }
 
+// Links in force whose rows move with the time, Ct beyond rounding: by a law of theirs, or of a marker.
+std::vector<std::string> moved_by_laws(Dynamics& dynamics, const State& state) {
+  constexpr double kMoves = 1e-9;  // m/s
+  State at = state;
+  dynamics.to_slots(at);
+  at.v.setZero();
+  const Evaluation& e = dynamics.gather(at);
+  VecX C, Cd;
+  e.residuals(C, Cd);
+  std::vector<std::string> names;
+  for (const RowEntry& entry : e.rows().entries)
+    if (Cd.segment(entry.first_row, entry.m).cwiseAbs().maxCoeff() > kMoves)
+      names.push_back("'" + dynamics.system().links()[static_cast<std::size_t>(entry.link)]->name() + "'");
+  return names;
+}
+
+// What makes rows contradict each other, by how many of them laws move.
+std::string why_contradict(const std::vector<std::string>& moved, const std::string& stops) {
+  constexpr std::size_t kNamed = 4;
+  std::vector<std::string> names = moved;
+  if (names.size() > kNamed) names.resize(kNamed), names.push_back("others");
+  if (moved.size() > 1)
+    return fmt::format("two laws may part{}, or the mechanism is locked (laws move {})", stops, text::join(names));
+  return (moved.empty() ? std::string("the mechanism is locked")
+                        : fmt::format("the law that moves {} leads into a dead centre, or the mechanism is locked",
+                                      moved.front())) +
+         (stops.empty() ? "" : "," + stops);
+}
+
 }  // namespace
 
 std::string who_varies(Dynamics& dynamics, const State& state, double after, bool rows) {
@@ -117,11 +147,9 @@ std::string who_varies(Dynamics& dynamics, const State& state, double after, boo
     const Solution& now = dynamics.evaluate(state);
     if (const SolveReport report = now.full_report();
         report.worst_row >= 0 && report.residual > std::max(kContradict, kLeftPerViolation * off))
-      return fmt::format(
-          "{} cannot hold together with the others there ({:.2g} % of its right side is left over): two laws "
-          "may part{}, or the mechanism is locked",
-          dynamics.system().row_name(now.rows, report.worst_row), 100 * report.residual,
-          or_against_stops(dynamics.system(), now.rows));
+      return fmt::format("{} cannot hold together with the others there ({:.2g} % of its right side is left over): {}",
+                         dynamics.system().row_name(now.rows, report.worst_row), 100 * report.residual,
+                         why_contradict(moved_by_laws(dynamics, state), or_against_stops(dynamics.system(), now.rows)));
     const Said from = listen(dynamics, state);
     State then = state;
     StateRate rate;
@@ -130,7 +158,10 @@ std::string who_varies(Dynamics& dynamics, const State& state, double after, boo
     then.s += after * rate.s;
     then.t += after;
     dynamics.normalize(then);
-    return in_words(dynamics, state, from, listen(dynamics, then), after, rows);
+    std::string words = in_words(dynamics, state, from, listen(dynamics, then), after, rows);
+    if (const std::vector<std::string> moved = moved_by_laws(dynamics, state); moved.size() == 1 && !words.empty())
+      words += "; a law moves " + moved.front();
+    return words;
   } catch (const Error& error) {
     return fmt::format("within {:.2g} s from there: {}", after, error.what());
   }

@@ -1,5 +1,9 @@
 #include <lockstep/integrator.h>
 
+#include <typeinfo>
+
+#include "framework/foundation/support/thrown.h"
+
 namespace lockstep {
 
 Integrator::~Integrator() = default;
@@ -19,7 +23,10 @@ void Integrator::restore(const Snapshot&) {}
 bool Integrator::saves_all() const { return true; }
 
 ErrorContext context_of(const Integrator& method, double t) {
-  ErrorContext context{.thing = {.kind = "integrator", .name = "?", .origin = method.origin()}, .t = t, .refuses = true};
+  const bool ours = method.origin().empty() && is_of_lockstep(typeid(method));  // made in C++
+  ErrorContext context{.thing = {.kind = "integrator", .name = "?", .origin = ours ? "built in" : method.origin()},
+                       .t = t,
+                       .refuses = true};
   try {
     context.thing.name = method.info().name;
   } catch (...) {  // info() is user code, too; the name stays "?"

@@ -168,6 +168,7 @@ bool end_is_near(const Dynamics& dynamics, const ProjectReport& end, bool fixed)
 
 double guess_first_step(Dynamics& dynamics, const State& y0, int order, double largest, ErrorNorm& norm, StateRate& f0,
                         StateRate& f1, State& y1) {
+  dynamics.system().check_size(y0);
   const double length = dynamics.system().length();
   norm.scale(y0, length);
   dynamics.rates(y0, f0);

@@ -60,6 +60,7 @@ class LOCKSTEP_API Clock {
 
   // -- outputs
   double next_output() const { return output_time(next_output_); }  ///< infinity: none left
+  double output_ahead(long n) const { return output_time(next_output_ + n); }  ///< the n-th after the next
   void pass_output() { ++next_output_; }
   /// Whether the state at t is output: every step when no times were requested; else at the requested times, and at the
   /// start of the run unless they are a list. Passes the time.

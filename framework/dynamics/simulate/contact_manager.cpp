@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include <lockstep/error.h>
 #include "framework/dynamics/simulate/contact_manager.h"
@@ -16,10 +17,8 @@
 namespace lockstep {
 namespace {
 
-constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr int kParts = 6;           // into which a step that may hide a hit is divided
 constexpr int kHalvings = 40;       // to find the flight between two hits in one step
-constexpr double kNear = 0.25;      // of what a gap may close in a step: smaller gaps are sampled inside the step
+constexpr double kNear = 1;         // of what a gap may close in a step: smaller gaps are looked at inside the step
 constexpr double kShortest = 1e-9;  // of a step: the earliest cut, so that time advances
 constexpr double kPull = 1e-9;      // relative to the largest force: what counts as a pull
 
@@ -39,9 +38,9 @@ void ContactManager::lay_out() {
   contacts_.lay_out(dynamics_.system(), dynamics_.options().stabilization);
   const std::size_t n = contacts_.size();
   released_.clear(), contact_time_ = kNever;
-  for (std::vector<Gap>* v : {&samples_, &hits_}) v->reserve(n * (kParts + 1));
-  touching_.reserve(n), active_.reserve(n), aim_.reserve(n), released_.reserve(n);
-  sample_times_.reserve(kParts + 1);
+  samples_.reserve(n * (StepSearch::kLeast + 1)), hits_.reserve(n);
+  touching_.reserve(n), active_.reserve(n), aim_.reserve(n), released_.reserve(n), armed_.reserve(n);
+  sample_times_.reserve(StepSearch::kLeast + 1);
 }
 
 void ContactManager::save(Snapshot& out) const {
@@ -174,39 +173,90 @@ double ContactManager::hit_between(std::size_t i, double ta, const Gap& a, doubl
   return lowest <= floor ? fall(ta, a.c, t, lowest, floor) : kNever;
 }
 
-// Samples the gaps at the end of the step, and inside it where one of them is small; returns the first hit.
-double ContactManager::locate_hit(const State& end) {
-  const std::size_t n = contacts_.size();
-  const double t0 = interval_.from().t, t1 = end.t;
-  std::vector<double>& times = sample_times_;
-  const auto sample = [&](const State& state) {
-    times.push_back(state.t);
+// The gaps at the beginning of the step, at instants inside it and at its end.
+void ContactManager::sample(const State& end, const std::vector<double>& inside) {
+  const auto add = [&](const State& state) {
+    sample_times_.push_back(state.t);
     const Inputs& in = dynamics_.inputs(state);
-    for (std::size_t i = 0; i < n; ++i) samples_.push_back(free(i, end) ? contacts_.gap(i, in) : Gap{});
+    for (std::size_t i = 0; i < contacts_.size(); ++i) samples_.push_back(free(i, end) ? contacts_.gap(i, in) : Gap{});
   };
-  times.assign(1, t0);
-  samples_.clear();
-  for (std::size_t i = 0; i < n; ++i) samples_.push_back(contacts_[i].gap);
-  sample(end);
-  bool near = false;
-  for (std::size_t i = 0; i < n; ++i) near = near || (free(i, end) && nears(i, samples_[i], samples_[n + i], t1 - t0));
-  if (near && interval_.has_dense()) {
-    times.pop_back(), samples_.resize(n);
-    for (int k = 1; k < kParts; ++k) sample(interval_.at(t0 + (t1 - t0) * k / kParts));
-    sample(end);
+  sample_times_.assign(1, interval_.from().t), samples_.clear();
+  for (std::size_t i = 0; i < contacts_.size(); ++i) samples_.push_back(contacts_[i].gap);
+  for (const double t : inside) add(search_.look(t));
+  add(end);
+}
+
+// Whether the step may hide a hit from what is known at its ends, which was sampled.
+bool ContactManager::must_look_inside(const State& end) {
+  if (!interval_.has_dense()) return false;
+  const std::size_t n = contacts_.size();
+  search_.begin(end);
+  bool near = search_.turn_parts() > 1 || search_.along();
+  for (std::size_t i = 0; i < n && !near; ++i)
+    near = free(i, end) && nears(i, samples_[i], samples_[n + i], end.t - interval_.from().t);
+  if (!near || !search_.many()) return near;
+  sample(end, search_.scales());
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!free(i, end)) continue;
+    double low = kNever, high = -kNever;
+    for (std::size_t k = i; k < samples_.size(); k += n)
+      low = std::min(low, samples_[k].c - contacts_[i].floor),
+      high = std::max(high, samples_[k].c - contacts_[i].floor);
+    if (!is_far(low, high - low)) return true;
   }
-  for (std::size_t part = 1; part < times.size(); ++part) {
+  sample(end, {});
+  return false;
+}
+
+// The first hit between two of the samples.
+double ContactManager::first_hit(const State& end) {
+  const std::size_t n = contacts_.size();
+  for (std::size_t part = 1; part < sample_times_.size(); ++part) {
     double first = kNever;
     for (std::size_t i = 0; i < n; ++i) {
       if (!free(i, end)) continue;
       const Gap a = samples_[(part - 1) * n + i], b = samples_[part * n + i];
-      first = std::min(first, hit_between(i, times[part - 1], a, times[part], b));
+      first = std::min(first, hit_between(i, sample_times_[part - 1], a, sample_times_[part], b));
     }
     if (std::isfinite(first)) return first;
     for (std::size_t i = 0; i < n; ++i)
       if (free(i, end)) contacts_[i].see(samples_[part * n + i]);
   }
   return kNever;
+}
+
+// Samples the gaps at the end of the step, and inside it where one of them may be hit there; returns the first hit.
+double ContactManager::locate_hit(const State& end) {
+  armed_.clear();
+  bool any_free = false;
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    armed_.emplace_back(contacts_[i].clear, contacts_[i].floor);
+    any_free = any_free || free(i, end);
+  }
+  if (!any_free) return kNever;
+  sample(end, {});
+  if (must_look_inside(end)) sample(end, search_.even());
+  const double first = first_hit(end);
+  return std::min(first, hit_at_output(end, first));
+}
+
+// A hit that an output shows before `before`: no row lies beyond a contact that is not made.
+double ContactManager::hit_at_output(const State& end, double before) {
+  const std::vector<double>& outputs = search_.outputs_before(std::min(before, end.t));
+  if (outputs.empty()) return kNever;
+  double beyond = kNever;
+  const Dynamics::Aside aside(dynamics_);
+  for (std::size_t k = 0; k < outputs.size() && beyond == kNever; ++k) {
+    const Inputs& in = dynamics_.inputs(search_.look(outputs[k]));
+    for (std::size_t i = 0; i < contacts_.size(); ++i)
+      if (free(i, end) && contacts_.gap(i, in).c < armed_[i].second - contacts_[i].margin) beyond = outputs[k];
+  }
+  if (beyond == kNever) return kNever;
+  for (std::size_t i = 0; i < contacts_.size(); ++i) std::tie(contacts_[i].clear, contacts_[i].floor) = armed_[i];
+  instants_.assign(sample_times_.begin() + 1, sample_times_.end() - 1);
+  instants_.insert(std::lower_bound(instants_.begin(), instants_.end(), beyond), beyond);
+  sample(end, instants_);
+  return first_hit(end);
 }
 
 double ContactManager::locate_release(std::size_t i, double t1) {

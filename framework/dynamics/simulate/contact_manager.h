@@ -4,18 +4,19 @@
 
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "framework/dynamics/simulate/contacts.h"
-#include "framework/dynamics/simulate/step_interval.h"
+#include "framework/dynamics/simulate/step_search.h"
 
 namespace lockstep {
 
 class ContactManager {
  public:
   /// `limit`: m, how deep on its forbidden side a link may start.
-  ContactManager(Dynamics& dynamics, StepInterval& interval, const double& limit)
-      : dynamics_(dynamics), interval_(interval), limit_(limit) {}
+  ContactManager(Dynamics& dynamics, StepInterval& interval, const Clock& clock, const double& limit)
+      : dynamics_(dynamics), interval_(interval), search_(dynamics, interval, clock), limit_(limit) {}
 
   /// Starts a new run; throws AssemblyError for a link that starts on its forbidden side.
   void start(const State&);
@@ -58,6 +59,10 @@ class ContactManager {
   double hit_between(std::size_t contact, double ta, const Gap& a, double tb, const Gap& b);
   double lowest_between(std::size_t contact, double ta, const Gap& a, double tb, const Gap& b, double& c);
   double locate_hit(const State& end);
+  void sample(const State& end, const std::vector<double>& inside);
+  bool must_look_inside(const State& end);
+  double first_hit(const State& end);
+  double hit_at_output(const State& end, double before);
   double locate_releases(const State& end, double before);
   const Solution& evaluate_pushes(const State&);
   double locate_release(std::size_t contact, double t1);
@@ -72,12 +77,15 @@ class ContactManager {
 
   Dynamics& dynamics_;
   StepInterval& interval_;
+  StepSearch search_;
   const double& limit_;
   Contacts contacts_;
   double contact_time_ = std::numeric_limits<double>::infinity();  // where the present step meets a contact
   std::vector<std::size_t> released_;                              // the links that pull there
   std::vector<Gap> samples_;                                       // of all contacts, instant by instant
   std::vector<double> sample_times_;
+  std::vector<double> instants_;                // the look inside, with an output
+  std::vector<std::pair<bool, double>> armed_;  // `clear` and `floor` of all contacts at the beginning of the step
   // of an impact: the contacts that touch, their gaps before it, their least rates after it, which of them push
   std::vector<std::size_t> touching_;
   std::vector<Gap> hits_;

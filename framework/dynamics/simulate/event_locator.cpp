@@ -3,8 +3,6 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <array>
-#include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <utility>
 
@@ -15,8 +13,6 @@
 namespace lockstep {
 
 namespace {
-
-constexpr double kNotMet = std::numeric_limits<double>::infinity();
 
 // Whether the condition's value is on the side to which a crossing in one sense leads.
 bool is_past(Event::Crossing crossing, double value) {
@@ -92,7 +88,7 @@ double EventLocator::value_of(std::size_t event, const State& state) {
       state.t);
 }
 
-EventLocator::Point EventLocator::point(std::size_t event, double t) { return {t, value_of(event, interval_.at(t))}; }
+Sampled EventLocator::point(std::size_t event, double t) { return {t, value_of(event, interval_.at(t))}; }
 
 // Strictly from one side: a condition that is zero at first does not cross.
 bool EventLocator::crosses(std::size_t event, double was, double now) const {
@@ -107,7 +103,7 @@ bool EventLocator::crosses(std::size_t event, double was, double now) const {
   }
 }
 
-double EventLocator::root_between(std::size_t event, const Point& a, const Point& b) {
+double EventLocator::root_between(std::size_t event, const Sampled& a, const Sampled& b) {
   const double sign = a.g > 0 ? 1 : -1;
   const double tolerance =
       std::max(events_[event].tolerance, 4 * std::numeric_limits<double>::epsilon() * std::abs(b.t));
@@ -115,83 +111,49 @@ double EventLocator::root_between(std::size_t event, const Point& a, const Point
                       [&](double t) { return sign * point(event, t).g; });
 }
 
-// The first crossing between the ends a and b of a step; infinity: none. The condition is sampled in the middle, and in
-// the quarters too where it comes near zero: within what it changes by over the step.
-double EventLocator::locate_inside(std::size_t event, const Point& a, const Point& b) {
-  if (!interval_.has_dense()) return crosses(event, a.g, b.g) ? root_between(event, a, b) : kNotMet;
-  const double h = b.t - a.t;
-  std::array<Point, 5> p{a, {}, point(event, a.t + 0.5 * h), {}, b};
-  const auto [least, most] = std::minmax({a.g, p[2].g, b.g});
-  if (least > most - least || most < least - most) return kNotMet;
-  p[1] = point(event, a.t + 0.25 * h), p[3] = point(event, a.t + 0.75 * h);
-  double first = kNotMet;
-  const auto take = [&](double t) {  // the same instant again does not count
-    if (t - watched_[event].last > 2 * events_[event].tolerance) first = std::min(first, t);
-  };
-  for (std::size_t k = 1; k < p.size() && !(first <= p[k - 1].t); ++k) {
-    if (crosses(event, p[k - 1].g, p[k].g))
-      take(root_between(event, p[k - 1], p[k]));
-    else if (k + 1 < p.size())
-      take(locate_turn(event, p[k - 1], p[k], p[k + 1]));
-  }
-  return first;
-}
-
-// The crossing about a turning point next to the middle one of three points on one side of zero; infinity: none.
-double EventLocator::locate_turn(std::size_t event, const Point& a, const Point& middle, const Point& b) {
-  const double sign = middle.g > 0 ? 1 : -1;
-  if (!(sign * a.g >= sign * middle.g && sign * middle.g > 0 && sign * b.g >= sign * middle.g)) return kNotMet;
-  std::uintmax_t most = 30;
-  const double h = b.t - a.t;
-  const auto [x, g] =
-      boost::math::tools::brent_find_minima([&](double at) { return sign * point(event, a.t + at * h).g; }, 0.0, 1.0,
-                                            std::numeric_limits<double>::digits / 2, most);
-  if (g > 0) return kNotMet;
-  const Point turn{a.t + x * h, sign * g};
-  return crosses(event, a.g, turn.g)   ? root_between(event, a, turn)
-         : crosses(event, turn.g, b.g) ? root_between(event, turn, b)
-                                       : kNotMet;
-}
-
 bool EventLocator::locate(State& state) {
   const double t1 = state.t;
-  double first = std::numeric_limits<double>::infinity();
-  bool kept = false;
+  searched_.clear();
   for (std::size_t i = 0; i < events_.size(); ++i) {
     Watched& w = watched_[i];
-    w.met = false;
+    w.met = false, w.at = kNever;
     if (!events_[i].value || w.over) continue;
     w.now = value_of(i, state);
-    if (!interval_.has_dense() && !crosses(i, w.value, w.now)) continue;
-    if (!kept) interval_.keep_method();
-    kept = true;
-    w.at = locate_inside(i, {interval_.from().t, w.value}, {t1, w.now});
-    if (w.at == kNotMet) continue;
-    w.met = w.at - w.last > 2 * events_[i].tolerance;  // the same instant again does not count
-    if (w.met) first = std::min(first, w.at);
+    searched_.push_back(i);
   }
-  if (std::isfinite(first) && first < t1) {
-    interval_.cut(first, state);
-    for (std::size_t i = 0; i < events_.size(); ++i) {
-      Watched& w = watched_[i];
-      if (!events_[i].value || w.over) continue;
-      const double g = value_of(i, state);
-      w.met = w.met && (w.at <= first || crosses(i, w.value, g));
-      w.now = g;
+  double first = kNever;
+  if (!searched_.empty()) {
+    search(state);
+    for (const std::size_t i : searched_) {
+      watched_[i].met = watched_[i].at != kNever;
+      first = std::min(first, watched_[i].at);
     }
-  } else if (kept) {
-    interval_.restore_method();
+    if (first < t1)
+      cut(first, state);
+    else if (kept_)
+      interval_.restore_method();
   }
   note_left_zero();
   for (Watched& w : watched_) w.value = w.now, w.first = false;
   return std::isfinite(first);
 }
 
+void EventLocator::cut(double first, State& state) {
+  interval_.cut(first, state);
+  for (const std::size_t i : searched_) {
+    Watched& w = watched_[i];
+    const double g = value_of(i, state);
+    w.met = w.met && (w.at <= first || crosses(i, w.value, g));
+    w.now = g;
+  }
+}
+
 // Only the first step shows it: zero is on no side.
 void EventLocator::note_left_zero() {
   for (std::size_t i = 0; i < events_.size(); ++i) {
     const Watched& w = watched_[i];
-    if (events_[i].value && !w.over && w.first && w.value == 0 && is_past(events_[i].crossing, w.now))
+    const bool either = events_[i].crossing == Event::Crossing::any;
+    if (events_[i].value && !w.over && w.first && w.value == 0 && (either || is_past(events_[i].crossing, w.now)))
       left_zero_.push_back(events_[i].name);
   }
 }

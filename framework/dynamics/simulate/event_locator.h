@@ -5,10 +5,11 @@
 #include <deque>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <lockstep/step_loop.h>
-#include "framework/dynamics/simulate/step_interval.h"
+#include "framework/dynamics/simulate/step_search.h"
 
 namespace lockstep {
 
@@ -17,7 +18,8 @@ const Force* force_named(const System&, const std::string& name);
 
 class EventLocator {
  public:
-  EventLocator(Dynamics& dynamics, StepInterval& interval) : dynamics_(dynamics), interval_(interval) {}
+  EventLocator(Dynamics& dynamics, StepInterval& interval, const Clock& clock)
+      : dynamics_(dynamics), interval_(interval), search_(dynamics, interval, clock) {}
 
   /// Throws ModelError for an event without instant and condition, or with a link that cannot be switched.
   Event& add(Event);
@@ -43,8 +45,8 @@ class EventLocator {
   void done(std::size_t i, double t);
   /// Names of the events that wait for a crossing in one sense whose far side the run starts on.
   std::vector<std::string> past_at_start() const;
-  /// Names of the events that wait for a crossing in one sense and whose condition was zero at the start, or where they
-  /// joined the run, and went to the far side in the first step from there: told once, after it.
+  /// Names of the events whose condition was zero at the start, or where they joined the run, and that wait for a
+  /// crossing in either sense, or in one sense to whose far side it went in the first step: told once, after it.
   std::vector<std::string> take_left_zero();
 
   // -- checkpoints
@@ -56,26 +58,41 @@ class EventLocator {
   struct Watched {
     double value = 0, now = 0;                               ///< at the beginning and the end of the present step
     double last = -std::numeric_limits<double>::infinity();  ///< when it happened last
-    double at = 0;                                           ///< where the present step meets it
+    double at = 0;                                           ///< where the present step meets it; infinity: nowhere
     bool over = false, met = false;
     bool first = true;  ///< no step was made yet since it is watched
   };
-  struct Point {
-    double t, g;  // the condition's value there
-  };
   double value_of(std::size_t event, const State&);
-  Point point(std::size_t event, double t);
+  Sampled point(std::size_t event, double t);
   bool crosses(std::size_t event, double was, double now) const;
-  double root_between(std::size_t event, const Point& a, const Point& b);
-  double locate_inside(std::size_t event, const Point& a, const Point& b);
-  double locate_turn(std::size_t event, const Point& a, const Point& middle, const Point& b);
+  double root_between(std::size_t event, const Sampled& a, const Sampled& b);
+  void cut(double first, State& state);
+  // event_search.cpp: inside a step
+  void search(const State& end);
+  void sample(const State& end, const std::vector<double>& inside);
+  bool rule_out(const State& end);
+  Sampled sampled(std::size_t k, std::size_t j) const { return {times_[j], values_[j * searched_.size() + k]}; }
+  double value_inside(std::size_t event, const State&);
+  Sampled look(std::size_t event, double t) { return {t, value_inside(event, search_.look(t))}; }
+  void search_parts(std::size_t k);
+  void search_end(std::size_t event, Sampled end, const Sampled& next, const Sampled& after);
+  void search_turn(std::size_t event, Sampled a, Sampled middle, Sampled b);
+  void search_outputs(const State& end);
+  void meet(std::size_t event, const Sampled& a, const Sampled& b);
+  bool of_method(std::size_t event, std::pair<Sampled, Sampled>& ends);
   void note_left_zero();
 
   Dynamics& dynamics_;
   StepInterval& interval_;
+  StepSearch search_;
   std::deque<Event> events_;  // a deque, so that references stay valid
   std::vector<Watched> watched_;
   std::vector<std::string> left_zero_;
+  // of a step: the events searched for, the instants of the look, and their values there, instant by instant
+  std::vector<std::size_t> searched_;
+  std::vector<double> times_, values_;
+  std::vector<Sampled> before_, here_;  // at an output and the one before
+  bool kept_ = false;                   // the method, for shorter steps
 };
 
 }  // namespace lockstep

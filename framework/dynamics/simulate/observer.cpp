@@ -1,5 +1,13 @@
 #include <lockstep/step_loop.h>
+
+#include <string>
+#include <typeinfo>
+#include <utility>
+
 #include "framework/dynamics/simulate/detail_observer.h"
+#include "framework/dynamics/simulate/told_again.h"
+#include "framework/dynamics/simulate/user_code.h"
+#include "framework/foundation/support/thrown.h"
 
 namespace lockstep {
 
@@ -21,5 +29,40 @@ void Observer::save(Snapshot&) const {}
 void Observer::load(const Snapshot&) {}
 
 bool Observer::saves_all() const { return true; }
+
+namespace {
+
+thread_local const Observer* asked_again = nullptr;
+
+// Errors of lockstep's own code keep their words; anything else it throws is told like the host's.
+[[noreturn]] void rethrow_of(ErrorContext context, const std::type_info& whose) {
+  if (!is_of_lockstep(whose)) rethrow_in(context);
+  try {
+    throw;
+  } catch (const Error&) {
+    context.thing.origin = "built in";
+    rethrow_in(context);
+  } catch (...) {
+    rethrow_in(context);
+  }
+}
+
+}  // namespace
+
+void ask_again(const Observer& observer) noexcept { asked_again = &observer; }
+
+bool take_asked_again(const Observer& observer) noexcept { return std::exchange(asked_again, nullptr) == &observer; }
+
+void rethrow_of_observer(const Observer& observer, std::size_t number, double t) {
+  const std::string which = std::to_string(number + 1), type = type_words(typeid(observer));
+  rethrow_of({.thing = {.kind = "observer", .name = which, .type = type},
+              .t = t,
+              .label = "observer " + which + " (" + type + ")"},
+             typeid(observer));
+}
+
+void rethrow_of_function(const char* kind, const std::type_info& function, double t) {
+  rethrow_of({.thing = {.kind = kind}, .t = t}, function);
+}
 
 }  // namespace lockstep

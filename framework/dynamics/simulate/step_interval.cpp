@@ -3,13 +3,23 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <lockstep/error.h>
+#include "framework/dynamics/integrate/culprit.h"
 #include "framework/dynamics/simulate/keep_state.h"
 
 namespace lockstep {
 
+namespace {
+
+// Whether a message says which link, force or body it is about.
+bool names_thing(std::string_view message) { return message.find(" '") != std::string_view::npos; }
+
+}  // namespace
+
 void StepInterval::start(const State& state) {
   keep_state(state, from_), keep_state(state, inside_);
   report_ = {};
+  remembers_ = false;
+  watch_.start();
 }
 
 void StepInterval::begin(const State& state) {
@@ -24,6 +34,12 @@ void StepInterval::make(State& state, double h) {
   try {
     report_ = named(method_, from_.t, [&] { return method_.step(dynamics_, state, h); });
     watch_.check(from_, state, h, report_);
+  } catch (const StepError& error) {
+    state = from_;
+    if (method_.info().adaptive || method_.origin() != "built in" || names_thing(error.what())) throw;
+    const std::string who = who_varies(dynamics_, from_, h);  // adaptive methods have said it
+    if (who.empty()) throw;
+    throw StepError(std::string(error.what()) + "; " + who, from_.t);
   } catch (...) {
     state = from_;
     throw;
@@ -68,6 +84,33 @@ void StepInterval::restore_method() {
 void StepInterval::cut(double t, State& state) {
   state = at(t);
   report_.h = t - from_.t;
+}
+
+// False where it cannot be had: the next step says why.
+bool StepInterval::read_acting(const State& state, VecX& out) try {
+  const bool held_rows = dynamics_.holds_rows();
+  slots_ = state;
+  dynamics_.to_slots(slots_);
+  const Evaluation& e = dynamics_.gather(slots_);
+  e.residuals(C_, Cd_);
+  const Eigen::Index n = e.force().size(), m = C_.size();
+  out.resize(n + 3 * m);
+  out.head(n) = e.force(), out.segment(n, m) = C_, out.segment(n + m, m) = Cd_;
+  for (const RowEntry& entry : e.rows().entries)
+    for (int k = 0; k < entry.m; ++k) out[n + 2 * m + entry.first_row + k] = e.rows().block(entry).Qhat(k);
+  if (!held_rows) dynamics_.forget_rows(state);
+  return true;
+} catch (const Error&) {
+  return false;
+}
+
+// Explicit methods with a scheme() evaluate each stage anew.
+void StepInterval::note_acting(const State& state) {
+  remembers_ = method_.scheme() == nullptr && read_acting(state, acted_);
+}
+
+bool StepInterval::acts_otherwise(const State& state) {
+  return remembers_ && !(read_acting(state, acts_) && acts_.size() == acted_.size() && acts_ == acted_);
 }
 
 void StepInterval::save(Snapshot& out) const {

@@ -19,6 +19,9 @@ class StepInterval {
   /// it was.
   void make(State& state, double h);
 
+  /// At an output, after n steps: see StepWatch::check_again().
+  void check_again(const State& at, long n, double& largest) { watch_.check_again(at, n, largest); }
+
   const State& from() const { return from_; }
   const StepReport& report() const { return report_; }
   bool has_dense() const { return has_dense_; }
@@ -33,19 +36,29 @@ class StepInterval {
   /// The state at t becomes the end of the step.
   void cut(double t, State& state);
 
+  /// Remembers what acts at the state that a call ends with, forces and what rows ask for, where the method keeps
+  /// accelerations from step to step; whoever calls again may have changed it,
+  void note_acting(const State&);
+  /// which this says.
+  bool acts_otherwise(const State&);
+
   // -- checkpoints: the report of the last step, and the method
   void save(Snapshot&) const;
   /// In place of start() and begin(). Throws ModelError where the method reads less than it saved.
   void load(const State&, const Snapshot&);
 
  private:
+  bool read_acting(const State&, VecX& out);
+
   Dynamics& dynamics_;
   Integrator& method_;
   StepWatch watch_;
-  State from_, inside_, before_part_;
+  State from_, inside_, before_part_, slots_;
   Snapshot before_, after_;  // the method's memory around the step
   StepReport report_;
   bool has_dense_ = false;
+  bool remembers_ = false;
+  VecX acted_, acts_, C_, Cd_;
 };
 
 }  // namespace lockstep

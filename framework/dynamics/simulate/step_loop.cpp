@@ -96,7 +96,7 @@ void StepLoop::set_state(State state) {
 void StepLoop::add_observer(Observer& observer) {
   if (begun_) {
     const Sample sample(dynamics_, state_, parts_->interval.report());
-    user_code("observer", "", state_.t, [&] { observer.start(sample); });
+    observer_code(observer, observers_.size(), state_.t, [&] { observer.start(sample); });
     ++parts_->started;
   }
   observers_.push_back(&observer);
@@ -120,19 +120,20 @@ const SimulationReport& StepLoop::run_until(double t) {
       start();
       while (!report_.stopped && state_.t < t) {
         advance(t, 0);
-        if (between_steps) user_code("between_steps", "", state_.t, [&] { between_steps(); });
+        if (between_steps) function_code("between_steps", between_steps, state_.t);
       }
       output_end();
     } catch (const SolveError& e) {
       warn_of_turns();
       finish(Errors::dropped);
-      throw SolveError(fmt::format("{} (the last accepted state is at t = {:.9g} s)", e.what(), state_.t));
+      throw SolveError(fmt::format("{} (the last accepted state is at t = {:.9g} s)", e.what(), state_.t), e);
     } catch (...) {
       warn_of_turns();
       finish(Errors::dropped);
       throw;
     }
     warn_of_turns();
+    parts_->interval.note_acting(state_);
     finish(Errors::thrown);
   });
   return report_;
@@ -147,6 +148,7 @@ StepReport StepLoop::step(double h) {
     if (phase_ == Phase::none) report_.stopped = false, report_.stopped_by.clear();
     start();
     if (!report_.stopped) advance(kOpen, h);
+    parts_->interval.note_acting(state_);
   });
   return parts_->interval.report();
 }
@@ -158,7 +160,7 @@ void StepLoop::start() {
   if (!begun_) return start_run();
   if (phase_ == Phase::none) parts_->told = 0;
   conclude();
-  if (stale_) begin_method();
+  if (stale_ || parts_->interval.acts_otherwise(state_)) begin_method();
   stale_ = false;
 }
 
@@ -193,7 +195,7 @@ void StepLoop::make_start() {
   const Sample sample(dynamics_, state_, interval.report());
   for (; started < observers_.size(); ++started) {
     Observer& o = *observers_[started];
-    user_code("observer", "", state_.t, [&] { o.start(sample); });
+    observer_code(o, started, state_.t, [&] { o.start(sample); });
   }
   if (clock.output_due(state_.t)) output(sample);
   to_coordinates(dynamics_, *method_, state_, &before_change);
@@ -266,6 +268,7 @@ void StepLoop::advance(double limit, double largest) {
     throw;
   }
   ++report_.steps;
+  phase_ = Phase::inside;  // from here on the state is accepted: whoever throws, its outputs follow
   for (const std::string& name : events.take_left_zero())
     warn(
         fmt::format("event '{}': its condition is zero at {}, from where it did not cross; it falls due only when it "
@@ -276,7 +279,7 @@ void StepLoop::advance(double limit, double largest) {
   if (step.manifold) ++report_.manifold_steps;
   if (step.stiff && !(report_.stiff_since <= state_.t) && may_damp(dynamics_, state_)) report_.stiff_since = state_.t;
   if (!(step.violation_after <= report_.largest_violation)) report_.largest_violation = step.violation_after;
-  phase_ = Phase::inside;
+  if (clock.next_output() <= state_.t) interval.check_again(state_, report_.steps, report_.largest_violation);
   conclude();
 }
 

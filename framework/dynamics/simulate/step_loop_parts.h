@@ -14,6 +14,7 @@
 #include "framework/dynamics/simulate/contact_manager.h"
 #include "framework/dynamics/simulate/event_locator.h"
 #include "framework/dynamics/simulate/step_interval.h"
+#include "framework/dynamics/simulate/told_again.h"
 #include "framework/dynamics/simulate/user_code.h"
 
 namespace lockstep {
@@ -24,8 +25,8 @@ struct StepLoop::Parts {
   explicit Parts(StepLoop& of)
       : clock(of.system(), *of.method_, of.options_),
         interval(of.dynamics_, *of.method_),
-        events(of.dynamics_, interval),
-        contacts(of.dynamics_, interval, of.options_.start_limit) {}
+        events(of.dynamics_, interval, clock),
+        contacts(of.dynamics_, interval, clock, of.options_.start_limit) {}
 
   Clock clock;
   StepInterval interval;
@@ -67,13 +68,21 @@ void StepLoop::exclusively(const char* what, Act&& act) {
   act();
 }
 
-// Calls all observers that were not called in this phase yet.
+// Calls all observers that were not called in this phase yet. One that throws was called, unless it asks to be told
+// again.
 template <class Call>
 void StepLoop::tell(Call&& call) {
   std::size_t& told = parts_->told;
-  while (told < observers_.size()) {
-    Observer& o = *observers_[told++];
-    user_code("observer", "", state_.t, [&] { call(o); });
+  for (; told < observers_.size(); ++told) {
+    Observer& o = *observers_[told];
+    take_asked_again(o);  // what somebody else made of it before
+    try {
+      call(o);
+    } catch (...) {
+      const std::size_t number = told;
+      if (!take_asked_again(o)) ++told;
+      rethrow_of_observer(o, number, phase_ == Phase::inside ? parts_->clock.next_output() : state_.t);
+    }
   }
   told = 0;
 }

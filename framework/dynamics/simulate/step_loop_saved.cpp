@@ -117,9 +117,9 @@ void StepLoop::save(Snapshot& out) {
   dynamics_.save(state_, learned);
   out.put_part(learned);
   out.put(static_cast<double>(observers_.size()));
-  for (const Observer* o : observers_) {
+  for (std::size_t i = 0; i < observers_.size(); ++i) {
     Snapshot own;
-    user_code("observer", "", state_.t, [&] { o->save(own); });
+    observer_code(*observers_[i], i, state_.t, [&] { observers_[i]->save(own); });
     out.put_part(own);
   }
 }
@@ -163,7 +163,7 @@ void StepLoop::load_parts(const Snapshot& in) {
   for (; started < observers_.size(); ++started) {
     Observer& o = *observers_[started];
     const Snapshot own = in.get_part();
-    user_code("observer", "", state_.t, [&] { o.start(sample), o.load(own); });
+    observer_code(o, started, state_.t, [&] { o.start(sample), o.load(own); });
     if (!own.at_end())
       throw ModelError(fmt::format(
           "observer {}: load() reads less than save() wrote; it must read all of it, in the same order", started + 1));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <new>
 
 #include <lockstep/error.h>
 #include <lockstep/log.h>
@@ -23,7 +24,7 @@ void StepLoop::tell_jumped() {
 }
 
 void StepLoop::ask_progress() {
-  if (!progress || user_code("progress", "", state_.t, [&] { return progress(state_); })) return;
+  if (!progress || function_code("progress", progress, state_.t, state_)) return;
   report_.stopped = true;
   report_.stopped_by = "the caller";
 }
@@ -50,8 +51,10 @@ void StepLoop::Parts::show_inside(DetailObserver& to, Dynamics& dynamics, double
     try {
       if (!(k * h > t0)) continue;
       const Sample sample(dynamics, interval.at(k * h), interval.report());
-      user_code("observer", "", k * h, [&] { to.between(sample); });
-    } catch (const Error&) {
+      to.between(sample);
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (...) {
       continue;
     }
   }
@@ -135,7 +138,7 @@ void StepLoop::finish(Errors of_observers) {
   const Sample sample(dynamics_, state_, parts_->interval.report());
   for (std::size_t i = 0; i < parts_->started; ++i) {
     try {
-      user_code("observer", "", state_.t, [&] { observers_[i]->finish(sample); });
+      observer_code(*observers_[i], i, state_.t, [&] { observers_[i]->finish(sample); });
     } catch (...) {
       if (!first) first = std::current_exception();
     }

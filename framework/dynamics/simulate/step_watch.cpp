@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <string>
+#include <string_view>
 
 #include <lockstep/error.h>
 
@@ -16,7 +17,11 @@ namespace {
 constexpr double kLonger = 1e-9;     // by which a step may be longer than asked for, relative,
 constexpr double kElsewhere = 1e-9;  // and its end be elsewhere than t + h
 constexpr double kUnit = 1e-6;       // of |e|^2 - 1
-constexpr double kMiscounted = 3;    // rad; from half a turn on turns are counted wrong
+constexpr std::string_view kBuiltIn = "built in";
+constexpr long kApart = 8;          // steps between two looks at |C|, each of the cost of less than an evaluation
+constexpr double kMore = 10;        // times what is reported, and
+constexpr double kRounded = 1e-12;  // of the length: less is no lie
+constexpr double kMiscounted = 3;   // rad; from half a turn on turns are counted wrong
 
 bool same_sizes(const State& a, const State& b) {
   return a.q.size() == b.q.size() && a.v.size() == b.v.size() && a.s.size() == b.s.size() && a.z.size() == b.z.size() &&
@@ -72,9 +77,16 @@ void StepWatch::check(const State& from, const State& to, double h, StepReport& 
     wrong = "turns what link '" + link->name() + "' counts too unevenly to be known; take a smaller step (--step)";
   if (!wrong.empty())
     throw StepError(fmt::format("{}: the step from t = {:.9g} s {}", method_.info().name, from.t, wrong), from.t);
-  if (method_.origin() != "built in" && (!to.coordinates || to.coordinates->has_rows()))
+  if (method_.origin() != kBuiltIn && has_closures(to))
     if (const double found = dynamics_.violation_of_closures(to); !(report.violation_after >= found))
       report.violation_after = found;
+}
+
+void StepWatch::check_again(const State& at, long n, double& largest) {
+  if (method_.origin() != kBuiltIn || n < again_at_ + kApart || !has_closures(at)) return;
+  again_at_ = n;
+  const double found = dynamics_.violation_of_closures(at);
+  if (!(found <= kMore * largest + kRounded * dynamics_.system().length())) largest = found;
 }
 
 }  // namespace lockstep

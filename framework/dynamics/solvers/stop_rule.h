@@ -118,6 +118,7 @@ class PivotWatch {
   }
   void save(Snapshot& out) const { out.put(usual_); }  ///< how many small pivots are usual
   void restore(const Snapshot& in) { usual_ = static_cast<int>(in.get_count()); }
+  void take_usual(const PivotWatch& from) { usual_ = from.usual_; }
   /// The smallest pivot relative to its diagonal.
   double smallest() const { return smallest_; }
   /// The smallest beyond the usual ones: falls as the square of the distance to a singular position.

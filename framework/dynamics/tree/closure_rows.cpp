@@ -115,18 +115,23 @@ void ClosureRows::save(Snapshot& out) const {
   out.put(floors_known_ ? 1 : 0), out.put(usually_small_), out.put_all(pivot_floors_);
 }
 
+// Without a request for memory: the end of a look aside (Dynamics::Aside) must not fail.
 void ClosureRows::restore(const Snapshot& in) {
   const bool ours = in.get_count() == static_cast<long>(fronts_.sources.size());
-  PivotWatch watch = watch_;
+  PivotWatch watch;
   watch.restore(in);
   const bool known = in.get_flag();
   const double small = in.get();
-  std::vector<double> floors;
-  in.get_all(floors);
-  if (!ours || floors.size() != pivot_floors_.size()) return;
-  watch_ = watch, floors_known_ = known;
+  std::array<double, 3> floors{};
+  const long n_floors = in.get_count();
+  for (long k = 0; k < n_floors; ++k) {
+    const double floor = in.get();
+    if (k < static_cast<long>(floors.size())) floors[static_cast<std::size_t>(k)] = floor;
+  }
+  if (!ours || n_floors != static_cast<long>(pivot_floors_.size())) return;
+  watch_.take_usual(watch), floors_known_ = known;
   usually_small_ = small >= 0 && small <= static_cast<double>(fronts_.sources.size()) ? static_cast<int>(small) : kNone;
-  std::ranges::copy(floors, pivot_floors_.begin());
+  pivot_floors_ = floors;
 }
 
 void ClosureRows::complete(SolveReport& report) {

@@ -1,24 +1,59 @@
 #include "framework/foundation/support/csv_cells.h"
 
+#include <algorithm>
+
 #include <lockstep/text.h>
 
 namespace lockstep {
 
-void split_csv(std::string_view line, char separator, std::vector<std::string>& cells) {
+namespace {
+
+// The last cell of a line that is being split.
+enum class InCell { plain, inside_quotes, behind_quotes };
+
+bool only_blanks(std::string_view text) { return text::trimmed(text).empty(); }
+
+}  // namespace
+
+std::optional<CsvFault> split_csv(std::string_view line, char separator, std::vector<std::string>& cells,
+                                  std::vector<std::size_t>* begins) {
   cells.assign(1, {});
-  bool inside = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
+  if (begins != nullptr) begins->assign(1, 0);
+  std::optional<CsvFault> fault;
+  InCell at = InCell::plain;
+  std::size_t opened = 0;
+  for (std::size_t i = 0; i < line.size() && !fault; ++i) {
     const char c = line[i];
-    if (c == '"' && inside && i + 1 < line.size() && line[i + 1] == '"')
-      cells.back() += line[++i];
-    else if (c == '"')
-      inside = !inside;
-    else if (c == separator && !inside)
-      cells.emplace_back();
-    else
+    if (at == InCell::inside_quotes) {
+      if (c != '"')
+        cells.back() += c;
+      else if (i + 1 < line.size() && line[i + 1] == '"')
+        cells.back() += line[++i];
+      else
+        at = InCell::behind_quotes;
+    } else if (c == separator) {
+      cells.emplace_back(), at = InCell::plain;
+      if (begins != nullptr) begins->push_back(i + 1);
+    } else if (c == '"' && at == InCell::plain && only_blanks(cells.back())) {
+      cells.back().clear(), at = InCell::inside_quotes, opened = i;
+    } else if (c == '"') {
+      fault = {i, "a quote inside of a cell; a cell that holds quotes stands in quotes, with its own doubled"};
+    } else if (at == InCell::plain) {
       cells.back() += c;
+    } else if (!only_blanks(line.substr(i, 1))) {
+      fault = {i, "text behind the closing quote of a cell; the next separator is expected there"};
+    }
   }
+  if (at == InCell::inside_quotes)
+    fault = {opened, "a quote without its closing one on the same line; close or remove it"};
   for (std::string& cell : cells) cell = std::string(text::trimmed(cell));
+  return fault;
+}
+
+std::size_t csv_column(std::string_view line, std::size_t byte) {
+  const auto goes_on = [](char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; };
+  const std::string_view before = line.substr(0, byte);
+  return 1 + before.size() - static_cast<std::size_t>(std::ranges::count_if(before, goes_on));
 }
 
 std::string csv_cell(std::string_view text) {

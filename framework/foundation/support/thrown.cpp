@@ -2,9 +2,11 @@
 
 #include <cxxabi.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <memory>
 #include <new>
+#include <string_view>
 #include <typeinfo>
 
 namespace lockstep {
@@ -13,10 +15,7 @@ namespace {
 std::string type_in_flight() {
   const std::type_info* type = abi::__cxa_current_exception_type();
   if (type == nullptr) return "something that is not a C++ exception";
-  int status = 0;
-  const std::unique_ptr<char, void (*)(void*)> name(abi::__cxa_demangle(type->name(), nullptr, nullptr, &status),
-                                                    std::free);
-  return std::string("an object of type ") + (status == 0 ? name.get() : type->name());
+  return "an object of type " + type_words(*type);
 }
 
 }  // namespace
@@ -24,6 +23,20 @@ std::string type_in_flight() {
 std::string what_of(const std::exception& error) {
   const char* words = error.what();
   return words == nullptr ? "" : words;
+}
+
+std::string type_words(const std::type_info& type) {
+  int status = 0;
+  const std::unique_ptr<char, void (*)(void*)> name(abi::__cxa_demangle(type.name(), nullptr, nullptr, &status),
+                                                    std::free);
+  return status == 0 ? name.get() : type.name();
+}
+
+// Mangled names: N8lockstep... of a class, ZN8lockstep... of one within a function, a lambda for instance.
+bool is_of_lockstep(const std::type_info& type) {
+  std::string_view name = type.name();
+  name.remove_prefix(std::min(name.find_first_not_of("Z*"), name.size()));
+  return name.starts_with("N8lockstep") || name.starts_with("NK8lockstep");
 }
 
 std::string thrown_words(const std::exception_ptr& thrown) {

@@ -3,6 +3,7 @@
 
 #include <exception>
 #include <string>
+#include <typeinfo>
 
 #include <lockstep/export.h>
 
@@ -15,5 +16,11 @@ LOCKSTEP_API std::string what_of(const std::exception&);
 /// of type int, which is not an exception"). Null, which std::current_exception() returns for an exception of another
 /// language, gives "something that is not a C++ exception".
 LOCKSTEP_API std::string thrown_words(const std::exception_ptr&);
+
+/// "Highest", of a class as its author wrote it.
+LOCKSTEP_API std::string type_words(const std::type_info&);
+
+/// Whether a class, or a function object, was written in namespace lockstep.
+LOCKSTEP_API bool is_of_lockstep(const std::type_info&);
 
 }  // namespace lockstep

@@ -214,8 +214,8 @@ class LOCKSTEP_API Factor {
   /// Keeps what the solver has learned so far.
   void keep(Learned&) const;
   /// Forgets what it has learned since keep(). Nothing is factored: what was solved for last cannot be solved with again
-  /// before compute() where the links in force were others in between.
-  void put_back(const Learned&);
+  /// before compute() where the links in force were others in between, or memory ran out.
+  void put_back(Learned) noexcept;
   /// Gives back the memory of the matrix. Of what the solver has learned only what Factorization::save writes is kept, for
   /// the next matrix, where that has the same links in force.
   void rest();
@@ -374,7 +374,8 @@ class LOCKSTEP_API Dynamics {
   /// coordinates, unless something stands in the way (why_not_joint). `near`: angles are counted on from there; null:
   /// from zero.
   void to_formulation(State&, const State* near = nullptr);
-  /// Converts the state to the slots' own coordinates, in which poses and twists can be set.
+  /// Converts the state to the slots' own coordinates, in which poses and twists can be set. Throws ModelError where the
+  /// state does not fit the system.
   void to_slots(State&);
   /// Whether the state can be read as it is: a change of masses, joints or links in force makes other joint coordinates.
   bool has_current_coordinates(const State&);
@@ -394,9 +395,17 @@ class LOCKSTEP_API Dynamics {
   /// Projects the velocities only. Returns what is left of |Jh v + Ct|, m/s: more than round-off where rows contradict
   /// one another. Throws NonFiniteError, SolveError.
   double project_velocity(State&);
+  // These throw ModelError where the state does not fit the system.
   /// q <- q (+) h v, with unit quaternions. h: s; v: 6 per slot, m/s (world) and rad/s (slot axes).
-  void advance(State& state, double h, const VecX& v) const { lockstep::advance_state(state, h, v); }
-  void normalize(State& state) const { lockstep::normalize_state(state); }  ///< quaternions back to length one
+  void advance(State& state, double h, const VecX& v) const {
+    system_.check_size(state);
+    lockstep::advance_state(state, h, v);
+  }
+  /// Quaternions back to length one.
+  void normalize(State& state) const {
+    system_.check_size(state);
+    lockstep::normalize_state(state);
+  }
   /// After an accepted step: updates what links and forces remember (State::z).
   void accept(State&);
 

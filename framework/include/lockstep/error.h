@@ -197,15 +197,17 @@ struct ErrorContext {
 };
 
 /// To be called in a catch block: rethrows the exception in flight so that it names whose code threw it.
-/// - UserCodeError and NonFiniteError name it already and are rethrown as they are.
-/// - Any other Error that is a refusal is rethrown with the thing in its data, and with the label in front of its
-///   sentence when the thing is a plugin's. SolveError and AssemblyError are about the mechanism: they are rethrown as
-///   they are.
+/// - std::bad_alloc and InterruptedError are rethrown as they are, and so is an Error that has a thing and a time already:
+///   it was named further in. Of a plugin's code this holds for UserCodeError and NonFiniteError.
+/// - Any other Error that is a refusal keeps its type: it gets the thing, and the label in front of its sentence unless the
+///   thing is built in. SolveError and AssemblyError are about the mechanism: they are rethrown as they are.
 /// - A ModelError that a built-in law put its name to, as a spline that is asked beyond its end, stays one, with thing, law
 ///   and time, unless the thing is a plugin's.
-/// - Any other Error of a thing that no plugin brought and whose laws are sound is rethrown with the thing in its data.
+/// - Any other Error of the host's code, and a UserCodeError or NonFiniteError of anybody's, keeps its type: thing and time
+///   are added, to the sentence too, and what was thrown is nested in it. An Error of built-in code gets the thing alone.
+///   Of classes that are derived from those below the object itself is rethrown, with nothing nested.
 /// - Everything else (an int as well) becomes a UserCodeError with thing and time, and the original nested in it. Only
-///   what built-in code throws that is not an Error (std::bad_alloc) is rethrown as it is, when its laws are sound.
+///   what built-in code throws that is not an Error is rethrown as it is, when its laws are sound.
 [[noreturn]] LOCKSTEP_API void rethrow_in(const ErrorContext&);
 
 /// Calls `act` and returns its result; what it throws goes through rethrow_in(context()). Costs nothing unless

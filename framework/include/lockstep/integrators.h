@@ -390,7 +390,8 @@ struct RattleScheme;
 
 /// rattle2, rattle4: symplectic, with fixed steps, for long runs: the energy oscillates about its value at the start
 /// and does not drift. A substep costs one factor and 3 to 5 evaluations of the constraints. Quadratures (State::s)
-/// follow the trapezoidal rule, order 2. No error estimate, no dense output.
+/// follow the trapezoidal rule over each substep, and so have the order of the method, by an evaluation a substep. No
+/// error estimate, no dense output.
 ///
 /// begin() throws ModelError, by name, for forces that depend on velocities or reactions and for integrated states that
 /// act on the mechanism. step() throws StepError where the multipliers are not found, as in singular positions.

@@ -27,12 +27,12 @@ struct ChannelRequest {
   const std::string& column() const { return name.empty() ? channel : name; }  ///< the name that its column has
 };
 
-/// The object "run" of a scene. In step, until and output 0 means that none is given.
+/// The object "run" of a scene. In step and output 0 means that none is given, in until a number below.
 struct RunSettings {
   MethodSpec integrator{"dopri5"},               ///< integrator with its keys
       solver{"schur"};                           ///< linear solver with its keys
   double step = 0,                               ///< fixed or largest step, s
-      until = 0,                                 ///< end of the run, s
+      until = -1,                                ///< end of the run, s; 0: its start, one row
       output = 0;                                ///< interval of output times, s
   std::vector<double> times{};                   ///< output times in place of an interval, s, rising
   AuditLimits limits;                            ///< of the energy balance and the violation

@@ -98,8 +98,10 @@ struct Event {
   };
   std::string name;  ///< for messages and SimulationReport::stopped_by
   /// By time: this instant, s, >= 0, and no condition. By condition: value(sample) passes zero in the given sense within
-  /// a step. Of methods with dense output passages to and fro inside a step are met too, where the condition comes near
-  /// zero at its ends or in its middle: nearer than it changes between these three.
+  /// a step. Passages to and fro inside a step are met too, where they last longer than a part of it: a quarter, or a
+  /// turn of pi/8 of the body that turns fastest if that is shorter; 1/256 where laws alone move the mechanism. Shorter
+  /// ones are, where the condition has one turning point in them. At no output is it beyond zero without having fired,
+  /// but where it started there. Of methods without dense output passages are looked for along a cubic polynomial.
   double at = -1;
   std::function<double(const Sample&)> value{};  ///< the condition, or none
   Crossing crossing = Crossing::any;             ///< sense in which the condition passes zero

@@ -49,12 +49,12 @@ CsvReader::CsvReader(const std::string& path) : path_(path), file_(path, std::io
 }
 
 bool CsvReader::next_line(std::vector<std::string>& cells) {
-  for (std::string line; std::getline(file_, line);) {
-    if (++number_ == 1 && !take_byte_order_mark(line)) refuse("the file is UTF-16; save it as UTF-8");
-    const std::string_view shown = text::trimmed(line);
+  while (std::getline(file_, line_)) {
+    if (++number_ == 1 && !take_byte_order_mark(line_)) refuse("the file is UTF-16; save it as UTF-8");
+    const std::string_view shown = text::trimmed(line_);
     if (shown.empty() || shown.front() == '#') continue;
     if (separator_ == 0) separator_ = separator_of(shown);
-    split_csv(line, separator_, cells);
+    if (const auto fault = split_csv(line_, separator_, cells, &begins_)) refuse_at(fault->byte, fault->problem);
     return true;
   }
   if (file_.bad()) throw FileError(path_ + ": cannot be read to its end; check the file");
@@ -78,7 +78,8 @@ void CsvReader::read_header() {
   columns_.resize(first_.size());
 }
 
-// Every row has as many cells as the first line: a decimal comma that separates is found out by this.
+// Every row has as many cells as the first line: a decimal comma that separates is found out by this. It is told where the
+// first cell too many begins, or where the row ends that has too few.
 bool CsvReader::next(std::vector<std::string>& cells) {
   if (!first_.empty()) {
     cells = std::move(first_);
@@ -87,9 +88,11 @@ bool CsvReader::next(std::vector<std::string>& cells) {
   }
   if (!next_line(cells)) return false;
   if (cells.size() == columns_.size()) return true;
-  const bool commas = separator_ == ',' && cells.size() > columns_.size();
-  refuse("has " + std::to_string(cells.size()) + " cells, the first line has " + std::to_string(columns_.size()) +
-         (commas ? "; if a comma is a decimal one, write a point, or separate cells by semicolons" : ""));
+  const bool surplus = cells.size() > columns_.size(), commas = separator_ == ',' && surplus;
+  const std::size_t end = line_.find_last_not_of(" \t\r") + 1;
+  refuse_at(surplus ? begins_[columns_.size()] : end,
+            "has " + std::to_string(cells.size()) + " cells, the first line has " + std::to_string(columns_.size()) +
+                (commas ? "; if a comma is a decimal one, write a point, or separate cells by semicolons" : ""));
 }
 
 void CsvReader::refuse_both_signs(const std::vector<std::string>& cells, std::size_t column) {
@@ -114,6 +117,10 @@ bool CsvReader::number(std::string cell, double& value) const {
 
 void CsvReader::refuse(const std::string& why) const {
   throw FileError(path_ + ":" + std::to_string(number_) + ": " + why);
+}
+
+void CsvReader::refuse_at(std::size_t byte, const std::string& why) const {
+  throw FileError(path_ + ":" + std::to_string(number_) + ":" + std::to_string(csv_column(line_, byte)) + ": " + why);
 }
 
 std::size_t CsvReader::find(const std::string& wanted) const {

@@ -1,6 +1,7 @@
 // The header of a CSV file, and its rows as texts.
 #pragma once
 
+#include <cstddef>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -35,12 +36,16 @@ class LOCKSTEP_API CsvReader {
   char separator() const { return separator_; }
   /// Throws FileError with file and line.
   [[noreturn]] void refuse(const std::string& why) const;
+  /// Throws FileError with file, line and the column of a byte of the line that was read last.
+  [[noreturn]] void refuse_at(std::size_t byte, const std::string& why) const;
 
  private:
   bool next_line(std::vector<std::string>& cells);
   void read_header();
   std::string path_;
   std::ifstream file_;
+  std::string line_;                 // the one that was read last
+  std::vector<std::size_t> begins_;  // of its cells, in bytes
   int number_ = 0;
   char separator_ = 0;
   char sign_ = 0;      // the decimal sign of the first number that has one, of those that are read

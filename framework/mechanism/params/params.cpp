@@ -7,6 +7,7 @@
 #include <lockstep/error.h>
 #include <lockstep/log.h>
 #include <lockstep/text.h>
+#include "framework/mechanism/params/orientation_told.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/refusals.h"
 #include "framework/mechanism/params/units.h"
@@ -20,15 +21,17 @@ std::vector<std::string> names_of(const Keys& keys) {
   return names;
 }
 
-// Says that a quaternion, read as q, is not of length one but for rounding.
+// Says that a quaternion, read as q, is not of length one but for rounding: three digits of each of its numbers leave
+// |length - 1| <= 5e-4 (|w| + |x| + |y| + |z|) <= 1e-3.
 void warn_of_length(const Value& v, const Quat& q, const std::string& context) {
-  constexpr double kRounded = 1e-2;
+  constexpr double kRounded = 1e-3;
   if (v.list() == nullptr || v.list()->size() != 4) return;
   double length = 0;
   for (const double x : read_numbers(v, Unit::none, context)) length = std::hypot(length, x);
   if (std::abs(length - 1) <= kRounded) return;
   const std::string place = v.where.text();
-  log_warning((place.empty() ? "" : place + ": ") + context + ": the quaternion has length " + text::brief(length) +
+  const std::string shown_length = text::number(std::round(1e4 * length) / 1e4);
+  log_warning((place.empty() ? "" : place + ": ") + context + ": the quaternion has length " + shown_length +
               "; its direction is taken, [" + text::brief(q.w) + ", " + text::brief(q.x) + ", " + text::brief(q.y) +
               ", " + text::brief(q.z) + "] (scalar first)");
 }
@@ -137,6 +140,12 @@ void check_plain(const std::string& text, const std::string& what) {
 }
 
 }  // namespace
+
+Quat read_orientation_told(const Value& v, const std::string& context) {
+  const Quat q = read_orientation(v, context);
+  warn_of_length(v, q, context);
+  return q;
+}
 
 bool holds_law(Form form) {
   return form == Form::law || form == Form::translation_law || form == Form::rotation_law || form == Form::laws;
@@ -310,10 +319,7 @@ Vec3 Params::vector3(std::string_view name) const {
 }
 
 Quat Params::orientation(std::string_view name) const {
-  const Value v = needed(key_of(name));
-  const Quat q = read_orientation(v, place_of(name));
-  warn_of_length(v, q, place_of(name));
-  return q;
+  return read_orientation_told(needed(key_of(name)), place_of(name));
 }
 
 std::vector<double> Params::numbers(std::string_view name) const {

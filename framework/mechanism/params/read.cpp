@@ -1,6 +1,7 @@
 #include "framework/mechanism/params/read.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
 
@@ -36,13 +37,29 @@ const Value::List& read_list(const Value& v, std::size_t n, const std::string& c
   return *items;
 }
 
+std::string nine_digits(double x) {
+  char digits[32];
+  return {digits, std::to_chars(digits, digits + sizeof digits, x, std::chars_format::general, 9).ptr};
+}
+
+// A quaternion's length off 1 that cannot be meant as one; its reader says what is less, and more than rounding.
+constexpr double kOffUnit = 0.1;
+
 Quat read_quaternion(const Value& v, const std::string& context) {
   const std::vector<double> c = read_numbers(v, Unit::none, context);
   const Vec4 e(c[0], c[1], c[2], c[3]);
   const double most = e.cwiseAbs().maxCoeff();
   if (most == 0)
     refuse(v.where, context, "the quaternion [0, 0, 0, 0] is not an orientation; [1, 0, 0, 0] is the identity");
-  return normalized(Quat::from(Vec4(e / most)));  // scaled first, so that its square does not underflow
+  const Vec4 scaled = e / most;  // first, so that its square does not underflow
+  const Quat q = normalized(Quat::from(scaled));
+  const double length = most * scaled.norm();
+  if (std::abs(length - 1) > kOffUnit)
+    refuse(v.where, context,
+           "the quaternion has length " + text::brief(length) + ", which is more than " + text::brief(100 * kOffUnit) +
+               " % off 1; if its direction is meant, write [" + nine_digits(q.w) + ", " + nine_digits(q.x) + ", " +
+               nine_digits(q.y) + ", " + nine_digits(q.z) + "] (scalar first)");
+  return q;
 }
 
 // The member `wanted` of an orientation's object, without which `key` means nothing.

@@ -39,7 +39,7 @@ LOCKSTEP_API Mat3 read_matrix3(const Value&, Unit, const std::string& context);
 /// A direction of length 1: "x", "-y", "+z" or [x, y, z], not zero.
 LOCKSTEP_API Vec3 read_axis(const Value&, const std::string& context);
 
-/// A unit quaternion, from one of: [w, x, y, z] (not zero, any length); {"axis": direction, "angle": angle};
+/// A unit quaternion, from one of: [w, x, y, z] (of length 1 but for a tenth); {"axis": direction, "angle": angle};
 /// {"angles": [a, b, c], "sequence": "xyz" or a name that angle_sequence() knows}; {"matrix": three rows} (axes of the
 /// frame as columns); two of {"x": direction, "y": ..., "z": ...}, at right angles to 1e-3: the alphabetically first is
 /// kept, the other made perpendicular to it.

@@ -244,6 +244,7 @@ Measured read_quantity(std::string_view text, Unit unit, int per_second) {
     for (const UnitWords& w : kWords)
       if (w.unit != Unit::none && w.unit != Unit::any && w.dimension == factor.dimension)
         given = article_name_of(w.unit);
+    if (rest.find('J') != std::string_view::npos && given == article_name_of(Unit::torque)) given = "an energy";
     return {0, quoted + " is " + given + "; here " + (per_second > 0 ? wanted_rate(words, per_second) : wanted(words))};
   }
   result.value = to_si(x, factor);

@@ -204,7 +204,7 @@ void check_finite(const System& system, const Inputs& in, const RowTable& table,
   for (const Body& body : system.bodies())
     if (body.slot != kGround) check_mass_finite(body, in.t);
   throw NonFiniteError(at_time(in.t) + "the inertia forces are not finite; " + kShorterStep,
-                       {.advice = kShorterStep, .t = in.t});
+                       {.thing = {.kind = "mechanism"}, .advice = kShorterStep, .t = in.t});
 }
 
 void diagnose_rates(const System& system, double t, const VecX& sd) {
@@ -217,7 +217,8 @@ void diagnose_rates(const System& system, double t, const VecX& sd) {
       throw NonFiniteError(at_time(t) + "the integrated state '" + auxiliary->name() +
                                "' has a rate that is not finite; look at what feeds it",
                            {.thing = {.kind = "integrated state", .name = auxiliary->name()}, .t = t});
-  throw NonFiniteError(at_time(t) + "a rate of the integrated states is not finite; look at what feeds them", t);
+  throw NonFiniteError(at_time(t) + "a rate of the integrated states is not finite; look at what feeds them",
+                       {.thing = {.kind = "mechanism"}, .t = t});
 }
 
 }  // namespace lockstep

@@ -50,9 +50,18 @@ void keep_rows(unsigned absent, RowEntry& e) {
 
 std::span<double> part(VecX& x, int first, int size) { return {x.data() + first, static_cast<std::size_t>(size)}; }
 
+// Numbers of another count would be written past.
+void check_count(const char* what, Eigen::Index found, Eigen::Index needed) {
+  if (found == needed) return;
+  throw ModelError(std::string("System::") + what + ": " + std::to_string(found) + " numbers where " +
+                   std::to_string(needed) + " are needed; size them by System::start()");
+}
+
 }  // namespace
 
 void System::lay_out(const std::vector<bool>& modes, RowTable& table, bool all) const {
+  check_count("lay_out, one per link", static_cast<Eigen::Index>(modes.size()),
+              static_cast<Eigen::Index>(links_.size()));
   table.entries.clear();
   table.runs.clear();
   table.entry_of_link.assign(links_.size(), -1);
@@ -108,6 +117,14 @@ void System::leave_out(const Lock& link, unsigned rows) {
 }
 
 void System::motions(const State& state, std::vector<Motion>& out) const {
+  if (state.coordinates) {
+    check_count("motions, coordinates", state.q.size(), state.coordinates->n_q());
+    check_count("motions, velocities", state.v.size(), state.coordinates->n_v());
+    check_count("motions, bodies of the coordinates", state.coordinates->n_slots(), n_slots());
+  } else {
+    check_count("motions, coordinates", state.q.size(), 7 * n_slots());
+    check_count("motions, velocities", state.v.size(), 6 * n_slots());
+  }
   out.resize(static_cast<std::size_t>(n_slots() + 1));  // the first is the ground, at rest
   if (state.coordinates) return state.coordinates->motions(state, out);
   for (int k = 0; k < n_slots(); ++k) read_motion(state, k, out[static_cast<std::size_t>(k + 1)]);
@@ -177,6 +194,7 @@ void System::gather_from_space(const Inputs& in, RowTable& table, int entry) con
 }
 
 void System::gather_forces(const Inputs& in, VecX& f) const {
+  check_count("gather_forces, 6 per slot", f.size(), 6 * n_slots());
   for (int k = 0; k < n_slots(); ++k) {
     const Slot& b = slot(k);
     f.segment<3>(6 * k) = b.mass * options_.gravity;
@@ -199,6 +217,7 @@ void System::gather_forces(const Inputs& in, VecX& f) const {
 }
 
 void System::check_forces(const Inputs& in, const VecX& f) const {
+  check_count("check_forces, 6 per slot", f.size(), 6 * n_slots());
   check_particles(*this, in, f);
   if (plane_) check_plane(in, f);
 }
@@ -228,6 +247,7 @@ void System::check_plane(const Inputs& in, const VecX& f) const {
 }
 
 void System::state_rates(const Evaluated& values, VecX& sd) const {
+  check_count("state_rates", sd.size(), n_states_);
   for (const auto& link : links_) {
     const int n = link->n_own_states();
     if (n == 0) continue;
@@ -243,6 +263,7 @@ void System::state_rates(const Evaluated& values, VecX& sd) const {
 }
 
 void System::accept(const Inputs& in, State& state) const {
+  check_count("accept, remembered", state.z.size(), n_memory_);
   for (const auto& link : links_)
     if (const int n = link->n_own_memory(); n > 0)
       named(*link, in.t, [&] { link->remembering()->accept_step(in, part(state.z, link->first_memory(), n)); });

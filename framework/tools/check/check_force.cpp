@@ -35,6 +35,7 @@ class ForceCheck : private StateCheck {
   void other_bodies();
   void balance();
   void diagnose_balance();
+  void diagnose_losses();
   void tangent();
   void memory();
   void jumps();
@@ -220,11 +221,21 @@ void ForceCheck::diagnose_balance() {
           "potential(), whose gradient is minus the force, or at supply(), if a law or motor makes the force",
           std::abs(odd));
     }
-  if (found) return;
+  if (!found) diagnose_losses();
+}
+
+// What goes with the velocities: the powers that are said against that which the force asks for, D - S = -(f.v + dV/dt).
+void ForceCheck::diagnose_losses() {
+  const double D = loss(state_), S = force_.supply(state_.in()), asked = D - S - balance_of(state_).rest;
+  const char* const kLoss = "dissipation(): minus the force of the damper times the speed it damps";
+  const char* const kPut = "supply(): the power that laws and motors put in";
   add("damping",
-      fmt::format("its force at rest fits potential() and supply(), so that what goes with the velocities is wrong {}",
-                  here()),
-      "dissipation(): minus the force of the damper times the speed it damps");
+      fmt::format("its force at rest fits potential() and supply(), so that what goes with the velocities is wrong: "
+                  "dissipation() - supply() is {:.6g} W, and the force asks for {:.6g} W {}",
+                  D - S, asked, here()),
+      S != 0      ? fmt::format("{}; or at {}", kLoss, kPut)
+      : asked < 0 ? fmt::format("{}; a force that is to damp has the wrong sign", kPut)
+                  : kLoss);
 }
 
 // K = -df/d(x, turn), D = -df/d(v, w).

@@ -15,14 +15,14 @@ namespace {
 
 constexpr double kFirstGrowth = 1.5;  // assumed cost of the second tolerance relative to the first
 constexpr double kFirstTurn = 0.25;   // part of its equal share of the time that a combination gets at first
-constexpr double kFalls = 0.8;     // an error that falls at all is below this part of the best so far (order 1: half)
-constexpr double kWrong = 1e-2;    // relative error of a useless run
-constexpr double kSettled = 1e-7;  // relative error below which a combination that stops falling is at its floor
-constexpr long kManySteps = 10;    // steps per output, from which on the cost of outputs is negligible
+constexpr double kFalls = 0.8;      // an error that falls at all is below this part of the best so far (order 1: half)
+constexpr double kWrong = 1e-2;     // relative error of a useless run
+constexpr double kSettled = 1e-7;   // relative error below which a combination that stops falling is at its floor
+constexpr long kManySteps = 10;     // steps per output, from which on the cost of outputs is negligible
 constexpr double kFirstHits = 0.5;  // part of the budget that the first hits of all integrators may take
-constexpr double kPatience = 4;    // handicap of each item of the form that differs from the base's, and of a time-out
-constexpr double kOther = 2;       // handicap of another integrator than the base's
-constexpr double kTooDear = 10;    // times the cheapest run that met the target
+constexpr double kPatience = 4;     // handicap of each item of the form that differs from the base's, and of a time-out
+constexpr double kOther = 2;        // handicap of another integrator than the base's
+constexpr double kTooDear = 10;     // times the cheapest run that met the target
 
 /// One combination, on its way from coarse to fine settings.
 struct Combination {
@@ -60,6 +60,8 @@ class Benchmark {
       if (c.given_up) keep(*c.given_up);
     for (const Combination& c : combinations_)
       if (!c.over) result_.left_out.push_back(label(run_of(c))), result_.open.push_back(run_of(c));
+    for (const Combination& c : combinations_)
+      if (c.over && c.n_stuck == 0 && std::isfinite(c.best)) result_.falling.push_back(run_of_first(c));
     sort_runs();
     return std::move(result_);
   }
@@ -287,7 +289,7 @@ class Benchmark {
   double begin_;
   double length_ = 1, cheapest_met_ = HUGE_VAL;
   double first_end_ = 0;  // s that are left of the budget when the time of the first hits is over
-  double first_ = 0;  // s of the very first run: the expected cost of a combination that has not begun
+  double first_ = 0;      // s of the very first run: the expected cost of a combination that has not begun
   History reference_;
   std::vector<Combination> combinations_;
   WorkPrecision result_;

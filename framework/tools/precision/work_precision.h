@@ -97,7 +97,7 @@ struct WorkPrecisionOptions {
   /// Relative error of a first hit. Until each integrator in the base's form has one, the others wait, for half of the
   /// budget at most. Without a target.
   double first_hit = 1e-3;
-  double hopeless = 100;               ///< a combination ends if it costs this many times another of the same error
+  double hopeless = 100;  ///< a combination ends if it costs this many times another of the same error
 
   ErrorKind target_kind = ErrorKind::position;
   double target = 0;  ///< above 0: a combination ends once it met this error and the next finer run confirmed it
@@ -113,11 +113,13 @@ struct WorkPrecision {
   struct Unsuited {
     std::string what, why;
   };
-  std::vector<Unsuited> unsuited{};     ///< combinations that do not work for this mechanism, and why
-  std::vector<std::string> left_out{};  ///< runs that the budget did not reach
+  std::vector<Unsuited> unsuited{};      ///< combinations that do not work for this mechanism, and why
+  std::vector<std::string> left_out{};   ///< runs that the budget did not reach
   std::vector<WorkPrecisionRun> open{};  ///< the same runs, by their settings: nothing is known of them
-  std::string reference, second;        ///< "dop853 at 1e-13"
-  HistoryError agreement;               ///< of the two references: smaller errors are meaningless
+  /// Combinations that ended at their finest setting, or as too dear, while their error still fell, by their first one.
+  std::vector<WorkPrecisionRun> falling{};
+  std::string reference, second;  ///< "dop853 at 1e-13"
+  HistoryError agreement;         ///< of the two references: smaller errors are meaningless
   HistoryError size;  ///< largest displacement, speed, kinetic energy (or change of energy) and link load: the scale of
                       ///< errors
 };

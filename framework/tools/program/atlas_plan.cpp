@@ -128,8 +128,9 @@ AtlasPlan make_atlas_plan(const Arguments& args) {
       try {
         const Scene first = plan.scene(1, panel);
         if (!(first.run.until > 0))
-          throw UsageError(first.file +
-                           ": run.until: the scene does not say how long it runs; add it, or give --until 5");
+          throw UsageError(
+              first.file +
+              ": run.until: the scene does not say how long it runs, or 0; say it there, or give --until 5");
         panel.adaptive = make_integrator(first.run, plan.loaded.registry)->info().adaptive;
       } catch (const SceneError& error) {
         panel.unsuited = error.what();

@@ -211,8 +211,9 @@ SceneBenchmark benchmark_of(const Loaded& loaded, const Arguments& args, const I
   const Registry& registry = loaded.registry;
   const RunSettings& run = scene.run;
   if (run.until <= 0)
-    throw SceneError(scene.file + ": run.until: the scene does not say how long it runs; add it, or give --until 5",
-                     scene.file);
+    throw SceneError(
+        scene.file + ": run.until: the scene does not say how long it runs, or 0; say it there, or give --until 5",
+        scene.file);
   SceneBenchmark benchmark;
   benchmark.title = scene.title.empty() ? scene.file : scene.title;
   auto assembled = std::make_shared<std::optional<State>>();

@@ -45,8 +45,8 @@ void print_winners(const WorkPrecision& result, ChartBy by) {
       const std::vector<CostAtError> costs = costs_at_error(result, limit);
       const auto best =
           std::find_if(costs.begin(), costs.end(), [&](const CostAtError& c) { return value_of(*c.run, by) == value; });
-      const bool open = std::any_of(result.open.begin(), result.open.end(),
-                                    [&](const WorkPrecisionRun& run) { return value_of(run, by) == value; });
+      const auto has = [&](const WorkPrecisionRun& run) { return value_of(run, by) == value; };
+      const bool open = std::ranges::any_of(result.open, has) || std::ranges::any_of(result.falling, has);
       fmt::print("{:>14}", best != costs.end() ? cost_text(best->run->cpu, best->upper_bound)
                            : open              ? "not tried"
                                                : "never");

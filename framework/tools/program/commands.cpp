@@ -5,7 +5,10 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <exception>
 #include <functional>
 #include <map>
 #include <new>
@@ -65,26 +68,43 @@ int print_usage_error(const CLI::App& app, const CLI::ParseError& error) {
   else if (!word.empty())
     text = "\"" + word + "\" is one word too many; text with blanks needs quotes";
   const std::string of = called.empty() ? "" : verb.get_name() + " ";
-  fmt::print(stderr, "lockstep: {}\nSee `lockstep {}--help`.\n", text, of);
+  tell(fmt::format("lockstep: {}\nSee `lockstep {}--help`.\n", text, of));
   return kExitUsage;
 }
 
 // Without a further request for memory.
 int out_of_memory() {
-  std::fputs("lockstep: out of memory; record less (output, record), or run fewer copies at once\n", stderr);
+  tell("lockstep: out of memory; record less (output, record), or run fewer copies at once\n");
   return kExitMemory;
+}
+
+// Where a destructor needs memory while an error of memory is on its way (those of JSON objects do) C++ ends the program
+// by std::terminate: the words and the exit code are those of any other request that fails. What else ends so is a bug,
+// and leaves its core.
+std::terminate_handler usual_end = nullptr;
+[[noreturn]] void end_without_memory() {
+  if (std::current_exception()) {
+    try {
+      throw;
+    } catch (const std::bad_alloc&) {
+      std::_Exit(out_of_memory());
+    } catch (...) {
+    }
+  }
+  if (usual_end != nullptr) usual_end();
+  std::abort();
 }
 
 int guarded(const std::function<int()>& command) {
   try {
     return command();
   } catch (const Error& error) {
-    fmt::print(stderr, "{} {}\n", error_mark(), error.what());
+    tell(fmt::format("{} {}\n", error_mark(), error.what()));
     return exit_code_of(error);
   } catch (const std::bad_alloc&) {
     return out_of_memory();
   } catch (...) {
-    fmt::print(stderr, "lockstep: {}\n", thrown_words(std::current_exception()));
+    tell(fmt::format("lockstep: {}\n", thrown_words(std::current_exception())));
     return kExitFailure;
   }
 }
@@ -116,7 +136,8 @@ int run_words(int argc, const char* const* argv) {
   add_verb(plugins, plugins_list_verb());
 
   arguments.line = &app;
-  if (argc > 1 && std::string_view(argv[1]) == "complete") return complete_command(app, argc - 2, argv + 2);
+  if (argc > 1 && std::string_view(argv[1]) == "complete")
+    return guarded([&] { return complete_command(app, argc - 2, argv + 2); });
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -125,9 +146,13 @@ int run_words(int argc, const char* const* argv) {
   const auto called = std::find_if(verbs.begin(), verbs.end(), [](const auto& v) { return v.first->parsed(); });
   arguments.command = command_words(argc, argv, arguments);
   arguments.words.assign(argv + 1, argv + argc);
-  const int code = guarded([&] { return called->second->run(arguments); });
+  return guarded([&] { return called->second->run(arguments); });
+}
+
+// The exit code of what was printed, which may be waiting in memory still.
+int printed(int code) {
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
-  std::fputs("lockstep: standard output cannot be written; what was printed is not complete\n", stderr);
+  tell("lockstep: standard output cannot be written; what was printed is not complete\n");
   return code == kExitOk || code == kExitFailure ? kExitFile : code;  // a failed write may have ended the command
 }
 
@@ -169,8 +194,10 @@ Arguments read_run_words(const std::vector<std::string>& words) {
 }
 
 int run_program(int argc, const char* const* argv) {
+  usual_end = std::set_terminate(end_without_memory);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit (ulimit -f) is a write that fails
   try {
-    return run_words(argc, argv);
+    return printed(run_words(argc, argv));
   } catch (const std::bad_alloc&) {
     return out_of_memory();
   }

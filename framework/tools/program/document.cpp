@@ -1,14 +1,15 @@
 #include "framework/tools/program/document.h"
 
-#include <spdlog/fmt/fmt.h>
-
 #include <cmath>
+#include <cstdio>
 #include <nlohmann/json.hpp>
+#include <string>
 
 namespace lockstep {
 
 void print_document(const nlohmann::ordered_json& j) {
-  fmt::print("{}\n", j.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  const std::string text = j.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  std::fwrite(text.data(), 1, text.size(), stdout);  // what is not taken is told at the end, by the exit code
 }
 
 nlohmann::ordered_json json_number(double x) {

@@ -191,15 +191,19 @@ std::uint64_t hash_of_plugins(const Scene& scene, const std::vector<std::string>
 
 // Both paths are made absolute before links are followed: of a relative one that does not begin with what exists,
 // weakly_canonical() leaves all as it is.
-void check_files(const Scene& scene) {
+void check_file(const std::string& scene, const Value& value, const std::string& path, const std::string& written) {
   std::error_code error;
-  const fs::path folder = fs::weakly_canonical(fs::absolute(scene.file).parent_path(), error);
+  const fs::path folder = fs::weakly_canonical(fs::absolute(scene).parent_path(), error);
+  const fs::path file = fs::weakly_canonical(fs::absolute(path), error);
+  const auto [end, in_file] = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
+  if (end == folder.end()) return;
+  throw UsageError(value.where.text() + ": the file \"" + written +
+                   "\" is outside of the scene's folder; put it there, or allow it with --allow-files");
+}
+
+void check_files(const Scene& scene) {
   for_each_file(scene, [&](const Value& value, const fs::path& named, const std::string& written) {
-    const fs::path file = fs::weakly_canonical(fs::absolute(named), error);
-    const auto [end, in_file] = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
-    if (end == folder.end()) return;
-    throw UsageError(value.where.text() + ": the file \"" + written +
-                     "\" is outside of the scene's folder; put it there, or allow it with --allow-files");
+    check_file(scene.file, value, named.string(), written);
   });
 }
 

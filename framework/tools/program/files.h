@@ -54,6 +54,8 @@ std::string open_in_browser(const std::string& file);
 /// Throws UsageError if the scene reads a file that is not in its folder or below: a scene is data from others, and may
 /// not show what else there is. Links are followed.
 void check_files(const Scene&);
+/// The same of one file: `value` names it by the text `written`, and it is at `path`; the scene's own path is `scene`.
+void check_file(const std::string& scene, const Value& value, const std::string& path, const std::string& written);
 
 /// The result of drawing a picture.
 struct Drawing {

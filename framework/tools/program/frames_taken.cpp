@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <initializer_list>
+#include <set>
 
 namespace lockstep {
 
@@ -20,10 +21,19 @@ bool has_any(const Value& object, std::initializer_list<const char*> keys) {
   return std::any_of(keys.begin(), keys.end(), [&](const char* key) { return object.find(key) != nullptr; });
 }
 
-}  // namespace
+// The names of the bodies that have this key.
+std::set<std::string> bodies_with(const Scene& scene, const char* key) {
+  std::set<std::string> names;
+  for_each_named(scene, "bodies", [&](const std::string& name, const Value& body) {
+    if (body.find(key) != nullptr) names.insert(name);
+  });
+  return names;
+}
 
-std::vector<std::string> frames_taken(const Scene& scene) {
+// `but_on`: bodies whose markers are left out.
+std::vector<std::string> frames_but(const Scene& scene, const std::set<std::string>& but_on) {
   std::vector<std::string> lines;
+  const std::set<std::string> rods = bodies_with(scene, "rod");
   for_each_named(scene, "bodies", [&](const std::string& name, const Value& body) {
     if (!has_any(body, {"position", "rod"})) lines.push_back("body '" + name + "' starts at the world's origin");
   });
@@ -31,11 +41,28 @@ std::vector<std::string> frames_taken(const Scene& scene) {
     if (has_any(marker, {"at", "world_at"})) return;
     const Value* body = marker.find("body");
     const std::string carrier = body != nullptr && body->text() != nullptr ? *body->text() : "its body";
-    lines.push_back(
-        "marker '" + name + "' is at the origin of " +
-        (marker.find("world_orientation") != nullptr || carrier == "ground" ? "the world" : "'" + carrier + "'"));
+    const bool in_world = marker.find("world_orientation") != nullptr || carrier == "ground";
+    if (!in_world && but_on.contains(carrier)) return;
+    lines.push_back("marker '" + name + "' is at the origin of " + (in_world ? "the world" : "'" + carrier + "'") +
+                    (!in_world && rods.contains(carrier) ? ", the middle of its rod" : ""));
   });
   return lines;
+}
+
+}  // namespace
+
+std::vector<std::string> frames_taken(const Scene& scene) { return frames_but(scene, {}); }
+
+std::string frames_taken_in_short(const Scene& scene) {
+  constexpr std::size_t kMost = 3;
+  std::vector<std::string> lines = frames_but(scene, bodies_with(scene, "particle"));
+  if (lines.empty()) return "";
+  const std::size_t more = lines.size() > kMost ? lines.size() - kMost : 0;
+  lines.resize(lines.size() - more);
+  std::string text;
+  for (const std::string& line : lines) text += (text.empty() ? "" : "; ") + line;
+  return text + ", as no place is given" +
+         (more > 0 ? "; and " + std::to_string(more) + " more (lockstep check)" : std::string());
 }
 
 }  // namespace lockstep

@@ -12,4 +12,8 @@ namespace lockstep {
 /// origin".
 std::vector<std::string> frames_taken(const Scene&);
 
+/// The same in one line for the summary of a run, without the markers on particles, which are points; "" where there is
+/// none.
+std::string frames_taken_in_short(const Scene&);
+
 }  // namespace lockstep

@@ -126,24 +126,30 @@ void GrowingFile::append(std::string_view text) {
   if (waiting_.size() > kMostWaiting) write();
 }
 
-// What could be written in part only is taken back, so that no line is torn.
+// Where the disk is full whole lines stay, and a torn one is taken back.
 void GrowingFile::write() {
-  const char* from = waiting_.data();
-  std::size_t left = waiting_.size();
-  while (left > 0) {
-    const ssize_t n = ::write(file_, from, left);
+  std::size_t written = 0;
+  while (written < waiting_.size()) {
+    const ssize_t n = ::write(file_, waiting_.data() + written, waiting_.size() - written);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) {
       const int why = errno;
+      const bool any = written > 0 && !in_place_;
+      count_written(any ? waiting_.rfind('\n', written - 1) + 1 : written);  // npos + 1 = 0
       if (!in_place_ && ::ftruncate(file_, length_) == 0) ::lseek(file_, length_, SEEK_SET);
       errno = why;
       fail("cannot be written");
     }
-    from += n, left -= static_cast<std::size_t>(n);
+    written += static_cast<std::size_t>(n);
   }
-  length_ += static_cast<long>(waiting_.size());
-  hash_ = hash_of(waiting_, hash_);
-  waiting_.clear();
+  count_written(written);
+}
+
+// The first n bytes of those that wait are in the file.
+void GrowingFile::count_written(std::size_t n) {
+  length_ += static_cast<long>(n);
+  hash_ = hash_of(std::string_view(waiting_).substr(0, n), hash_);
+  waiting_.erase(0, n);
 }
 
 void GrowingFile::commit() {

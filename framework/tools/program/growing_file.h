@@ -40,6 +40,7 @@ class GrowingFile {
  private:
   bool is_still_partial() const;
   void cut(long length);
+  void count_written(std::size_t n);
   [[noreturn]] void fail(const char* what) const;
   std::string name_, partial_, waiting_;
   bool in_place_ = false;

@@ -172,7 +172,7 @@ int follow(const Arguments& args, bool inverse) {
   }
   if (m.run.until <= 0)
     refuse(m.run.where.line > 0 ? m.run.where : loaded.scene.root.where, "run.until",
-           "the scene does not say how long it runs; add it, or give --until 5");
+           "the scene does not say how long it runs, or 0; say it there, or give --until 5");
   const PoseTimes times(m.run);
   if (times.only_ends())
     fmt::print(stderr,

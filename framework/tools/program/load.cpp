@@ -6,6 +6,8 @@
 #include <lockstep/loader.h>
 #include <lockstep/registry.h>
 #include <lockstep/text.h>
+#include "framework/description/scene/read.h"
+#include "framework/description/scene/reading.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/method_specs.h"
@@ -49,7 +51,7 @@ void put_settings(RunSettings& run, const Arguments& args, const Registry& regis
   put_integrator(run, args, registry);
   if (!args.solver.empty()) run.solver = read_spec("--solver", args.solver, types_of(registry.solvers));
   if (!args.step.empty()) run.step = positive_number("--step", args.step, Unit::time);
-  if (!args.until.empty()) run.until = positive_number("--until", args.until, Unit::time);
+  if (!args.until.empty()) run.until = instant("--until", args.until);
   if (!args.tolerance.empty()) {
     run.tolerance.relative = positive_number("--tolerance", args.tolerance, Unit::none);
     if (run.tolerance.relative > 100)
@@ -125,7 +127,12 @@ Registry make_registry(const std::vector<std::string>& plugins, const std::vecto
 
 Loaded read_with_plugins(const Arguments& args) {
   refuse_picture(args.record);
-  Scene scene = args.scene == "-" ? scene_from_text(standard_input(), "standard input") : read_scene(args.scene);
+  const bool piped = args.scene == "-";
+  const std::string file = piped ? "standard input" : args.scene;
+  IncludeRule rule;
+  if (!args.allow_files)
+    rule = [&](const Value& named, const std::string& path) { check_file(file, named, path, *named.text()); };
+  Scene scene = scene_from(piped ? read_json(standard_input(), file) : read_json_file(file), file, rule);
   if (!args.allow_files) check_files(scene);
   Registry registry = make_registry(args.plugins, scene.plugins);
   if (!args.set.empty()) scene = with_values(scene, args.set, registry);

@@ -72,19 +72,37 @@ MethodSpec with_known_keys(const TypeInfo& type, const Value& keys) {
   return {type.name, Value(std::move(members)), {}};
 }
 
-double positive_number(const std::string& option, const std::string& text, Unit unit, const char* example) {
+namespace {
+
+double number_of(const std::string& option, const std::string& text, Unit unit, const char* example) {
   double x = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), x);
   if (error != std::errc() || end != text.data() + text.size()) {
     const Measured measured = read_quantity(text, unit);
     if (!measured.problem.empty() || unit == Unit::none)
       throw UsageError(option + ": \"" + text + "\" is not a " + name_of(unit) + "; write it as in " + option + " " +
-                       (example != nullptr ? example : unit == Unit::none ? "1e-6" : "0.001"));
+                       (example != nullptr   ? example
+                        : unit == Unit::none ? "1e-6"
+                                             : "0.001"));
     x = measured.value;
   }
+  return x;
+}
+
+}  // namespace
+
+double positive_number(const std::string& option, const std::string& text, Unit unit, const char* example) {
+  const double x = number_of(option, text, unit, example);
   if (!(x > 0) || x > 1e300)
     throw UsageError(option + ": the value is " + text + "; it must be greater than 0 and finite");
   return x;
+}
+
+double instant(const std::string& option, const std::string& text) {
+  const double t = number_of(option, text, Unit::time, "0.5s");
+  if (!(t >= 0) || t > 1e300)
+    throw UsageError(option + ": the value is " + text + "; it must be 0 or greater, and finite");
+  return t;
 }
 
 int whole_number(const std::string& option, const std::string& text, int most) {

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <csignal>
 
+#include "framework/tools/program/terminal.h"
+
 namespace lockstep {
 namespace {
 
@@ -82,16 +84,15 @@ void Progress::at(double t) {
   last_ = now;
   const std::string line = progress_line(t, until_, seconds(), terminal_ ? line_width() : 0, counts_);
   if (terminal_) {
-    fmt::print(stderr, "\r{:<{}}", line.substr(0, line_width()), line_width());
-    std::fflush(stderr);
+    tell(fmt::format("\r{:<{}}", line.substr(0, line_width()), line_width()));
     drawn_ = true;
   } else {
-    fmt::print(stderr, "{}\n", line);
+    tell(line + "\n");
   }
 }
 
 void Progress::finish() {
-  if (drawn_) fmt::print(stderr, "\r{:<{}}\r", "", line_width());
+  if (drawn_) tell(fmt::format("\r{:<{}}\r", "", line_width()));
   drawn_ = false;
 }
 

@@ -31,6 +31,7 @@
 #include "framework/tools/program/run_rows.h"
 #include "framework/tools/program/run_warnings.h"
 #include "framework/tools/program/run_words.h"
+#include "framework/tools/program/terminal.h"
 #include "framework/tools/program/words.h"
 #include "framework/tools/sweep/rows_at_jumps.h"
 #include "framework/tools/sweep/scene_run.h"
@@ -63,7 +64,7 @@ Ended go(StepLoop& sim, double until, bool quiet, Checkpoints& checkpoints, doub
     sim.between_steps = [&] { checkpoints.write_if_due(sim, interrupt.asked(), before + progress.seconds()); };
   sim.progress = [&](const State& s) {
     progress.at(s.t);
-    return !interrupt.asked();
+    return !interrupt.asked() || s.t >= until;
   };
   try {
     sim.run_until(until);
@@ -71,7 +72,7 @@ Ended go(StepLoop& sim, double until, bool quiet, Checkpoints& checkpoints, doub
     ended.error = std::current_exception();
   }
   progress.finish();
-  ended.interrupted = interrupt.asked();
+  ended.interrupted = interrupt.asked() && sim.state().t < until;
   seconds = before + progress.seconds();
   return ended;
 }
@@ -83,8 +84,8 @@ Audit drift_alone(const StepLoop& sim, const AuditLimits& limits) {
   audit.violation = sim.report().largest_violation;
   audit.drifted = !(audit.violation <= audit.limits.violation);
   if (audit.drifted)
-    fmt::print(stderr, "lockstep: the run drifted off its constraints by {:.2g} m (limit {:.2g} m)\n", audit.violation,
-               audit.limits.violation);
+    tell(fmt::format("lockstep: the run drifted off its constraints by {:.2g} m (limit {:.2g} m)\n", audit.violation,
+                     audit.limits.violation));
   return audit;
 }
 
@@ -147,7 +148,7 @@ std::vector<std::string> print_files(const std::string& csv, const std::string& 
   if (args.no_picture || args.record == "-") return {csv};
   if (rows.n_rows() <= 1) details = nullptr;
   const Drawing drawing = draw_run(csv, title, rows, details, run, outputs);
-  if (!words && drawing.failed) fmt::print(stderr, "lockstep: no picture: {}\n", drawing.reason);
+  if (!words && drawing.failed) tell(fmt::format("lockstep: no picture: {}\n", drawing.reason));
   for (const std::string& picture : drawing.files) words.say("             {}\n", picture);
   if (drawing.files.empty()) {
     words.say("             no picture: {}\n", drawing.reason);
@@ -175,17 +176,17 @@ void print_json(const Arguments& args, const Loaded& loaded, nlohmann::ordered_j
 void write_unfinished(const RunReport& report, const StepLoop& sim, const std::exception_ptr& error) {
   if (!report) return;
   try {
-    report.write(sim, "", fmt::format("the run ended at t = {:.9g} s: {}", sim.state().t, thrown_words(error)));
-    fmt::print(stderr, "lockstep: its report up to there is {}\n", report.file());
+    const std::string why = fmt::format("the run ended at t = {:.9g} s: {}", sim.state().t, thrown_words(error));
+    tell(fmt::format("lockstep: its report up to there is {}\n", report.write_unfinished(sim, "", why)));
   } catch (const std::exception& second) {
-    fmt::print(stderr, "lockstep: no report: {}\n", second.what());
+    tell(fmt::format("lockstep: no report: {}\n", second.what()));
   }
 }
 
 void show(const Arguments& args, const RunReport& report) {
   if (!args.open) return;
   const std::string problem = open_in_browser(report.file());
-  if (!problem.empty()) fmt::print(stderr, "lockstep: {}\n", problem);
+  if (!problem.empty()) tell(fmt::format("lockstep: {}\n", problem));
 }
 
 }  // namespace
@@ -210,7 +211,7 @@ Loaded load_for(const Arguments& args, const RunCheckpoint* from) {
 
 // The name of the table, of a mechanism that can be run.
 std::string table_of(Mechanism& m, const Loaded& loaded, const Arguments& args) {
-  if (m.run.until <= 0)
+  if (m.run.until < 0)
     refuse(m.run.where.line > 0 ? m.run.where : loaded.scene.root.where, "run.until",
            "the scene does not say how long it runs; add it, or give --until 5");
   refuse_impossible_formulation(m.run, loaded);
@@ -274,7 +275,8 @@ class ProgramRun {
                        doubts_,
                        singular_.passed(),
                        singular_.n_passed(),
-                       formulation_.name(sim_, m_.run.formulation)};
+                       formulation_.name(sim_, m_.run.formulation),
+                       &m_.system};
     conclude(end, unwritten);
     return exit_code(end);
   }
@@ -286,12 +288,11 @@ class ProgramRun {
     if (m_.run.assemble) {
       const AssemblyReport assembled = assemble_told(start);
       if (assembled.is_notable()) words_.say("  assembled  {}\n", assembled.text());
-      if (assembled.largest_move > 1e-6)
-        for (const std::string& text : frames_taken(loaded_.scene))
-          words_.say("  taken      {}, as no place is given\n", text);
     } else {
       begin_turns(dynamics_, start);
     }
+    if (const std::string taken = frames_taken_in_short(loaded_.scene); !taken.empty())
+      words_.say("  taken      {}\n", taken);
     tell_near(start);
     if (args_.quiet) return start;
     if (const std::vector<std::string> columns = columns_not_unique(dynamics_, start, m_.run); !columns.empty())
@@ -349,7 +350,7 @@ class ProgramRun {
     const std::string written = unwritten
                                     ? "the rows up to there could not be written: " + thrown_words(unwritten)
                                     : rows_of(n) + " up to there " + (n == 1 ? "is" : "are") + " in " + file_.partial();
-    fmt::print(stderr, "lockstep: the run ended at t = {:.9g} s; {}\n", sim_.state().t, written);
+    tell(fmt::format("lockstep: the run ended at t = {:.9g} s; {}\n", sim_.state().t, written));
     write_unfinished(report_, sim_, error);
     if (args_.json)
       print_json(args_, loaded_,
@@ -361,7 +362,30 @@ class ProgramRun {
     std::rethrow_exception(error);
   }
 
-  // Words, files, pictures, report and certificate of a run that reached its end or was interrupted.
+  void print_result(const EndedRun& end, const std::vector<std::string>& files) {
+    if (!args_.json) return;
+    nlohmann::ordered_json j = json_of(end, rows_.rows());
+    j["frames_taken"] = frames_taken(loaded_.scene);
+    j["nearly_redundant"] = near_json(near_.all, m_.run.nearly_redundant);
+    j["files"] = files;
+    print_json(args_, loaded_, std::move(j));
+  }
+
+  // A run that was interrupted replaces nothing: its rows and its report stay beside the old ones, and pictures are not
+  // drawn.
+  void leave_unfinished(const EndedRun& end, const std::string& lines) {
+    std::vector<std::string> files{file_.partial()};
+    words_.say("  files      {} ({})\n", file_.partial(), rows_of(rows_.rows().n_rows()));
+    if (report_) {
+      files.push_back(
+          report_.write_unfinished(sim_, lines, fmt::format("interrupted at t = {:.9g} s", sim_.state().t)));
+      words_.say("             {}\n", files.back());
+    }
+    print_result(end, files);
+  }
+
+  // Words, files, pictures, report and certificate of a run that reached its end; what there is of one that was
+  // interrupted.
   void conclude(const EndedRun& end, const std::exception_ptr& unwritten) {
     try {
       if (audit_ && m_.system.n_velocities() > kFewVelocities && summary_.nothing_moved())
@@ -371,25 +395,20 @@ class ProgramRun {
     const std::string lines = audit_ ? end_words(end, summary_) : "";
     words_.say("{}", lines);
     if (unwritten) std::rethrow_exception(unwritten);
+    if (end.interrupted) return leave_unfinished(end, lines);
     file_.commit();
-    if (!end.interrupted) checkpoints_.remove();
+    checkpoints_.remove();
     const std::string title = loaded_.title();
     std::vector<std::string> files =
         print_files(csv_, title, rows_.rows(), details_.get(), m_.run, outputs_, args_, words_);
     if (report_) {
-      report_.write(sim_, lines,
-                    end.interrupted ? fmt::format("interrupted at t = {:.9g} s", sim_.state().t) : std::string());
+      report_.write(sim_, lines);
       words_.say("             {}\n", report_.file());
       files.push_back(report_.file());
       show(args_, report_);
     }
-    if (args_.json) {
-      nlohmann::ordered_json j = json_of(end, rows_.rows());
-      j["nearly_redundant"] = near_json(near_.all, m_.run.nearly_redundant);
-      j["files"] = files;
-      print_json(args_, loaded_, std::move(j));
-    }
-    if (args_.certify && !end.interrupted) {
+    print_result(end, files);
+    if (args_.certify) {
       const CertifiedRun certified = certificate_of(loaded_, args_, m_.run, recorder_->table());
       fmt::print(args_.record == "-" ? stderr : stdout, "{}", certified.text);
       uncertified_ = certified.doubt;
@@ -398,16 +417,17 @@ class ProgramRun {
 
   int exit_code(const EndedRun& end) {
     if (end.interrupted) {
-      fmt::print(stderr, "lockstep: interrupted at t = {:.9g} s; everything up to there is written{}\n", sim_.state().t,
-                 checkpoints_ ? "; go on with: lockstep resume " + in_quotes(checkpoints_.file()) : std::string());
+      tell(fmt::format(
+          "lockstep: interrupted at t = {:.9g} s; the rows up to there are in {}{}\n", sim_.state().t, file_.partial(),
+          checkpoints_ ? "; go on with: lockstep resume " + in_quotes(checkpoints_.file()) : std::string()));
       return kExitInterrupted;
     }
     if (args_.strict)
       if (const std::vector<std::string> all = doubts_of(end); !all.empty()) {
-        for (const std::string& doubt : all) fmt::print(stderr, "lockstep: --strict: {}\n", doubt);
+        for (const std::string& doubt : all) tell(fmt::format("lockstep: --strict: {}\n", doubt));
         return kExitDoubtful;
       }
-    if (!uncertified_.empty()) fmt::print(stderr, "lockstep: --certify: {}\n", uncertified_);
+    if (!uncertified_.empty()) tell(fmt::format("lockstep: --certify: {}\n", uncertified_));
     if (end.audit.is_wrong(sim_.integrator().info().adaptive)) return kExitNotConserved;
     return uncertified_.empty() ? kExitOk : kExitDoubtful;
   }

@@ -28,6 +28,14 @@ std::string contents_of(const std::string& file) {
   return text.str();
 }
 
+std::string unfinished_report(const std::string& report) {
+  namespace fs = std::filesystem;
+  std::error_code none;
+  if (fs::exists(report, none) && !fs::is_regular_file(report, none)) return report;
+  const fs::path file = report;
+  return (file.parent_path() / file.stem()).string() + ".partial" + file.extension().string();
+}
+
 std::vector<std::pair<std::string, std::string>> facts_of(const std::string& lines) {
   std::vector<std::pair<std::string, std::string>> facts;
   std::istringstream in(lines);
@@ -94,13 +102,23 @@ void RunReport::mark(Dynamics& dynamics, const State& start) {
     text_.marked = marked_links(uniqueness(dynamics, start));
 }
 
-void RunReport::write(const StepLoop& sim, const std::string& lines, const std::string& failure) const {
-  if (!report_) return;
+void RunReport::write(const StepLoop& sim, const std::string& lines) const {
+  if (report_) write_to(file_, sim, lines, "");
+}
+
+std::string RunReport::write_unfinished(const StepLoop& sim, const std::string& lines, const std::string& why) const {
+  const std::string file = unfinished_report(file_);
+  write_to(file, sim, lines, why);
+  return file;
+}
+
+void RunReport::write_to(const std::string& file, const StepLoop& sim, const std::string& lines,
+                         const std::string& failure) const {
   ReportText text = text_;
   text.facts = facts_of(lines);
   text.warnings = sim.report().warnings;
   if (!failure.empty()) text.warnings.push_back(failure);
-  report_->write(file_, text);
+  report_->write(file, text);
 }
 
 }  // namespace lockstep

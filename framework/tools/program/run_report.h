@@ -21,6 +21,9 @@ ReportText text_of(const Arguments&, const Loaded&);
 /// The text of a file; "" where there is none.
 std::string contents_of(const std::string& file);
 
+/// "out.partial.html" of "out.html": of what did not reach its end. A report that goes to no regular file has no other.
+std::string unfinished_report(const std::string& report);
+
 /// Writes the report of many runs, by the text of their CSV, whose columns `x` and `y` are shown first. Throws
 /// FileError. `histories`: of the runs, or null.
 void write_runs_report(const std::string& file, const ReportText&, const std::string& csv, const std::string& x,
@@ -37,12 +40,16 @@ class RunReport {
   RunReport(const Arguments&, const Loaded&, const Mechanism&, const Recorder&, const std::string& csv);
   explicit operator bool() const { return report_ != nullptr; }
   const std::string& file() const { return file_; }
-  void watch(StepLoop&);  ///< adds the observer
+  void watch(StepLoop&);                     ///< adds the observer
   void mark(Dynamics&, const State& start);  ///< marks links whose reactions are not unique, of up to 1000
   /// Writes the file: `lines` are what the program prints of the run. Throws FileError.
-  void write(const StepLoop&, const std::string& lines, const std::string& failure = {}) const;
+  void write(const StepLoop&, const std::string& lines) const;
+  /// Of a run that did not reach its end, and why. An older report stays: the file is unfinished_report(), and is
+  /// returned. Throws FileError.
+  std::string write_unfinished(const StepLoop&, const std::string& lines, const std::string& why) const;
 
  private:
+  void write_to(const std::string& file, const StepLoop&, const std::string& lines, const std::string& failure) const;
   std::string file_;
   ReportText text_;
   std::unique_ptr<Report> report_;

@@ -82,7 +82,7 @@ void warn_of_settings(const Scene& scene, const Mechanism& m, const Arguments& a
   if (!run.times.empty() && run.times.back() > run.until)
     say(fmt::format("run.times: {:g} s lies beyond the end of the run at {:g} s and is not recorded", run.times.back(),
                     run.until));
-  if (run.output > run.until)
+  if (run.output > run.until && run.until > 0)
     say(fmt::format("run.output: {:g} s is longer than the run of {:g} s: only its start and its end are recorded",
                     run.output, run.until));
   for (const std::string& words : negative_stiffness(scene)) say(words);

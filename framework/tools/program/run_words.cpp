@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include <lockstep/sweep.h>
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/document.h"
 #include "framework/tools/program/method_specs.h"
+#include "framework/tools/program/suspects.h"
 
 namespace lockstep {
 namespace {
@@ -18,7 +20,8 @@ using Json = nlohmann::ordered_json;
 
 std::string counted(long n, const char* one, const char* many) { return fmt::format("{} {}", n, n == 1 ? one : many); }
 
-Json energy_of(const Audit& audit) {
+Json energy_of(const EndedRun& ended) {
+  const Audit& audit = ended.audit;
   Json instants = Json::array();
   for (const Audit::Instant& i : audit.instants)
     instants.push_back(
@@ -32,7 +35,8 @@ Json energy_of(const Audit& audit) {
           {"supplied", json_number(audit.supplied)},
           {"dissipated", json_number(audit.dissipated)},
           {"instants", std::move(instants)},
-          {"unbooked_forces", audit.unbooked_forces}};
+          {"unbooked_forces", audit.unbooked_forces},
+          {"suspects", suspects_of(ended)}};
 }
 
 Json columns_of(const RowEnvelope& rows) {
@@ -138,6 +142,8 @@ std::string end_words(const EndedRun& ended, const Summary& summary) {
   if (r.stopped && !r.stopped_by.empty() && !ended.interrupted) say("  stopped    by '{}'\n", r.stopped_by);
   say("{}", summary.text());
   say("{}", words_of(audit, summary.nothing_moved(), sim.integrator().info().adaptive));
+  const char* word = "suspect";
+  for (const std::string& clause : suspects_of(ended)) say("  {:<10} {}\n", std::exchange(word, ""), clause);
   if (!sim.system().links().empty())
     say("  {}    constraints violated by at most {:.2g} m after a step{}\n", audit.drifted ? "DRIFTED" : "drift  ",
         r.largest_violation,
@@ -177,7 +183,7 @@ Json json_of(const EndedRun& ended, const RowEnvelope& rows) {
       {"factors", work.factors},
       {"impacts", r.impacts},
       {"stopped_by", r.stopped_by},
-      {"energy", energy_of(audit)},
+      {"energy", energy_of(ended)},
       {"drift",
        {{"violation", json_number(audit.violation)}, {"limit", audit.limits.violation}, {"drifted", audit.drifted}}},
       {"warnings", r.warnings},

@@ -27,6 +27,7 @@ struct EndedRun {
   const std::vector<PassedPosition>& passed;  ///< the first singular positions, with plain stages
   long n_passed = 0;                          ///< how many there were
   std::string formulation{};                  ///< of its steps: "joint", "omega", "quaternion"
+  System* system = nullptr;                   ///< its own, for checks of what it says
 };
 
 /// What speaks against its result though it went through, one sentence each: what --strict refuses.

@@ -36,21 +36,7 @@ State run_to(Mechanism& m, const Registry& registry, double t) {
   return state;
 }
 
-double instant_of(const Arguments& args) {
-  if (args.at.empty()) return 0;
-  double t = 0;
-  const char* const end = args.at.data() + args.at.size();
-  const auto [next, error] = std::from_chars(args.at.data(), end, t);
-  if (error != std::errc() || next != end) {
-    const Measured measured = read_quantity(args.at, Unit::time);
-    if (!measured.problem.empty())
-      return positive_number("--at", args.at, Unit::time, "0.5s");  // which says what is wrong
-    t = measured.value;
-  }
-  if (!(t >= 0) || t > 1e300)
-    throw UsageError("--at: the value is " + args.at + "; it must be 0 or greater, and finite");
-  return t;
-}
+double instant_of(const Arguments& args) { return args.at.empty() ? 0 : instant("--at", args.at); }
 
 MechanismAt state_at(std::unique_ptr<Mechanism> mechanism, const Registry& registry, double t) {
   MechanismAt out;

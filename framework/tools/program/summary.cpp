@@ -39,8 +39,12 @@ double turn_of_step(double shortest, double h, double rate) {
   return std::abs(with - expected) <= std::abs(against - expected) ? with : against;
 }
 
-// Axes of the body's frame at its mass centre.
-Pose center_pose(const Body& body, const State& state) { return body_pose(body, state) * Pose{body.mass.center, {}}; }
+// Axes of the body's frame at its mass centre. By the inputs, which are found once for all bodies: in joint coordinates
+// the pose of one body alone is found along the whole chain to the ground.
+Pose center_pose(const Body& body, const Sample& s) {
+  const Motion& O = s.inputs().slot(body.slot);
+  return Pose{O.x, normalized(O.e)} * body.in_slot * Pose{body.mass.center, {}};
+}
 
 }  // namespace
 
@@ -49,7 +53,7 @@ void Summary::start(const Sample& s) {
   length_ = s.system().length();
   for (const Body& body : s.system().bodies())
     if (!body.fixed) {
-      const Pose at = center_pose(body, s.state);
+      const Pose at = center_pose(body, s);
       movers_.push_back({&body, at.x, at.x, speed_of(body, at.x, s), turning_of(body, s), at.q});
     }
 }
@@ -57,7 +61,7 @@ void Summary::start(const Sample& s) {
 // Paths and turns are summed over the steps, so that coarse outputs do not shorten them.
 void Summary::step(const Sample& s) {
   for (Mover& m : movers_) {
-    const Pose at = center_pose(*m.body, s.state);
+    const Pose at = center_pose(*m.body, s);
     const Vec3 v = speed_of(*m.body, at.x, s), w = turning_of(*m.body, s);
     const Vec3 turn = rotation_vector(at.q * conjugate(m.last_q));  // world axes
     const double h = s.report.h, shortest = turn.norm(), whole = turn_of_step(shortest, h, w.norm());

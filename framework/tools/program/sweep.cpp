@@ -28,6 +28,7 @@
 #include "framework/tools/program/run_report.h"
 #include "framework/tools/program/sweep_plan.h"
 #include "framework/tools/program/sweep_rest.h"
+#include "framework/tools/program/terminal.h"
 #include "framework/tools/program/threads.h"
 #include "framework/tools/program/words.h"
 #include "framework/tools/sweep/sweep_lanes.h"
@@ -130,10 +131,8 @@ class Sweep {
     queue_.rethrow();
     return tally_;
   }
-  /// The rows have their name.
-  void committed() const {
-    if (tally_.done == n_runs_) mark_.remove();
-  }
+  /// All rows are there and have their name.
+  void committed() const { mark_.remove(); }
   long n_runs() const { return n_runs_; }
   /// Of the runs, for the report; null without one.
   const report::Histories* motions() const { return motions_ ? &*motions_ : nullptr; }
@@ -263,7 +262,7 @@ class Sweep {
   long number(long k) const { return Grid::run(plan_.shard, k); }
   std::function<bool(double)> watch_time(std::atomic<double>& share, double until, double n) {
     return [this, &share, until, n](double t) {
-      share = n * std::min(t / until, 1.0);
+      share = until > 0 ? n * std::min(t / until, 1.0) : 0.0;
       return go_on();
     };
   }
@@ -285,8 +284,8 @@ class Sweep {
   void report(long number, const std::string& reason) {
     if (++tally_.failed > kMostReasons) return;
     progress_.finish();
-    fmt::print(stderr, "lockstep: run {} ({}) failed: {}\n", number, plan_.setting(number), reason);
-    if (tally_.failed == kMostReasons) fmt::print(stderr, "lockstep: further failures stand in the table only\n");
+    tell(fmt::format("lockstep: run {} ({}) failed: {}\n", number, plan_.setting(number), reason));
+    if (tally_.failed == kMostReasons) tell("lockstep: further failures stand in the table only\n");
   }
 
   const SweepPlan& plan_;
@@ -331,17 +330,18 @@ void print_json(const SweepPlan& plan, const Tally& tally, const std::string& cs
   print_document(j);
 }
 
-// Rows survive an error: the file that grew stays, and the message names it.
+// Rows survive an error and an interruption: the file that grew stays, and the message names it.
 Tally run_and_commit(Sweep& sweep, GrowingFile& rows) {
-  bool in_place = false;
+  bool has_name = false;
   try {
     const Tally tally = sweep.go();
+    if (tally.done < sweep.n_runs()) return tally;
     rows.commit();
-    in_place = true;
+    has_name = true;
     sweep.committed();
     return tally;
   } catch (const std::exception&) {
-    if (!in_place) fmt::print(stderr, "lockstep: the rows so far are in {}\n", rows.partial());
+    if (!has_name) tell(fmt::format("lockstep: the rows so far are in {}\n", rows.partial()));
     throw;
   }
 }
@@ -390,14 +390,17 @@ int sweep_command(const Arguments& args) {
     const FewMessages few(kMostReasons);
     return run_and_commit(sweep, rows);
   }();
+  const bool interrupted = tally.done < sweep.n_runs();  // what is there replaces nothing then
+  const std::string table = interrupted && csv != "-" ? rows.partial() : csv;
   if (args.json)
-    print_json(plan, tally, csv);
+    print_json(plan, tally, table);
   else
-    print_end(plan, tally, csv, words);
-  if (!report.empty()) write_report(plan, tally, csv, report, sweep.motions(), words);
-  if (interrupt.asked()) {
-    fmt::print(stderr, "lockstep: interrupted; the rows of {} of {} runs are in {}{}\n", tally.done, sweep.n_runs(),
-               csv, rows.in_place() ? "" : "; the same command with --resume goes on");
+    print_end(plan, tally, table, words);
+  if (!report.empty())
+    write_report(plan, tally, table, interrupted ? unfinished_report(report) : report, sweep.motions(), words);
+  if (interrupted) {
+    tell(fmt::format("lockstep: interrupted; the rows of {} of {} runs are in {}{}\n", tally.done, sweep.n_runs(),
+                     rows.partial(), rows.in_place() ? "" : "; the same command with --resume goes on"));
     return kExitInterrupted;
   }
   return tally.failed > 0 ? kExitFailure : tally.wrong > 0 ? kExitNotConserved : kExitOk;

@@ -74,8 +74,7 @@ void SweepMark::remove() const {
 
 KeptRows keep_rows(GrowingFile& rows, const std::string& header, const std::function<std::string(long)>& row_begin) {
   std::error_code none;
-  const bool grew =
-      std::filesystem::file_size(rows.partial(), none) > 0;  // else a run ended by Ctrl-C gave it its name
+  const bool grew = std::filesystem::file_size(rows.partial(), none) > 0;  // else the rows have their name already
   const std::string text = contents_of(grew ? rows.partial() : rows.name());
   if (!text.starts_with(header))
     throw FileError(fmt::format("'{}' does not hold the rows of this sweep; leave out --resume to begin anew",
@@ -86,7 +85,7 @@ KeptRows keep_rows(GrowingFile& rows, const std::string& header, const std::func
   for (std::size_t next; (next = text.find('\n', end)) != std::string::npos; end = next + 1, ++kept.n) {
     const std::string line = text.substr(end, next - end);
     if (!line.starts_with(row_begin(kept.n))) break;
-    split_csv(line, ',', cells);
+    if (split_csv(line, ',', cells)) break;  // no row of a sweep
     const std::string& outcome = cells.back();
     if (outcome.starts_with("failed: ")) ++kept.failed;
     if (wrong_by(outcome)) ++kept.wrong;

@@ -2,10 +2,16 @@
 
 #include <unistd.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <string_view>
 
 namespace lockstep {
+
+void tell(std::string_view words) {
+  std::fwrite(words.data(), 1, words.size(), stderr);
+  std::fflush(stderr);
+}
 
 const char* error_mark() {
   const auto set = [](const char* name) {

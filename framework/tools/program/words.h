@@ -4,6 +4,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <cstdio>
+#include <string>
 
 #include "framework/tools/program/commands.h"
 
@@ -21,10 +22,12 @@ class Words {
       throw UsageError("--json: standard output takes the rows (--record -); let one of the two go to a file");
   }
   explicit operator bool() const { return to_ != nullptr; }
+  /// Throws nothing where the stream cannot be written: what is left of the verb is done, and its exit code tells.
   template <class... Args>
   void say(fmt::format_string<Args...> format, Args&&... args) const {
     if (to_ == nullptr) return;
-    fmt::print(to_, format, std::forward<Args>(args)...);
+    const std::string words = fmt::format(format, std::forward<Args>(args)...);
+    std::fwrite(words.data(), 1, words.size(), to_);
     std::fflush(to_);
   }
 

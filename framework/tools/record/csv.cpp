@@ -89,6 +89,15 @@ void write_csv(const std::string& file, const Table& table) {
                     errno != 0 ? std::strerror(errno) : "writing failed"));
 }
 
+namespace {
+
+void split_line(const std::string& text, std::vector<std::string>& cells, const std::string& file, int line) {
+  if (const auto fault = split_csv(text, ',', cells))
+    throw FileError(fmt::format("{}:{}:{}: {}", file, line, csv_column(text, fault->byte), fault->problem));
+}
+
+}  // namespace
+
 Table read_csv(std::istream& in, const std::string& file) {
   std::string text;
   std::vector<std::string> cells;
@@ -96,7 +105,7 @@ Table read_csv(std::istream& in, const std::string& file) {
     throw FileError(fmt::format("{}:1: the file is empty; its first line must name the columns", file));
   if (!take_byte_order_mark(text)) throw FileError(file + ":1: the file is UTF-16; save it as UTF-8");
   Table table;
-  split_csv(text, ',', cells);
+  split_line(text, cells, file, 1);
   try {
     for (const std::string& cell : cells) add_titled_column(table, cell);
   } catch (const ModelError& e) {
@@ -105,7 +114,7 @@ Table read_csv(std::istream& in, const std::string& file) {
   std::vector<double> row(table.n_columns());
   for (int line = 2; std::getline(in, text); ++line) {
     if (text::trimmed(text).empty()) continue;
-    split_csv(text, ',', cells);
+    split_line(text, cells, file, line);
     if (cells.size() != row.size())
       throw FileError(
           fmt::format("{}:{}: {} cells where the header has {} columns; every line needs one number a column", file,

@@ -12,7 +12,8 @@ namespace lockstep {
 namespace {
 
 constexpr double kRounding = 1e-9;  // of the energies themselves: a smaller imbalance is no loss,
-constexpr double kStill = 1e-14;    // nor one below this times m L^2 / s^2
+constexpr double kStill = 1e-14;    // nor one below this times m L^2 / s^2,
+constexpr double kPlace = 1e-13;    // or of the length, by which rounding may move a weight: times m g L
 
 enum : std::size_t { kKinetic, kPotential, kDrives, kSupplied, kDissipated };
 
@@ -82,8 +83,8 @@ void EnergyAudit::start(const Sample& s) {
   b.audit = {};
   b.audit.limits = b.limits.of(s.system().length());
   b.least = 0;
-  for (int k = 0; k < s.system().n_slots(); ++k) b.least += kStill * s.system().slot(k).mass;
-  b.least *= s.system().length() * s.system().length();
+  const double L = s.system().length(), g = s.system().gravity().norm();
+  for (int k = 0; k < s.system().n_slots(); ++k) b.least += s.system().slot(k).mass * L * (kStill * L + kPlace * g);
   b.force_names.clear();
   for (const auto& force : s.system().forces()) b.force_names.push_back(force->name());
   b.gives_power.assign(s.system().forces().size(), false);

@@ -2,7 +2,10 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <exception>
+
 #include <lockstep/error.h>
+#include "framework/dynamics/simulate/told_again.h"
 #include "framework/dynamics/simulate/user_code.h"
 #include "framework/tools/record/saved_rows.h"
 
@@ -43,6 +46,20 @@ void call(Hook Channel::*hook, const std::vector<Channel>& columns, const std::v
       if (c.*hook) (c.*hook)(args...);
 }
 
+// The same at a state, which is told once: all are called, also where one throws, so that no other misses a turn.
+template <class Hook>
+void call_at(const Sample& sample, Hook Channel::*hook, const std::vector<Channel>& columns,
+             const std::vector<Channel>& followed) {
+  std::exception_ptr first;
+  for (const auto* all : {&columns, &followed})
+    for (const Channel& c : *all) try {
+        if (c.*hook) user_code("channel", c.name, sample.state.t, [&] { (c.*hook)(sample); });
+      } catch (...) {
+        if (!first) first = std::current_exception();
+      }
+  if (first) std::rethrow_exception(first);
+}
+
 }  // namespace
 
 void Recorder::start(const Sample& sample) {
@@ -51,14 +68,18 @@ void Recorder::start(const Sample& sample) {
   step(sample);
 }
 
-void Recorder::step(const Sample& sample) { call(&Channel::track, channels_, followed_, sample); }
-void Recorder::jumped(const Sample& sample) { call(&Channel::jumped, channels_, followed_, sample); }
+void Recorder::step(const Sample& sample) { call_at(sample, &Channel::track, channels_, followed_); }
+void Recorder::jumped(const Sample& sample) { call_at(sample, &Channel::jumped, channels_, followed_); }
 
-void Recorder::output(const Sample& sample) {
+// A row is added whole. One that cannot be made is asked for again when the run goes on, as no other way leads to it.
+void Recorder::output(const Sample& sample) try {
   row_[0] = sample.state.t;
   for (std::size_t k = 0; k < channels_.size(); ++k)
     row_[k + 1] = user_code("channel", channels_[k].name, sample.state.t, [&] { return channels_[k].value(sample); });
   table_.add_row(row_);
+} catch (...) {
+  ask_again(*this);
+  throw;
 }
 
 void Recorder::save(Snapshot& out) const {

@@ -3,6 +3,8 @@
 #include <limits>
 #include <utility>
 
+#include "framework/dynamics/simulate/told_again.h"
+
 namespace lockstep {
 
 RowsAtJumps::RowsAtJumps(std::function<void(const Sample&)> add, std::function<double()> last_instant)
@@ -12,11 +14,16 @@ double RowsAtJumps::spacing() const { return std::numeric_limits<double>::infini
 
 void RowsAtJumps::before_jump(const Sample& sample) {
   acted_ = sample.state.t;
-  if (last_instant_() != acted_) add_(sample);
+  if (last_instant_() != acted_) add(sample);
 }
 
 void RowsAtJumps::jumped(const Sample& sample) {
-  if (sample.state.t == acted_) add_(sample);
+  if (sample.state.t == acted_) add(sample);
+}
+
+void RowsAtJumps::add(const Sample& sample) try { add_(sample); } catch (...) {
+  ask_again(*this);
+  throw;
 }
 
 }  // namespace lockstep

@@ -22,6 +22,7 @@ class LOCKSTEP_API RowsAtJumps final : public DetailObserver {
   void load(const Snapshot& in) override { acted_ = in.get(); }
 
  private:
+  void add(const Sample&);
   std::function<void(const Sample&)> add_;
   std::function<double()> last_instant_;
   double acted_ = -1;  // when something acted last, s

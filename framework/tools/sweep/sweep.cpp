@@ -165,7 +165,7 @@ SweepRun watched_run(const Scene& scene, const Registry& registry, const Table& 
     };
     try {
       refuse_other_columns(recorder->table(), like);
-      if (!(m.run.until > 0)) throw ModelError("the scene does not say how long it runs; add \"until\" to \"run\"");
+      if (m.run.until < 0) throw ModelError("the scene does not say how long it runs; add \"until\" to \"run\"");
       simulate(m, *recorder, registry, result, go_on, at_jumps ? &at_jumps->observer() : nullptr, watch.observer);
     } catch (...) {
       end();

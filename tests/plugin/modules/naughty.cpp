@@ -130,12 +130,23 @@ class NaughtyForce final : public Force {
   void setup() override {}
   void apply(const Inputs& in, WrenchSum& out) const override {
     if (does_ == "slot") out.force(4, Vec3::UnitX(), Vec3::Zero());
+    const Motion& O = in.slot(p_->body->slot);
+    if (does_ == "half a potential") out.force(p_->body->slot, -20 * O.x, O.x);
     if (in.t < kWhen) return;
     misbehave(does_);
     if (does_ == "nan") out.force(p_->body->slot, Vec3::Constant(std::nan("")), Vec3::Zero());
   }
+  double potential(const Inputs& in) const override {
+    if (does_ == "half a potential") return 5 * in.slot(p_->body->slot).x.squaredNorm();
+    return none_from("nan potential", in);
+  }
+  double dissipation(const Inputs& in) const override { return none_from("nan dissipation", in); }
+  double supply(const Inputs& in) const override { return none_from("nan supply", in); }
 
  private:
+  double none_from(const char* word, const Inputs& in) const {
+    return does_ == word && in.t >= kWhen ? std::nan("") : 0.0;
+  }
   Marker* p_;
   std::string does_;
 };

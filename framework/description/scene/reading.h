@@ -1,0 +1,42 @@
+// How a scene is read: which files it may include.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <lockstep/export.h>
+#include <lockstep/scene.h>
+
+namespace lockstep {
+
+/// Asked of each scene that another one includes, before anything of it is read or looked for: throws where it may not
+/// be read. `named`: the text that names it; `file`: its path.
+using IncludeRule = std::function<void(const Value& named, const std::string& file)>;
+
+/// A key of an included scene that is read and left out: the whole has one of its own, or none.
+struct LeftOutKey {
+  Where where;
+  std::string key, value;
+};
+
+/// One reading of a scene, with all that it includes.
+struct SceneReading {
+  std::vector<std::string> files;      ///< those that are being read: each includes the next
+  IncludeRule rule{};                  ///< none: any file may be included
+  std::vector<LeftOutKey> left_out{};  ///< of the scenes that are included
+};
+
+/// A scene as scene_from() of scene.h reads it, which includes only what the rule lets it. `again`: it was read before
+/// with other values, and what is left out of it was told.
+LOCKSTEP_API Scene scene_from(Value root, std::string file, const IncludeRule&, bool again = false);
+
+/// Refuses a version of the format that is not known: what a newer format has besides is no matter then. Throws
+/// SceneError.
+void check_format(const Value& root);
+
+/// Reads what a scene holds beside its lists, once its formulas have values: title, description, plugins and run
+/// settings. Throws SceneError: unknown keys, values that are not of their form.
+void read_root(Scene&);
+
+}  // namespace lockstep

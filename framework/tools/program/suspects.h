@@ -1,0 +1,17 @@
+// Who may be to blame where a run did not conserve energy.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "framework/tools/program/run_words.h"
+
+namespace lockstep {
+
+/// One clause each, the likeliest first: forces whose potential, dissipation or supply do not fit what they exert
+/// (check_force() at a few states about the start), singular positions that the motion passed, links that the
+/// stabilisation leaves open, stages off the constraints in loops with drives, long turns in fixed steps. None where energy
+/// was conserved or cannot be judged, or where nothing of this is there.
+std::vector<std::string> suspects_of(const EndedRun&);
+
+}  // namespace lockstep
