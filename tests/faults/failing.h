@@ -79,6 +79,7 @@ inline void check_rows(const std::string& file) {
   for (std::size_t next; (next = text.find('\n', at)) != std::string::npos; at = next + 1)
     torn += commas(text.substr(at, next - at)) != whole ? 1 : 0;
   CHECK(torn == 0);
+  CHECK(text.back() == '\n');
 }
 
 }  // namespace failing

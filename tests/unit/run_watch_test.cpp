@@ -95,16 +95,17 @@ TEST_CASE("the violation that a foreign integrator leaves is measured", "[unit][
   CHECK(violation < 1e-9);
 }
 
-// Methods of the library are believed from step to step, and measured again at outputs.
-TEST_CASE("a built-in method that reports less than it leaves is found out at an output", "[unit][dynamics]") {
-  for (const bool at_outputs : {true, false}) {
+// Methods of the library are believed from step to step, and measured again in some.
+TEST_CASE("a built-in method that reports less than it leaves is found out", "[unit][dynamics]") {
+  for (const bool lies : {true, false}) {
     RodPendulum pendulum;
     Dynamics dynamics = dynamics_of(pendulum.system);
-    auto method = std::make_unique<Misled>([](Dynamics&, State& y, StepReport&, double) { y.q[0] += 1e-3; });
+    auto method =
+        std::make_unique<Misled>([lies](Dynamics&, State& y, StepReport&, double) { y.q[0] += lies ? 1e-3 : 0; });
     method->set_origin("built in");
-    StepLoop run(dynamics, std::move(method), {.step = 0.01, .output = at_outputs ? 0.1 : 0});
+    StepLoop run(dynamics, std::move(method), {.step = 0.01});
     run.run_until(1);
-    CHECK((run.report().largest_violation > 1e-3) == at_outputs);
+    CHECK((run.report().largest_violation > 1e-3) == lies);
   }
 }
 

@@ -11,8 +11,8 @@
 namespace lockstep {
 
 /// Replaces "include" of a scene by what the named scenes hold: their points, bodies, markers, links, forces and events
-/// come before the scene's own, with a prefix before their names, moved by the pose that is asked for. All of them is
-/// checked as if each stood alone; their run settings, gravity, "planar" and "merge" stay out. The formulas of the
+/// come before the scene's own, with a prefix before their names, moved by the pose that is asked for. Each is
+/// checked as if it stood alone; their run settings, gravity, "planar" and "merge" stay out. The formulas of the
 /// included scenes are added to `formulas`, as in Scene. Throws SceneError, FileError, and what the rule throws.
 void expand_includes(Value& root, SceneReading&, std::vector<std::pair<Where, std::string>>& formulas);
 

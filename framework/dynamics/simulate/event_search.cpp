@@ -44,7 +44,9 @@ double EventLocator::value_inside(std::size_t i, const State& state) {
   if (interval_.has_dense()) return value_of(i, state);
   try {
     return value_of(i, state);
-  } catch (const Error&) {
+  } catch (const NonFiniteError&) {
+    return watched_[i].value;
+  } catch (const SolveError&) {
     return watched_[i].value;
   }
 }

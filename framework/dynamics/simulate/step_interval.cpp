@@ -19,7 +19,6 @@ void StepInterval::start(const State& state) {
   keep_state(state, from_), keep_state(state, inside_);
   report_ = {};
   remembers_ = false;
-  watch_.start();
 }
 
 void StepInterval::begin(const State& state) {
@@ -39,7 +38,7 @@ void StepInterval::make(State& state, double h) {
     if (method_.info().adaptive || method_.origin() != "built in" || names_thing(error.what())) throw;
     const std::string who = who_varies(dynamics_, from_, h);  // adaptive methods have said it
     if (who.empty()) throw;
-    throw StepError(std::string(error.what()) + "; " + who, from_.t);
+    throw StepError(std::string(error.what()) + "; " + who, error);
   } catch (...) {
     state = from_;
     throw;
@@ -100,13 +99,14 @@ bool StepInterval::read_acting(const State& state, VecX& out) try {
     for (int k = 0; k < entry.m; ++k) out[n + 2 * m + entry.first_row + k] = e.rows().block(entry).Qhat(k);
   if (!held_rows) dynamics_.forget_rows(state);
   return true;
-} catch (const Error&) {
+} catch (...) {
   return false;
 }
 
-// Explicit methods with a scheme() evaluate each stage anew.
+// Methods with a scheme() evaluate each stage anew, and so do the explicit ones of the library that take joint coordinates.
 void StepInterval::note_acting(const State& state) {
-  remembers_ = method_.scheme() == nullptr && read_acting(state, acted_);
+  const IntegratorInfo method = method_.info();
+  remembers_ = method_.scheme() == nullptr && (method.implicit || !method.joint) && read_acting(state, acted_);
 }
 
 bool StepInterval::acts_otherwise(const State& state) {

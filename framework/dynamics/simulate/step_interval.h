@@ -19,7 +19,7 @@ class StepInterval {
   /// it was.
   void make(State& state, double h);
 
-  /// At an output, after n steps: see StepWatch::check_again().
+  /// After n steps: see StepWatch::check_again().
   void check_again(const State& at, long n, double& largest) { watch_.check_again(at, n, largest); }
 
   const State& from() const { return from_; }
@@ -36,8 +36,8 @@ class StepInterval {
   /// The state at t becomes the end of the step.
   void cut(double t, State& state);
 
-  /// Remembers what acts at the state that a call ends with, forces and what rows ask for, where the method keeps
-  /// accelerations from step to step; whoever calls again may have changed it,
+  /// Remembers what acts at the state that a call ends with, where the method may keep accelerations from step to step:
+  /// forces but for those that depend on reactions, and what rows ask for. Whoever calls again may have changed it,
   void note_acting(const State&);
   /// which this says.
   bool acts_otherwise(const State&);

@@ -279,7 +279,7 @@ void StepLoop::advance(double limit, double largest) {
   if (step.manifold) ++report_.manifold_steps;
   if (step.stiff && !(report_.stiff_since <= state_.t) && may_damp(dynamics_, state_)) report_.stiff_since = state_.t;
   if (!(step.violation_after <= report_.largest_violation)) report_.largest_violation = step.violation_after;
-  if (clock.next_output() <= state_.t) interval.check_again(state_, report_.steps, report_.largest_violation);
+  interval.check_again(state_, report_.steps, report_.largest_violation);
   conclude();
 }
 

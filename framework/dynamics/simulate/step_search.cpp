@@ -29,17 +29,21 @@ void StepSearch::begin(const State& end) {
   const State& from = interval_.from();
   const double w = std::max(fastest_turn(dynamics_, from), fastest_turn(dynamics_, end));
   turn_parts_ = std::max(1.0, std::ceil((end.t - from.t) * w / kPart));
+  if (!std::isfinite(turn_parts_)) refuse();
   along_ = end.coordinates && end.coordinates->n_v() == 0 && interval_.has_dense();
+}
+
+void StepSearch::refuse() const {
+  const double t0 = interval_.from().t;
+  throw StepError(fmt::format("a body turns by {:.3g} rad in the step of {:.3g} s from t = {:.9g} s, beyond {:.2g} rad "
+                              "no events or contacts are found inside; bound the step (--step)",
+                              turn_parts_ * kPart, end_->t - t0, t0, kMost * kPart),
+                  t0);
 }
 
 const std::vector<double>& StepSearch::even() {
   const double t0 = interval_.from().t, h = end_->t - t0;
-  if (!(turn_parts_ <= kMost))
-    throw StepError(
-        fmt::format("a body turns by {:.3g} rad in the step of {:.3g} s from t = {:.9g} s, beyond {:.2g} rad "
-                    "no events or contacts are found inside; bound the step (--step)",
-                    turn_parts_ * kPart, h, t0, kMost * kPart),
-        t0);
+  if (!(turn_parts_ <= kMost)) refuse();
   const int n = std::max(along_ ? kAlong : kLeast, static_cast<int>(turn_parts_));
   times_.clear();
   for (int k = 1; k < n; ++k) times_.push_back(t0 + h * k / n);

@@ -2,7 +2,7 @@
 // loop.
 //
 //   parts = 4, or one for each pi/8 that the body which turns fastest turns by: h max |w| / (pi/8), w at both ends;
-//           256 where laws alone move all, since nothing then limits the step
+//           256 where laws alone move all and there is dense output, since nothing then limits the step
 //
 // A quantity of the mechanism is known at the instants between the parts. Beside a turning point towards zero it is
 // looked at closer (comes_to_zero). Of a method without dense output the states inside are those of a cubic polynomial.
@@ -32,7 +32,8 @@ class StepSearch {
     times_.reserve(kMany);
   }
 
-  /// Looks at the step that ended with `end`, which must outlive the look.
+  /// Looks at the step that ended with `end`, which must outlive the look. Throws StepError where a body turns by more than
+  /// numbers hold.
   void begin(const State& end);
   /// Parts by the turn alone, >= 1.
   double turn_parts() const { return turn_parts_; }
@@ -54,6 +55,7 @@ class StepSearch {
 
  private:
   void fit();
+  [[noreturn]] void refuse() const;
 
   Dynamics& dynamics_;
   StepInterval& interval_;
