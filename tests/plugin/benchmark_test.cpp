@@ -9,6 +9,7 @@
 #include <lockstep/version.h>
 #include "framework/tools/charts/gnuplot.h"
 #include "tests/support/catch.h"
+#include "tests/support/gnuplot_here.h"
 #include "tests/support/paths.h"
 #include "tests/support/program.h"
 #include "tests/support/worst.h"
@@ -140,7 +141,7 @@ TEST_CASE("chart leaves every error of every combination in its table", "[benchm
   for (const char* word :
        {"best with each integrator", "best with each solver", "best with each formulation", "  1e-06 m "})
     CHECK(contains(r.text, word));
-  INFO("gnuplot draws it, and tests/run installs that (Debian: gnuplot-nox)");
+  testing::require_gnuplot();
   REQUIRE(contains(r.text, "ring_chart.png"));
   for (const char* picture : {"", "_evaluations", "_formulations", "_stabilizations", "_solvers"})
     CHECK(fs::file_size(kFolder + "/charts/ring_chart" + picture + ".png") > 10000);
@@ -158,8 +159,7 @@ TEST_CASE("of a method whose error still falls a chart does not say never", "[be
 }
 
 TEST_CASE("a chart says in its picture on which machine, by which version and when it was measured", "[benchmark]") {
-  INFO("gnuplot draws it, and tests/run installs that (Debian: gnuplot-nox)");
-  REQUIRE(!find_gnuplot().empty());
+  testing::require_gnuplot();
   const std::string svg = kFolder + "/caption/ring_chart.svg",
                     words = "chart '" + ring("") +
                             "' --integrators dopri5 --formulations omega --stabilizations project "

@@ -14,6 +14,7 @@
 #include <lockstep/sweep.h>
 #include "framework/tools/program/detail_rows.h"
 #include "tests/support/catch.h"
+#include "tests/support/gnuplot_here.h"
 #include "tests/support/paths.h"
 #include "tests/support/program.h"
 #include "tests/support/worst.h"
@@ -82,8 +83,7 @@ TEST_CASE("pictures of one column against another are drawn on request", "[runne
   const Called r = call(run + "--picture Bx:By --picture t:theta");
   INFO(r.text);
   CHECK(r.exit == 0);
-  INFO("gnuplot draws it, and tests/run installs that (Debian: gnuplot-nox)");
-  REQUIRE(shell("command -v gnuplot").exit == 0);
+  testing::require_gnuplot();
   for (const char* name : {"path.By_over_Bx.png", "path.By_over_Bx.svg", "path.theta_over_t.svg"}) {
     CHECK(contains(r.text, name));
     CHECK(fs::file_size(kRunnerFolder + "/" + std::string(name)) > 1000);
@@ -116,8 +116,7 @@ TEST_CASE("a path of a long run goes through rows of one instant each", "[runner
   INFO(r.text);
   CHECK(r.exit == 0);
   CHECK(contains(r.text, "(17001 rows)"));
-  INFO("gnuplot draws it, and tests/run installs that (Debian: gnuplot-nox)");
-  REQUIRE(shell("command -v gnuplot").exit == 0);
+  testing::require_gnuplot();
   CHECK(contains(r.text, "paths join one row in 2"));
   CHECK_FALSE(contains(r.text, "curves join the ends of steps"));  // no rows within steps were asked for
   std::ifstream in(kRunnerFolder + "/round.b.y_over_b.x.svg");

@@ -15,6 +15,7 @@
 #include "framework/tools/charts/chart_path.h"
 #include "framework/tools/charts/gnuplot.h"
 #include "tests/support/catch.h"
+#include "tests/support/gnuplot_here.h"
 #include "tests/support/messages.h"
 
 namespace chart_grid_test {
@@ -39,8 +40,7 @@ GridSpec two_panels() {
 }  // namespace
 
 TEST_CASE("a grid is drawn with its legend, strip and remarks", "[unit][chart]") {
-  INFO("gnuplot draws it, and tests/run installs that (Debian: gnuplot-nox)");
-  REQUIRE(!find_gnuplot().empty());
+  testing::require_gnuplot();
   const fs::path folder = fs::temp_directory_path() / ("lockstep_grid_test_" + std::to_string(getpid()));
   fs::create_directory(folder);
   write_grid((folder / "grid").string(), two_panels());
@@ -62,8 +62,7 @@ TEST_CASE("a grid is drawn with its legend, strip and remarks", "[unit][chart]")
 }
 
 TEST_CASE("curves that would go on end in rings, which the legend names", "[unit][chart]") {
-  INFO("gnuplot draws it, and tests/run installs that (Debian: gnuplot-nox)");
-  REQUIRE(!find_gnuplot().empty());
+  testing::require_gnuplot();
   const fs::path folder = fs::temp_directory_path() / ("lockstep_rings_test_" + std::to_string(getpid()));
   fs::create_directory(folder);
   const auto drawn = [&](const GridSpec& grid) {
@@ -84,8 +83,7 @@ TEST_CASE("curves that would go on end in rings, which the legend names", "[unit
 
 // A circle is one where both scales are equal: its curve is as wide as it is high, in pixels.
 TEST_CASE("a path is drawn with equal scales where that is asked for", "[unit][chart]") {
-  INFO("gnuplot draws it, and tests/run installs that (Debian: gnuplot-nox)");
-  REQUIRE(!find_gnuplot().empty());
+  testing::require_gnuplot();
   const fs::path folder = fs::temp_directory_path() / ("lockstep_path_test_" + std::to_string(getpid()));
   fs::create_directory(folder);
   PathSpec spec{"a circle", "x [m]", "y [m]"};

@@ -232,6 +232,20 @@ TEST_CASE("event: a condition that is far from zero is looked at seldom, however
   if (!meets) CHECK(asked < 80 * run.report().steps);
 }
 
+// Four parts of a step, and one look beside an end of it at times.
+TEST_CASE("event: a condition is asked about five times a step where nothing turns far", "[unit][events]") {
+  RodPendulum pendulum;
+  Dynamics dynamics = dynamics_of(pendulum.system);
+  StepLoop run(dynamics, method_named(GENERATE("dopri5", "dop853", "radau5")), {.tolerance = {1e-9, 1e-11}});
+  long asked = 0;
+  Event event{.name = "far"};
+  event.value = [&](const Sample& s) { return ++asked, s.state.slot_pose(0).x[2] - 100; };
+  run.add_event(event);
+  run.run_until(5);
+  CHECK(run.report().steps > 20);
+  CHECK(asked <= 6 * run.report().steps + 2);
+}
+
 TEST_CASE("event: a turning point towards zero is followed as far as it may reach zero", "[unit][events]") {
   const double turn = GENERATE(0.01, 0.3, 0.5, 0.83, 0.999);
   const double depth = GENERATE(1e-3, 1e-6, 1e-9);

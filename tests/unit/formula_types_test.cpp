@@ -10,20 +10,17 @@
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 #include "tests/support/run_scene.h"
+#include "tests/support/scene_folder.h"
 #include "tests/support/worst.h"
 
 namespace formula_types_test {
 
 using namespace lockstep;
+using lockstep::testing::builtin;
 using lockstep::testing::check_words;
 using lockstep::testing::message_of;
 
 namespace {
-
-const Registry& registry() {
-  static const Registry kRegistry = builtin_registry();
-  return kRegistry;
-}
 
 Params params(const std::string& text) { return Params::unchecked(read_json(text, "params")); }
 
@@ -50,14 +47,14 @@ TEST_CASE("laws by formula pass check_law", "[unit][law]") {
   for (const char* y : {"0.1*sin(3*t) + (t > 1 ? 2*(t-1)^2 : 0)", "=abs(sin(4*t))*exp(-t)", "=mod(3*t, 0.7)",
                         "=max(t, 1.2 - t)*floor(2*t)", "=t < 0.5 || t >= 1.5 ? 0 : hypot(t, 1)", "=5"}) {
     CAPTURE(y);
-    const auto law = registry().laws.make("formula", Params{{"y", y}}, &registry(), "law");
+    const auto law = builtin().laws.make("formula", Params{{"y", y}}, &builtin(), "law");
     const CheckReport report = check_law(*law, {.seed = 3});
     INFO(report.text());
     CHECK(report.ok());
   }
-  CHECK(registry().laws.make("formula", Params{{"y", "=2*pi"}}, &registry(), "law")->is_constant());
+  CHECK(builtin().laws.make("formula", Params{{"y", "=2*pi"}}, &builtin(), "law")->is_constant());
   check_words(message_of<SceneError>([] {
-                registry().laws.make("formula", Params{{"y", "=sin(t"}}, &registry(), "law 'L'");
+                builtin().laws.make("formula", Params{{"y", "=sin(t"}}, &builtin(), "law 'L'");
               }),
               {"law 'L', y", "\"=sin(t\", column 7", "expected \")\""});
 }
@@ -72,7 +69,7 @@ TEST_CASE("links by formula pass check_lock", "[unit][link]") {
                                R"~({"phi": ["=rz", "=x*y", "=e1*e0 - 0.1*z"]})~"};
   for (const char* link : links) {
     CAPTURE(link);
-    const CheckReport report = check_lock(registry(), "function", params(link), {.seed = 4});
+    const CheckReport report = check_lock(builtin(), "function", params(link), {.seed = 4});
     INFO(report.text());
     CHECK(report.ok());
   }
@@ -85,7 +82,7 @@ TEST_CASE("forces by formula pass check_force", "[unit][force]") {
       R"~({"torque": "=-3*sin(q) - 0.1*qd^3"})~", R"~({"torque": "=t > 0.4 && t < 1 ? 2 : -q", "coordinate": "ry"})~"};
   for (const char* force : forces) {
     CAPTURE(force);
-    const CheckReport report = check_force(registry(), "function_force", params(force), {.seed = 5});
+    const CheckReport report = check_force(builtin(), "function_force", params(force), {.seed = 5});
     INFO(report.text());
     CHECK(report.ok());
   }
@@ -187,7 +184,7 @@ TEST_CASE("formulas of types are refused in words", "[unit][scene]") {
       build_mechanism(
           scene_from_text("{\"lockstep\": 1, \"bodies\": [{\"name\": \"b\", \"particle\": 1}], " + members + "}",
                           "s.json"),
-          registry());
+          builtin());
     });
   };
   const auto link = [&](const std::string& keys) {

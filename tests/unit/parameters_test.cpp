@@ -12,22 +12,19 @@
 #include "framework/description/scene/json.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
+#include "tests/support/scene_folder.h"
 
 namespace parameters_test {
 
 using namespace lockstep;
+using lockstep::testing::builtin;
 using lockstep::testing::check_words;
 using lockstep::testing::message_of;
 
 namespace {
 
-const Registry& registry() {
-  static const Registry kRegistry = builtin_registry();
-  return kRegistry;
-}
-
 Scene scene_of(const std::string& members) { return scene_from_text("{\"lockstep\": 1, " + members + "}", "s.json"); }
-Mechanism built(const std::string& members) { return build_mechanism(scene_of(members), registry()); }
+Mechanism built(const std::string& members) { return build_mechanism(scene_of(members), builtin()); }
 std::string refusal(const std::string& members) {
   return message_of<SceneError>([&] { built(members); });
 }
@@ -54,8 +51,8 @@ const std::string kScene = kNames + R"~(
 
 TEST_CASE("a length that stands once places all that hangs on it", "[unit][scene]") {
   for (const double crank : {0.15, 0.2}) {
-    const Scene scene = crank == 0.15 ? scene_of(kScene) : set_in_scene(scene_of(kScene), {"crank=200 mm"}, registry());
-    const Mechanism m = build_mechanism(scene, registry());
+    const Scene scene = crank == 0.15 ? scene_of(kScene) : set_in_scene(scene_of(kScene), {"crank=200 mm"}, builtin());
+    const Mechanism m = build_mechanism(scene, builtin());
     const double rod = 2 * crank, c = std::cos(kPi / 6), s = std::sin(kPi / 6);
     const Vec3 B(crank * c, crank * s, 0), C(crank * c + rod, crank * s, 0);
     CHECK((m.system.body("crank").home.x - 0.5 * B).norm() < 1e-15);
@@ -165,33 +162,33 @@ TEST_CASE("a marker in body axes takes formulas, and a point's place", "[unit][s
 TEST_CASE("parameters are set and varied by name", "[unit][scene]") {
   const Scene scene = scene_of(kScene);
   const auto refused = [&](const std::string& text) {
-    return message_of<ModelError>([&] { set_in_scene(scene, {text}, registry()); });
+    return message_of<ModelError>([&] { set_in_scene(scene, {text}, builtin()); });
   };
-  CHECK(*set_in_scene(scene, {"crank=0.3"}, registry()).parameters[1].value.text() == "0.6 m");
-  CHECK(*set_in_scene(scene, {"crank = 300 mm"}, registry()).parameters[0].value.text() == "0.3 m");
-  CHECK(*set_in_scene(scene, {"rod==2*crank"}, registry()).parameters[1].value.text() == "0.3 m");
-  CHECK(*set_in_scene(scene, {"parameters.phi=0.1"}, registry()).parameters[2].value.text() == "0.1 rad");
-  CHECK(set_in_scene(scene, {"run.until=2"}, registry()).run.until == 2);
-  CHECK(set_in_scene(scene, {"crank=0.3", "rod=0.2"}, registry()).parameters.size() == 6);
+  CHECK(*set_in_scene(scene, {"crank=0.3"}, builtin()).parameters[1].value.text() == "0.6 m");
+  CHECK(*set_in_scene(scene, {"crank = 300 mm"}, builtin()).parameters[0].value.text() == "0.3 m");
+  CHECK(*set_in_scene(scene, {"rod==2*crank"}, builtin()).parameters[1].value.text() == "0.3 m");
+  CHECK(*set_in_scene(scene, {"parameters.phi=0.1"}, builtin()).parameters[2].value.text() == "0.1 rad");
+  CHECK(set_in_scene(scene, {"run.until=2"}, builtin()).run.until == 2);
+  CHECK(set_in_scene(scene, {"crank=0.3", "rod=0.2"}, builtin()).parameters.size() == 6);
   // each alone breaks the formula, both together do not
   const Scene narrow = scene_of(R"~("parameters": {"a": 3, "b": 5, "c": "=asin(a/b)"})~");
-  CHECK(*set_in_scene(narrow, {"a=30", "b=50"}, registry()).parameters[2].value.text() ==
+  CHECK(*set_in_scene(narrow, {"a=30", "b=50"}, builtin()).parameters[2].value.text() ==
         *narrow.parameters[2].value.text());
-  check_words(message_of<SceneError>([&] { set_in_scene(narrow, {"a=30"}, registry()); }), {"asin of 6"});
+  check_words(message_of<SceneError>([&] { set_in_scene(narrow, {"a=30"}, builtin()); }), {"asin of 6"});
   check_words(refused("crank=3 kg"), {"\"crank\"", "3 kg", "m is expected"});
   check_words(refused("crnak=3"), {"\"crnak\"", "did you mean \"crank\""});
   check_words(refused("crank"), {"NAME=VALUE"});
   check_words(refused("=3"), {"NAME=VALUE"});
 
-  const Variable v = read_variable("crank=100 mm:200 mm:3", scene, registry());
+  const Variable v = read_variable("crank=100 mm:200 mm:3", scene, builtin());
   CHECK(v.unit == "m");
   CHECK(v.place == "parameters.crank");
   REQUIRE(v.values.size() == 3);
-  const Scene third = vary_scene(scene, {v}, {2}, registry());
+  const Scene third = vary_scene(scene, {v}, {2}, builtin());
   CHECK(*third.parameters[1].value.text() == "0.4 m");
   CHECK(setting_text({v}, {1}) == "crank = 0.15000000000000002 m");
-  check_words(message_of<ModelError>([&] { read_variable("crank=1 s,2 s", scene, registry()); }), {"m is expected"});
-  check_words(message_of<ModelError>([&] { read_variable("crank=1 m,2 s", scene, registry()); }), {"m is expected"});
+  check_words(message_of<ModelError>([&] { read_variable("crank=1 s,2 s", scene, builtin()); }), {"m is expected"});
+  check_words(message_of<ModelError>([&] { read_variable("crank=1 m,2 s", scene, builtin()); }), {"m is expected"});
 }
 
 TEST_CASE("a length that is written again elsewhere is named when it varies", "[unit][scene]") {
@@ -200,13 +197,13 @@ TEST_CASE("a length that is written again elsewhere is named when it varies", "[
       {"name": "rod", "rod": {"mass": 2, "from": [0.15, 0, 0], "to": [0.5, 0, 0]}}],
     "links": [{"name": "B", "type": "revolute", "p": "rod", "s": "crank", "at": [0.15, 0, 0]}])");
   const auto left = [&](const char* text) {
-    return left_behind(read_variable(text, scene, registry()), scene, registry());
+    return left_behind(read_variable(text, scene, builtin()), scene, builtin());
   };
   CHECK(left("bodies.crank.rod.to.0=0.1,0.2") == std::vector<std::string>{"bodies.rod.rod.from.0", "links.B.at.0"});
   CHECK(left("bodies.crank.rod.mass=1,2").empty());    // no length
   CHECK(left("bodies.rod.rod.to.0=1,2").empty());      // stands once
   CHECK(left("bodies.crank.rod.from.0=1,2").empty());  // zero says nothing
-  CHECK(left_behind(read_variable("crank=1,2", scene_of(kScene), registry()), scene_of(kScene), registry()).empty());
+  CHECK(left_behind(read_variable("crank=1,2", scene_of(kScene), builtin()), scene_of(kScene), builtin()).empty());
 }
 
 TEST_CASE("laws by formula read the scene's parameters in SI", "[unit][scene]") {
@@ -244,7 +241,7 @@ TEST_CASE("repeated parts have an index in names, points and formulas", "[unit][
   const Scene scene = scene_of(chain);
   CHECK(scene.root.find("repeat") == nullptr);
   CHECK(scene.written.find("repeat") != nullptr);
-  const Mechanism m = build_mechanism(scene, registry());
+  const Mechanism m = build_mechanism(scene, builtin());
   REQUIRE(m.system.links().size() == 3);
   for (int k = 1; k <= 3; ++k) {
     const Body& rod = m.system.body("rod_" + std::to_string(k));
@@ -254,7 +251,7 @@ TEST_CASE("repeated parts have an index in names, points and formulas", "[unit][
     CHECK(((end.body->home * end.local).x - Vec3(0.2 * k, 3, 0)).norm() < 1e-15);
   }
   CHECK(m.system.breakpoints(0, 1) == std::vector<double>{1.0 / 3, 0.5});
-  CHECK(set_in_scene(scene, {"n=5"}, registry()).parameters.size() == 2 + 6);
+  CHECK(set_in_scene(scene, {"n=5"}, builtin()).parameters.size() == 2 + 6);
 
   check_words(refusal(R"("repeat": {"times": 2})"), {"scene.repeat", "expected a list"});
   check_words(refusal(R"("repeat": [{"index": "i"}])"), {"repeat[0]", "missing key \"times\""});
@@ -335,7 +332,7 @@ TEST_CASE("a scene is a part of another, with a prefix and parameters", "[unit][
                 {"scene": "leg.json", "prefix": "right_", "parameters": {"L": "=gap/4", "at": [5, 0, 0], "w": "=n"}}],
     "bodies": [{"name": "hips", "box": {"mass": 1, "size": [1, 1, 1]}, "position": "=right_hip + [gap, 0, 0]"}],
     "links": [{"name": "mesh", "type": "gear", "pairs": ["left_H", "right_H"], "teeth_1": 20, "teeth_2": 20}])~";
-  const Mechanism m = build_mechanism(read(robot), registry());
+  const Mechanism m = build_mechanism(read(robot), builtin());
   CHECK((m.system.body("left_leg").home.x - Vec3(0, -0.5, 0)).norm() < 1e-15);
   CHECK((m.system.body("right_leg").home.x - Vec3(5, -0.25, 0)).norm() < 1e-15);
   CHECK((m.system.body("hips").home.x - Vec3(7, 0, 0)).norm() < 1e-15);
@@ -345,11 +342,11 @@ TEST_CASE("a scene is a part of another, with a prefix and parameters", "[unit][
   REQUIRE(m.events.size() == 2);
   CHECK(m.events[1].channel == "right_leg.x@right_end");
   CHECK(m.events[1].event.deactivate == std::vector<std::string>{"right_H"});
-  const Scene longer = set_in_scene(read(robot), {"include.1.parameters.L=3 m"}, registry());
-  CHECK(build_mechanism(longer, registry()).system.body("right_leg").home.x[1] == -1.5);
+  const Scene longer = set_in_scene(read(robot), {"include.1.parameters.L=3 m"}, builtin());
+  CHECK(build_mechanism(longer, builtin()).system.body("right_leg").home.x[1] == -1.5);
 
   const auto refused = [&](const std::string& members) {
-    return message_of<Error>([&] { build_mechanism(read(members), registry()); });
+    return message_of<Error>([&] { build_mechanism(read(members), builtin()); });
   };
   write("self.json", R"("include": [{"scene": "self.json"}])");
   check_words(refused(R"("include": [{"scene": "self.json"}])"), {"self.json:1:", "includes itself"});

@@ -18,47 +18,27 @@
 #include "framework/description/scene/tables.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
+#include "tests/support/scene_folder.h"
 
 namespace scene_includes_test {
 
 using namespace lockstep;
+using lockstep::testing::builtin;
 using lockstep::testing::check_words;
 using lockstep::testing::message_of;
 
 namespace {
 
-const Registry& registry() {
-  static const Registry kRegistry = builtin_registry();
-  return kRegistry;
-}
-
-/// Scenes in a folder of their own.
-class Folder {
- public:
-  Folder() : path_(std::filesystem::temp_directory_path() / ("lockstep_includes_test_" + std::to_string(getpid()))) {
-    std::filesystem::create_directories(path_);
-  }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(path_ / name) << text;
-    return (path_ / name).string();
-  }
+struct Folder : lockstep::testing::SceneFolder {
+  Folder() : SceneFolder("includes") {}
   std::string whole(const std::string& members) const {
     return write("whole.json", "{\"lockstep\": 1, " + members + "}");
   }
-
- private:
-  std::filesystem::path path_;
 };
 
 std::string refusal(const std::string& file) {
   set_logger(nullptr);
-  const std::string words = message_of<Error>([&] { build_mechanism(read_scene(file), registry()); });
+  const std::string words = message_of<Error>([&] { build_mechanism(read_scene(file), builtin()); });
   spdlog::drop("lockstep");
   return words;
 }
@@ -69,7 +49,7 @@ struct Read {
   std::string said;
 };
 Read read(const std::string& file) {
-  registry();  // which may speak of the plugins that it loads
+  builtin();  // which may speak of the plugins that it loads
   std::ostringstream words;
   auto own = std::make_shared<spdlog::logger>("host", std::make_shared<spdlog::sinks::ostream_sink_mt>(words));
   own->set_pattern("%l: %v");
@@ -152,7 +132,7 @@ TEST_CASE("each key of an included scene is taken, applied or left out as the ta
   CHECK(whole.scene.plugins == std::vector<std::string>{"drag"});
   CHECK(whole.scene.title.empty());
   CHECK(whole.scene.run.until < 0);  // none is given
-  const Mechanism m = build_mechanism(whole.scene, registry());
+  const Mechanism m = build_mechanism(whole.scene, builtin());
   CHECK(m.system.gravity().isZero(0));
   CHECK((m.system.body("my_arm").home.x - Vec3(1, 0, 0)).norm() < 1e-15);  // the middle of 2 m
   CHECK(m.system.body("my_s_ball").mass.mass == 3);

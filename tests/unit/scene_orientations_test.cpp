@@ -13,19 +13,16 @@
 #include <lockstep/scene.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
+#include "tests/support/scene_folder.h"
 
 namespace scene_orientations_test {
 
 using namespace lockstep;
+using lockstep::testing::builtin;
 using lockstep::testing::check_words;
 using lockstep::testing::message_of;
 
 namespace {
-
-const Registry& registry() {
-  static const Registry kRegistry = builtin_registry();
-  return kRegistry;
-}
 
 /// Scenes that give an orientation, at "~"; by the words with which messages name it.
 struct Place {
@@ -50,13 +47,13 @@ struct Answer {
   std::string refused, said;
 };
 Answer answer(const Place& place, const std::string& orientation) {
-  registry();
+  builtin();
   std::string text = std::string("{\"lockstep\": 1,\n ") + place.scene + "}";
   text.replace(text.find('~'), 1, orientation);
   std::ostringstream words;
   set_logger(std::make_shared<spdlog::logger>("host", std::make_shared<spdlog::sinks::ostream_sink_mt>(words)));
   const std::string refused =
-      message_of<SceneError>([&] { build_mechanism(scene_from_text(text, "turned.json"), registry()); });
+      message_of<SceneError>([&] { build_mechanism(scene_from_text(text, "turned.json"), builtin()); });
   spdlog::drop("lockstep");
   return {refused, words.str()};
 }

@@ -14,44 +14,29 @@
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
+#include "tests/support/scene_folder.h"
 
 namespace scene_parts_test {
 
 using namespace lockstep;
+using lockstep::testing::builtin;
 using lockstep::testing::check_words;
 using lockstep::testing::message_of;
 
 namespace {
 
-const Registry& registry() {
-  static const Registry kRegistry = builtin_registry();
-  return kRegistry;
-}
-
-/// Scenes in a folder of their own.
-class Folder {
- public:
-  Folder() : path_(std::filesystem::temp_directory_path() / ("lockstep_parts_test_" + std::to_string(getpid()))) {
-    std::filesystem::create_directories(path_);
-  }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
+/// Parts of a scene, written without what all scenes begin with.
+struct Folder : lockstep::testing::SceneFolder {
+  Folder() : SceneFolder("parts") {}
   void write(const char* name, const std::string& members) const {
-    std::ofstream(path_ / name) << "{\"lockstep\": 1, " << members << "}";
+    SceneFolder::write(name, "{\"lockstep\": 1, " + members + "}");
   }
   Scene read(const std::string& members) const {
-    return scene_from_text("{\"lockstep\": 1, " + members + "}", (path_ / "whole.json").string());
+    return scene_from_text("{\"lockstep\": 1, " + members + "}", path("whole.json"));
   }
   std::string refusal(const std::string& members) const {
-    return message_of<Error>([&] { build_mechanism(read(members), registry()); });
+    return message_of<Error>([&] { build_mechanism(read(members), builtin()); });
   }
-
- private:
-  std::filesystem::path path_;
 };
 
 // Every way to place something: rods level, tilted, upright and rolled, boxes, a particle, a fixed frame, markers in body axes,
@@ -117,12 +102,12 @@ TEST_CASE("an included scene stands somewhere else and moves there as it would a
   const Vec3 g(1, -9, 2);
   const Pose by{Vec3(1, 2, -3), axis_angle(Vec3(1, 2, 2) / 3, 0.7)};
   const Mat3 A = rotation(by.q);
-  Mechanism home = build_mechanism(folder.read(kGears + ", \"gravity\": " + words(g)), registry());
+  Mechanism home = build_mechanism(folder.read(kGears + ", \"gravity\": " + words(g)), builtin());
   Mechanism away =
       build_mechanism(folder.read(R"("planar": "off", "gravity": )" + words(A * g) +
                                   R"(, "include": [{"scene": "part.json", "prefix": "my_", "at": [1, 2, -3],
                        "orientation": {"axis": [1, 2, 2], "angle": "=0.7"}}])"),
-                      registry());
+                      builtin());
   for (const Body& body : home.system.bodies()) {
     if (body.name == "ground") continue;
     INFO(body.name);
@@ -140,8 +125,8 @@ TEST_CASE("an included scene stands somewhere else and moves there as it would a
     CHECK(apart(to.q, from.q) < 1e-14);
   }
   // The laws of mechanics hold in both places: a' = A a, alpha' = alpha in body axes, for the whole under turned gravity.
-  Dynamics at_home(home.system, make_solver(home.run, registry())),
-      elsewhere(away.system, make_solver(away.run, registry()));
+  Dynamics at_home(home.system, make_solver(home.run, builtin())),
+      elsewhere(away.system, make_solver(away.run, builtin()));
   const VecX a = at_home.evaluate(home.system.start()).a, b = elsewhere.evaluate(away.system.start()).a;
   REQUIRE(a.size() == b.size());
   for (const Body& body : home.system.bodies()) {
@@ -163,11 +148,11 @@ TEST_CASE("the place of an included scene hangs on parameters, points and what c
     "include": [{"scene": "leg.json", "prefix": "a_", "at": "S"},
                 {"scene": "leg.json", "prefix": "b_", "at": "=a_foot", "orientation": {"axis": "z", "angle": "=bend"}},
                 {"scene": "leg.json", "prefix": "c_", "at": "=b_leg.to + [0, 1 m, 0]"}])~";
-  const Mechanism m = build_mechanism(folder.read(chain), registry());
+  const Mechanism m = build_mechanism(folder.read(chain), builtin());
   CHECK((m.system.body("a_leg").home.x - Vec3(2.5, 0, 0)).norm() < 1e-15);
   CHECK((m.system.body("b_leg").home.x - Vec3(3, 0.5, 0)).norm() < 1e-15);
   CHECK((m.system.body("c_leg").home.x - Vec3(3.5, 2, 0)).norm() < 1e-15);
-  const Mechanism moved = build_mechanism(set_in_scene(folder.read(chain), {"start=5 m"}, registry()), registry());
+  const Mechanism moved = build_mechanism(set_in_scene(folder.read(chain), {"start=5 m"}, builtin()), builtin());
   CHECK((moved.system.body("b_leg").home.x - Vec3(6, 0.5, 0)).norm() < 1e-15);
 
   check_words(folder.refusal(R"("include": [{"scene": "leg.json", "at": "Q"}])"), {"include[0]", "at"});
@@ -177,7 +162,7 @@ TEST_CASE("the place of an included scene hangs on parameters, points and what c
               {"include[0]", "orientation"});
   folder.write("laws.json", R"("bodies": [{"name": "b", "particle": 1}],
     "forces": [{"name": "F", "type": "applied_force", "p": "b", "laws": [1, 2, 3]}])");
-  CHECK_NOTHROW(build_mechanism(folder.read(R"("include": [{"scene": "laws.json", "at": [1, 0, 0]}])"), registry()));
+  CHECK_NOTHROW(build_mechanism(folder.read(R"("include": [{"scene": "laws.json", "at": [1, 0, 0]}])"), builtin()));
   check_words(folder.refusal(R"("include": [{"scene": "laws.json", "orientation": {"axis": "z", "angle": 1}}])"),
               {"laws.json:", "force 'F', laws", "\"axes\": \"marker\""});
 }
@@ -204,34 +189,34 @@ TEST_CASE("what parts bring is varied by path", "[unit][scene]") {
     "repeat": [{"times": 3, "bodies": [{"name": "ball_{i}", "sphere": {"mass": "=1 kg*(i + 1)", "radius": 0.1}}]}],
     "run": {"until": 1, "record": ["left_leg.x"]})~";
   const auto mass = [](const Scene& scene, const char* body) {
-    return build_mechanism(scene, registry()).system.body(body).mass.mass;
+    return build_mechanism(scene, builtin()).system.body(body).mass.mass;
   };
   const Scene plain = folder.read(whole);
-  const Scene set = set_in_scene(plain, {"bodies.left_leg.rod.mass=2 kg", "bodies.ball_1.sphere.mass=7"}, registry());
+  const Scene set = set_in_scene(plain, {"bodies.left_leg.rod.mass=2 kg", "bodies.ball_1.sphere.mass=7"}, builtin());
   CHECK(mass(plain, "left_leg") == 1);
   CHECK(mass(set, "left_leg") == 2);
   CHECK(mass(set, "ball_1") == 7);
   CHECK(mass(set, "ball_2") == 3);
   // kept when more is varied, and in the scene as data
-  const Variable v = read_variable("bodies.ball_2.sphere.mass=200g:400g:3", set, registry());
+  const Variable v = read_variable("bodies.ball_2.sphere.mass=200g:400g:3", set, builtin());
   CHECK(v.unit == "kg");
   REQUIRE(v.values.size() == 3);
-  const Scene varied = vary_scene(set, {v}, {1}, registry());
+  const Scene varied = vary_scene(set, {v}, {1}, builtin());
   CHECK(mass(varied, "ball_2") == Approx(0.3).epsilon(1e-15));
   CHECK(mass(varied, "left_leg") == 2);
   CHECK(setting_text({v}, {2}) == "bodies.ball_2.sphere.mass = 0.4 kg");
   CHECK(mass(folder.read(whole + R"~(, "parameters": {"m": "5 kg"}, "set": {"bodies.left_leg.rod.mass": "=m"})~"),
              "left_leg") == 5);
-  CHECK(build_mechanism(set_in_scene(plain, {"bodies.left_leg.rod.to.y=1"}, registry()), registry())
+  CHECK(build_mechanism(set_in_scene(plain, {"bodies.left_leg.rod.to.y=1"}, builtin()), builtin())
             .system.body("left_leg")
             .home.x[1] == 0.5);
 
   const auto refused = [&](const char* setting) {
-    return message_of<Error>([&] { build_mechanism(set_in_scene(plain, {setting}, registry()), registry()); });
+    return message_of<Error>([&] { build_mechanism(set_in_scene(plain, {setting}, builtin()), builtin()); });
   };
   check_words(refused("bodies.left_lge.rod.mass=2"), {"left_lge", "did you mean \"bodies.left_leg.rod.mass\""});
   check_words(refused("include.0.scen=a.json"), {"did you mean \"include.0.scene\""});
-  CHECK_FALSE(build_mechanism(set_in_scene(plain, {"links.left_H.active=false"}, registry()), registry())
+  CHECK_FALSE(build_mechanism(set_in_scene(plain, {"links.left_H.active=false"}, builtin()), builtin())
                   .system.link("left_H")
                   .active_at_start());  // left to its default there
   check_words(refused("bodies.left_leg.rod.mass=-2"), {"body 'left_leg', rod", "must be greater than 0"});
@@ -250,7 +235,7 @@ TEST_CASE("what is set by path reaches the parts that read it", "[unit][scene]")
     "repeat": [{"times": "=n", "bodies": [{"name": "ball_{i}", "particle": 1}]}],
     "bodies": [{"name": "own", "particle": 1, "position": "=[L, 0, 0]"}, {"name": "at_hip", "particle": 1, "position": "a_hip"}],
     "set": )~";
-  const auto built = [&](const std::string& set) { return build_mechanism(folder.read(whole + set), registry()); };
+  const auto built = [&](const std::string& set) { return build_mechanism(folder.read(whole + set), builtin()); };
   const Mechanism longer = built(R"({"parameters.L": "3 m", "bodies.a_leg.rod.mass": 5})");
   CHECK((longer.system.body("own").home.x - Vec3(3, 0, 0)).norm() < 1e-15);
   CHECK((longer.system.body("a_leg").home.x - Vec3(1.5, 0, 0)).norm() < 1e-15);
@@ -261,11 +246,11 @@ TEST_CASE("what is set by path reaches the parts that read it", "[unit][scene]")
   CHECK((built(R"({"points.a_hip.y": 2})").system.body("at_hip").home.x - Vec3(0, 2, 0)).norm() < 1e-15);
   const Scene scene = folder.read(whole + "{}");
   for (const char* setting : {"a_hip.y=2", "points.a_hip.y=2 m"})
-    CHECK((build_mechanism(set_in_scene(scene, {setting}, registry()), registry()).system.body("at_hip").home.x -
+    CHECK((build_mechanism(set_in_scene(scene, {setting}, builtin()), builtin()).system.body("at_hip").home.x -
            Vec3(0, 2, 0))
               .norm() < 1e-15);
-  CHECK(read_variable("a_hip.y=1:3:3", scene, registry()).unit == "m");
-  check_words(message_of<Error>([&] { set_in_scene(scene, {"S=1"}, registry()); }), {"\"S\" is a vector", "S.x"});
+  CHECK(read_variable("a_hip.y=1:3:3", scene, builtin()).unit == "m");
+  check_words(message_of<Error>([&] { set_in_scene(scene, {"S=1"}, builtin()); }), {"\"S\" is a vector", "S.x"});
   check_words(folder.refusal(whole + R"({"parameters.M": 1})"), {"scene.set", "\"parameters\" has no \"M\""});
 }
 
@@ -310,7 +295,7 @@ TEST_CASE("a turned rod stays a rod", "[unit][scene]") {
     "include": [{"scene": "leg.json", "prefix": "left_", "at": "hip", "orientation": {"axis": "y", "angle": "90 deg"}},
                 {"scene": "leg.json", "prefix": "next_", "at": "=left_leg.to", "orientation": {"axis": "x", "angle": "30 deg"}}],
     "bodies": [{"name": "on_knee", "particle": 1, "position": "=left_knee.at"}])~";
-  const Mechanism m = build_mechanism(folder.read(whole), registry());
+  const Mechanism m = build_mechanism(folder.read(whole), builtin());
   const Quat by = axis_angle(Vec3::UnitY(), kPi / 2);
   CHECK((m.system.body("left_leg").home.x - Vec3(0, 0, 4)).norm() < 1e-15);
   CHECK(apart(m.system.body("left_leg").home.q, by) < 1e-14);
@@ -318,8 +303,8 @@ TEST_CASE("a turned rod stays a rod", "[unit][scene]") {
   CHECK((m.system.body("next_leg").home.x - Vec3(1, 0, 3)).norm() < 1e-15);
   CHECK(apart(m.system.body("next_leg").home.q, axis_angle(Vec3::UnitX(), kPi / 6)) < 1e-14);
   for (const Scene& scene : {folder.read(whole + R"~(, "set": {"bodies.left_leg.rod.mass": 2})~"),
-                             set_in_scene(folder.read(whole), {"bodies.left_leg.rod.mass=2"}, registry())}) {
-    const Mechanism heavy = build_mechanism(scene, registry());
+                             set_in_scene(folder.read(whole), {"bodies.left_leg.rod.mass=2"}, builtin())}) {
+    const Mechanism heavy = build_mechanism(scene, builtin());
     CHECK(heavy.system.body("left_leg").mass.mass == 2);
     CHECK(apart(heavy.system.body("left_leg").home.q, by) < 1e-14);
   }
@@ -328,7 +313,7 @@ TEST_CASE("a turned rod stays a rod", "[unit][scene]") {
   const auto with = [&](const char* roll, const char* visual) {
     return replaced(replaced(rod, "ROLL", roll), "VISUAL", visual);
   };
-  CHECK(apart(build_mechanism(folder.read(with("\"=2*15 deg\"", "")), registry()).system.body("r").home.q,
+  CHECK(apart(build_mechanism(folder.read(with("\"=2*15 deg\"", "")), builtin()).system.body("r").home.q,
               axis_angle(Vec3::UnitX(), kPi / 6)) < 1e-15);
   check_words(folder.refusal(with("\"1 m\"", "")), {"body 'r', rod", "roll", "angle"});
   check_words(folder.refusal(
@@ -360,7 +345,7 @@ TEST_CASE("a long chain of included scenes hangs each on the one before", "[unit
                std::to_string(i - 1) + (i % 2 == 0 ? "_b.to" : "_end") + "\"}";
     return whole + "]";
   };
-  const Mechanism m = build_mechanism(folder.read(chain(300)), registry());
+  const Mechanism m = build_mechanism(folder.read(chain(300)), builtin());
   CHECK((m.system.body("p299_b").home.x - Vec3(0.5 * 299 + 0.25, 0, 0)).norm() < 1e-12);
   // Four times the files cost four times the work.
   const auto asked = [&](int n) { return allocations_of([&] { (void)folder.read(chain(n)); }); };
@@ -375,18 +360,18 @@ TEST_CASE("vectors are varied by component", "[unit][scene]") {
     "points": {"A": [0, "500 mm", 0], "B": "=A + at"}, "gravity": [0, -9.81, 0],
     "bodies": [{"name": "b", "particle": 1, "position": "B"}])~");
   const auto position = [&](const std::string& setting) {
-    return build_mechanism(set_in_scene(scene, {setting}, registry()), registry()).system.body("b").home.x;
+    return build_mechanism(set_in_scene(scene, {setting}, builtin()), builtin()).system.body("b").home.x;
   };
   CHECK((position("at.y=20 cm") - Vec3(1, 0.7, 0)).norm() < 1e-15);
   CHECK((position("at.2=3 m") - Vec3(1, 2.5, 3)).norm() < 1e-15);
   CHECK((position("A.z=4") - Vec3(1, 2.5, 4)).norm() < 1e-15);
   CHECK((position("at==[3 m, 0, 0]") - Vec3(3, 0.5, 0)).norm() < 1e-15);
-  CHECK(build_mechanism(set_in_scene(scene, {"gravity.y=-1.62"}, registry()), registry()).system.gravity()[1] == -1.62);
-  const Variable v = read_variable("A.x=0:1:3", scene, registry());
+  CHECK(build_mechanism(set_in_scene(scene, {"gravity.y=-1.62"}, builtin()), builtin()).system.gravity()[1] == -1.62);
+  const Variable v = read_variable("A.x=0:1:3", scene, builtin());
   CHECK(v.unit == "m");
-  CHECK(build_mechanism(vary_scene(scene, {v}, {2}, registry()), registry()).system.body("b").home.x[0] == 2);
+  CHECK(build_mechanism(vary_scene(scene, {v}, {2}, builtin()), builtin()).system.body("b").home.x[0] == 2);
   const auto refused = [&](const char* setting) {
-    return message_of<Error>([&] { set_in_scene(scene, {setting}, registry()); });
+    return message_of<Error>([&] { set_in_scene(scene, {setting}, builtin()); });
   };
   check_words(refused("at=1"), {"\"at\" is a vector", "at.x"});
   check_words(refused("at.y=1 kg"), {"at.y", "m is expected"});
@@ -405,7 +390,7 @@ TEST_CASE("formulas read places of bodies and markers", "[unit][scene]") {
                {"name": "middle", "particle": 1, "position": "=rod.at"},
                {"name": "above", "particle": 1, "position": "Q"}],
     "markers": [{"name": "eye", "body": "rod", "at": [0.5, 0.25, 0]}, {"name": "tip", "body": "box", "at": ["=1 m", 0, 0]}])~";
-  const Mechanism m = build_mechanism(folder.read(bodies), registry());
+  const Mechanism m = build_mechanism(folder.read(bodies), builtin());
   const auto at = [&](const char* body) { return m.system.body(body).home.x; };
   CHECK((at("box") - Vec3(2, 2, 0)).norm() < 1e-15);
   CHECK((at("middle") - Vec3(0, 1, 0)).norm() < 1e-15);

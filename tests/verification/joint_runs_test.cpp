@@ -241,21 +241,32 @@ TEST_CASE("gains of a stabilisation have nothing to act on in joint coordinates,
   CHECK(warnings(Formulation::joint, Kind::project).empty());
 }
 
+namespace {
+
+/// A wheel of 2 kg m^2 about its axle, which a host turns by a torque.
+struct DrivenWheel {
+  System system;
+  std::shared_ptr<InputLaw> torque = std::make_shared<InputLaw>();
+  DrivenWheel() {
+    Body& wheel = system.add_body("wheel", MassProperties{1.0, Vec3::Zero(), Vec3(1, 1, 2).asDiagonal()});
+    system.add<Revolute>("axle", wheel, system.ground(), pose_at(Vec3(0, 0, 0), Vec3(0, 0, 1)));
+    system.add<TorqueMotor>("motor", system.add_marker("shaft", wheel), system.add_marker("frame", system.ground()),
+                            TorqueMotor::Options{torque});
+  }
+};
+
+}  // namespace
+
 // A host may change what acts between two steps: no rate of the last step serves as the first of the next.
 TEST_CASE("a torque that a host changes between runs acts from their first stage on", "[verification][joint]") {
   const double u = 3, h = 0.5;
-  System system;
-  Body& wheel = system.add_body("wheel", MassProperties{1.0, Vec3::Zero(), Vec3(1, 1, 2).asDiagonal()});
-  system.add<Revolute>("axle", wheel, system.ground(), pose_at(Vec3(0, 0, 0), Vec3(0, 0, 1)));
-  const auto torque = std::make_shared<InputLaw>();
-  system.add<TorqueMotor>("motor", system.add_marker("shaft", wheel), system.add_marker("frame", system.ground()),
-                          TorqueMotor::Options{torque});
-  Dynamics dynamics = dynamics_of(system, Formulation::automatic);
+  DrivenWheel wheel;
+  Dynamics dynamics = dynamics_of(wheel.system, Formulation::automatic);
   StepLoop loop(dynamics, std::make_unique<Dopri5>(true), {.step = h});
   loop.run_until(2 * h);
   REQUIRE(loop.state().coordinates);
   CHECK(loop.state().slot_twist(0).w.z() == 0);
-  torque->add({u, 0, 0});
+  wheel.torque->add({u, 0, 0});
   loop.run_until(3 * h);
   CHECK(loop.state().slot_twist(0).w.z() == Approx(u / 2 * h).epsilon(1e-14));
   CHECK(loop.state().q[0] == Approx(0.5 * u / 2 * h * h).epsilon(1e-14));
@@ -268,23 +279,18 @@ TEST_CASE("what a host changes between two calls acts from there on, in every me
   const bool by_steps = GENERATE(false, true);
   CAPTURE(name, by_steps);
   const double u = 3, h = 0.125;
-  System system;
-  Body& wheel = system.add_body("wheel", MassProperties{1.0, Vec3::Zero(), Vec3(1, 1, 2).asDiagonal()});
-  system.add<Revolute>("axle", wheel, system.ground(), pose_at(Vec3(0, 0, 0), Vec3(0, 0, 1)));
-  const auto torque = std::make_shared<InputLaw>();
-  system.add<TorqueMotor>("motor", system.add_marker("shaft", wheel), system.add_marker("frame", system.ground()),
-                          TorqueMotor::Options{torque});
-  Dynamics dynamics = dynamics_of(system, Formulation::automatic);
+  DrivenWheel wheel;
+  Dynamics dynamics = dynamics_of(wheel.system, Formulation::automatic);
   StepLoop loop(dynamics, builtin_registry().integrators.make(name, Params{}, nullptr, "run.integrator"), {.step = h});
   const auto go_on = [&](double t) {
     if (!by_steps) loop.run_until(t);
     while (loop.state().t < t - 1e-12) loop.step(t - loop.state().t);
   };
   go_on(1);
-  torque->add({u, 0, 0});
+  wheel.torque->add({u, 0, 0});
   go_on(2);
   CHECK(loop.state().slot_twist(0).w.z() == Approx(u / 2).epsilon(1e-9));
-  torque->add({-2 * u, 0, 0});
+  wheel.torque->add({-2 * u, 0, 0});
   go_on(4);
   CHECK(loop.state().slot_twist(0).w.z() == Approx(u / 2 - 2 * u).epsilon(1e-9));
 }

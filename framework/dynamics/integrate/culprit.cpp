@@ -136,7 +136,7 @@ std::string why_contradict(const std::vector<std::string>& moved, const std::str
   return (moved.empty() ? std::string("the mechanism is locked")
                         : fmt::format("the law that moves {} leads into a dead centre, or the mechanism is locked",
                                       moved.front())) +
-         (stops.empty() ? "" : "," + stops);
+         stops;
 }
 
 }  // namespace

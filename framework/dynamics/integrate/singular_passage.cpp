@@ -75,15 +75,10 @@ bool held(Dynamics& dynamics, const State& y) {
 
 // Angular velocity of the body that turns fastest at y, rad/s.
 double SingularPassage::fastest_turn(const State& y) {
-  double w2 = 0;
-  if (y.coordinates) {
-    motions_.resize(static_cast<std::size_t>(y.coordinates->n_slots() + 1));  // the ground, at rest, is never written
-    y.coordinates->motions(y, motions_);
-    for (const Motion& O : motions_) w2 = std::max(w2, O.w.squaredNorm());
-  } else {
-    for (Eigen::Index i = 3; i < y.v.size(); i += 6) w2 = std::max(w2, y.v.segment<3>(i).squaredNorm());
-  }
-  return std::sqrt(w2);
+  if (!y.coordinates) return lockstep::fastest_turn(y.v);
+  motions_.resize(static_cast<std::size_t>(y.coordinates->n_slots() + 1));  // the ground, at rest, is never written
+  y.coordinates->motions(y, motions_);
+  return lockstep::fastest_turn(motions_);
 }
 
 // Time in which the body that turns fastest at the start of the step turns by this angle, s.

@@ -1,18 +1,33 @@
-// The speed of the fastest body, by velocities in the bodies' own coordinates.
+// The speed of the fastest body.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include <lockstep/math.h>
+#include <lockstep/state.h>
 
 namespace lockstep {
 
-/// rad/s; velocities are divided by the length L of the mechanism, m.
+/// By velocities in the bodies' own coordinates, rad/s; velocities are divided by the length L of the mechanism, m.
 inline double speed_of(const VecX& v, double L) {
   double w2 = 0;
   for (Eigen::Index i = 0; i < v.size(); i += 6)
     w2 = std::max({w2, v.segment<3>(i).squaredNorm() / (L * L), v.segment<3>(i + 3).squaredNorm()});
+  return std::sqrt(w2);
+}
+
+/// Of the body that turns fastest, rad/s; the same velocities.
+inline double fastest_turn(const VecX& v) {
+  double w2 = 0;
+  for (Eigen::Index i = 3; i < v.size(); i += 6) w2 = std::max(w2, v.segment<3>(i).squaredNorm());
+  return std::sqrt(w2);
+}
+/// The same by the motions of the slots.
+inline double fastest_turn(std::span<const Motion> motions) {
+  double w2 = 0;
+  for (const Motion& O : motions) w2 = std::max(w2, O.w.squaredNorm());
   return std::sqrt(w2);
 }
 

@@ -5,21 +5,15 @@
 #include <algorithm>
 
 #include <lockstep/error.h>
+#include "framework/dynamics/integrate/speed_of.h"
 #include "framework/dynamics/simulate/keep_state.h"
 
 namespace lockstep {
 
 namespace {
 
-double fastest_turn(Dynamics& dynamics, const State& state) {
-  double w2 = 0;
-  if (state.coordinates) {
-    for (const Motion& O : dynamics.inputs(state).motions) w2 = std::max(w2, O.w.squaredNorm());
-  } else {
-    for (Eigen::Index k = 0; 6 * k < state.v.size(); ++k)
-      w2 = std::max(w2, state.v.segment<3>(6 * k + 3).squaredNorm());
-  }
-  return std::sqrt(w2);
+double fastest_turn_at(Dynamics& dynamics, const State& state) {
+  return state.coordinates ? fastest_turn(dynamics.inputs(state).motions) : fastest_turn(state.v);
 }
 
 }  // namespace
@@ -27,7 +21,7 @@ double fastest_turn(Dynamics& dynamics, const State& state) {
 void StepSearch::begin(const State& end) {
   end_ = &end, fits_ = false;
   const State& from = interval_.from();
-  const double w = std::max(fastest_turn(dynamics_, from), fastest_turn(dynamics_, end));
+  const double w = std::max(fastest_turn_at(dynamics_, from), fastest_turn_at(dynamics_, end));
   turn_parts_ = std::max(1.0, std::ceil((end.t - from.t) * w / kPart));
   if (!std::isfinite(turn_parts_)) refuse();
   along_ = end.coordinates && end.coordinates->n_v() == 0 && interval_.has_dense();

@@ -31,6 +31,7 @@
 #include "framework/tools/program/run_rows.h"
 #include "framework/tools/program/run_warnings.h"
 #include "framework/tools/program/run_words.h"
+#include "framework/tools/program/suspects.h"
 #include "framework/tools/program/terminal.h"
 #include "framework/tools/program/words.h"
 #include "framework/tools/sweep/rows_at_jumps.h"
@@ -267,16 +268,16 @@ class ProgramRun {
     const std::exception_ptr unwritten = write_rest(file_);
     if (ended.error) fail(ended.error, unwritten);
     const Audit found = audit_ ? audit_->result() : drift_alone(sim_, m_.run.limits);
-    const EndedRun end{sim_,
-                       m_.run,
-                       found,
-                       seconds,
-                       ended.interrupted,
-                       doubts_,
-                       singular_.passed(),
-                       singular_.n_passed(),
-                       formulation_.name(sim_, m_.run.formulation),
-                       &m_.system};
+    EndedRun end{sim_,
+                 m_.run,
+                 found,
+                 seconds,
+                 ended.interrupted,
+                 doubts_,
+                 singular_.passed(),
+                 singular_.n_passed(),
+                 formulation_.name(sim_, m_.run.formulation)};
+    end.suspects = suspects_of(end, m_.system);
     conclude(end, unwritten);
     return exit_code(end);
   }

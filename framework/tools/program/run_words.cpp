@@ -11,7 +11,6 @@
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/document.h"
 #include "framework/tools/program/method_specs.h"
-#include "framework/tools/program/suspects.h"
 
 namespace lockstep {
 namespace {
@@ -36,7 +35,7 @@ Json energy_of(const EndedRun& ended) {
           {"dissipated", json_number(audit.dissipated)},
           {"instants", std::move(instants)},
           {"unbooked_forces", audit.unbooked_forces},
-          {"suspects", suspects_of(ended)}};
+          {"suspects", ended.suspects}};
 }
 
 Json columns_of(const RowEnvelope& rows) {
@@ -143,7 +142,7 @@ std::string end_words(const EndedRun& ended, const Summary& summary) {
   say("{}", summary.text());
   say("{}", words_of(audit, summary.nothing_moved(), sim.integrator().info().adaptive));
   const char* word = "suspect";
-  for (const std::string& clause : suspects_of(ended)) say("  {:<10} {}\n", std::exchange(word, ""), clause);
+  for (const std::string& clause : ended.suspects) say("  {:<10} {}\n", std::exchange(word, ""), clause);
   if (!sim.system().links().empty())
     say("  {}    constraints violated by at most {:.2g} m after a step{}\n", audit.drifted ? "DRIFTED" : "drift  ",
         r.largest_violation,

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include <lockstep/step_loop.h>
 #include "framework/tools/analysis/doubts.h"
@@ -27,7 +28,7 @@ struct EndedRun {
   const std::vector<PassedPosition>& passed;  ///< the first singular positions, with plain stages
   long n_passed = 0;                          ///< how many there were
   std::string formulation{};                  ///< of its steps: "joint", "omega", "quaternion"
-  System* system = nullptr;                   ///< its own, for checks of what it says
+  std::vector<std::string> suspects{};        ///< by suspects_of(), where it did not conserve energy
 };
 
 /// What speaks against its result though it went through, one sentence each: what --strict refuses.

@@ -34,16 +34,14 @@ std::string passed_clause(const EndedRun& run) {
 
 }  // namespace
 
-std::vector<std::string> suspects_of(const EndedRun& run) {
+std::vector<std::string> suspects_of(const EndedRun& run, System& system) {
   constexpr double kLongTurn = 0.5, kOff = 1e-6;  // rad in a step; of the length
   std::vector<std::string> all;
   if (run.audit.energy != Audit::Energy::not_conserved) return all;
   const SimulationReport& r = run.sim.report();
   Dynamics& dynamics = run.sim.dynamics();
-  const System& system = dynamics.system();
-  if (run.system != nullptr)
-    for (const auto& force : system.forces())
-      if (std::string words = wrong_power(*run.system, *force); !words.empty()) all.push_back(std::move(words));
+  for (const auto& force : system.forces())
+    if (std::string words = wrong_power(system, *force); !words.empty()) all.push_back(std::move(words));
   if (!run.passed.empty()) all.push_back(passed_clause(run));
   const bool projects = dynamics.options().stabilization.kind == Stabilization::Kind::project;
   if (!projects && run.audit.violation > kOff * system.length())

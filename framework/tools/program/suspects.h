@@ -12,6 +12,6 @@ namespace lockstep {
 /// (check_force() at a few states about the start), singular positions that the motion passed, links that the
 /// stabilisation leaves open, stages off the constraints in loops with drives, long turns in fixed steps. None where energy
 /// was conserved or cannot be judged, or where nothing of this is there.
-std::vector<std::string> suspects_of(const EndedRun&);
+std::vector<std::string> suspects_of(const EndedRun&, System&);
 
 }  // namespace lockstep
