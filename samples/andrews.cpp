@@ -17,19 +17,11 @@ struct Run {
 };
 
 Run run_with(const std::string& integrator, const Registry& registry) {
-  Scene scene = read_scene(std::string(paths::kScenes) + "/andrews_ivp.json");
-  scene.run.integrator = {integrator};
-  Mechanism mechanism = build_mechanism(scene, registry);
-  const auto recorder = make_recorder(mechanism);
-  Dynamics dynamics(mechanism.system, make_solver(mechanism.run, registry));
-  State start = mechanism.system.start();
-  assemble(dynamics, start);
-  StepLoop run(dynamics, make_integrator(mechanism.run, registry),
-                 {.tolerance = mechanism.run.tolerance, .output = mechanism.run.output});
-  run.set_state(start);
-  run.add_observer(*recorder);
-  run.run_until(mechanism.run.until);
-  return {recorder->table(), dynamics.work().evaluations};
+  Mechanism mechanism = read_mechanism(std::string(paths::kScenes) + "/andrews_ivp.json", registry);
+  mechanism.run.integrator = {integrator};
+  Simulation run(std::move(mechanism));
+  run.run();
+  return {run.table(), run.dynamics().work().evaluations};
 }
 
 }  // namespace

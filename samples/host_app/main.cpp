@@ -88,19 +88,11 @@ bool cam_in_cpp(const Registry& registry) {
 
 // A slider-crank from a file that uses the host's law and a plugin's; ends with the crank at a full turn.
 bool crank_from_scene(const Registry& registry) {
-  Mechanism crank = build_mechanism(read_scene(HOST_APP_SCENE), registry);
-  const auto recorder = make_recorder(crank);
-  Dynamics dynamics(crank.system, make_solver(crank.run, registry));
-  State start = crank.system.start();
-  assemble(dynamics, start, crank.start_speeds);
-  StepLoop run(dynamics, make_integrator(crank.run, registry),
-                 {.tolerance = crank.run.tolerance, .output = crank.run.output});
-  run.set_state(start);
-  run.add_observer(*recorder);
+  Simulation run(read_mechanism(HOST_APP_SCENE, registry));
   run.add_event({.name = "a full turn", .at = 1.25, .stop = true});
-  run.run_until(crank.run.until);
+  run.run();
 
-  const Table& table = recorder->table();
+  const Table& table = run.table();
   const double angle = table["A.angle_z"].back(), x = table["piston.x"].back();
   std::printf("scene: %zu rows, at t = %.3f s the crank stands at %.9f rad, the piston at %.9f m\n", table.n_rows(),
               run.state().t, angle, x);

@@ -11,6 +11,7 @@
 #include <lockstep/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
+#include "framework/description/scene/system_of.h"
 #include "framework/dynamics/tree/tree_layout.h"
 #include "framework/tools/batch/batch.h"
 #include "framework/tools/precision/work_precision.h"
@@ -98,8 +99,10 @@ void print_counts(const System& system) {
 void scene_row(const std::string& file) try {
   const Registry registry = builtin_registry();
   const Scene scene = in_space(read_scene(file));
-  test::Family family(
-      lanes::kLanes, [&](int) { return std::make_unique<System>(std::move(build_mechanism(scene, registry).system)); });
+  test::Family family(lanes::kLanes, [&](int) {
+    Mechanism m = build_mechanism(scene, registry);
+    return std::make_unique<System>(std::move(system_of(m)));
+  });
   const std::vector<State> states = family.assembled();
   const auto lanes = [&](Formulation f) { return in_lanes(family, states, f, Instructions::best); };
   const bool runs = Copies::unsuited(*family.systems[0]).empty();

@@ -7,6 +7,7 @@
 
 #include <lockstep/kinematics.h>
 #include <lockstep/lockstep.h>
+#include "framework/description/scene/system_of.h"
 #include "tests/support/paths.h"
 
 namespace {
@@ -17,7 +18,7 @@ constexpr int kPoses = 50'000;
 
 void measure(const std::string& file, double interval) {
   Mechanism m = build_mechanism(read_scene(file), builtin_registry());
-  Dynamics dynamics(m.system, make_solver(m.run, builtin_registry()), {m.run.formulation, m.run.stabilization});
+  Dynamics dynamics(system_of(m), make_solver(m.run, builtin_registry()), {m.run.formulation, m.run.stabilization});
   State start = m.system.start();
   assemble(dynamics, start);
   DrivenMotion motion(dynamics, std::move(start));

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <string>
 
+#include "framework/description/scene/system_of.h"
 #include "framework/tools/precision/work_precision.h"
 #include <lockstep/lockstep.h>
 #include <lockstep/recorder.h>
@@ -59,10 +60,10 @@ Drift drift_of(const Way& way) {
   scene.run.step = way.h;
   if (way.tolerance > 0) scene.run.tolerance = {way.tolerance, 1e-2 * way.tolerance};
   Mechanism m = build_mechanism(scene, registry);
-  Dynamics dynamics(m.system, make_solver(m.run, registry), {m.run.formulation, m.run.stabilization});
+  Dynamics dynamics(system_of(m), make_solver(m.run, registry), {m.run.formulation, m.run.stabilization});
   StepLoop sim(dynamics, make_integrator(m.run, registry),
                  {.step = way.h, .tolerance = m.run.tolerance, .output = kLength});
-  Watch watch(make_channel(m.system, "energy.total"));
+  Watch watch(make_channel(system_of(m), "energy.total"));
   sim.add_observer(watch);
   Drift d;
   const double begin = thread_seconds();

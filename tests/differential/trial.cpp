@@ -1,3 +1,4 @@
+#include "framework/description/scene/system_of.h"
 #include "tests/differential/trial.h"
 #include "tests/support/worst.h"
 
@@ -48,7 +49,7 @@ void run(const std::string& text, const Way& way, const Registry& registry, std:
   scene.run.step = way.step;
   Mechanism mechanism = build_mechanism(scene, registry);
   const RunSettings& settings = mechanism.run;
-  Dynamics dynamics(mechanism.system, make_solver(settings, registry), {settings.formulation, settings.stabilization});
+  Dynamics dynamics(system_of(mechanism), make_solver(settings, registry), {settings.formulation, settings.stabilization});
   State start = mechanism.system.start();
   assemble(dynamics, start, mechanism.start_speeds);
   StepLoop loop(

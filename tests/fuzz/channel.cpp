@@ -3,6 +3,7 @@
 #include <lockstep/recorder.h>
 #include <lockstep/registry.h>
 #include <lockstep/scene.h>
+#include "framework/description/scene/system_of.h"
 #include "tests/fuzz/answered.h"
 #include "tests/fuzz/targets.h"
 
@@ -33,10 +34,10 @@ class Probe {
   bool has_grown() const { return mechanism_.system.auxiliaries().size() != n_states_; }
 
   void read(const std::string& name, const Registry& registry) {
-    const Channel made = make_channel(mechanism_.system, name);
+    const Channel made = make_channel(system_of(mechanism_), name);
     if (!made.value) throw Broken{"a channel without a value"};
     if (has_grown()) mechanism_.system.setup();
-    Dynamics dynamics(mechanism_.system, make_solver(mechanism_.run, registry));
+    Dynamics dynamics(system_of(mechanism_), make_solver(mechanism_.run, registry));
     const State state = mechanism_.system.start();
     const StepReport report;
     const Sample sample(dynamics, state, report);

@@ -7,6 +7,7 @@
 #include <lockstep/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/sweep.h>
+#include "framework/tools/scene_run/scene_run.h"
 #include "tests/fuzz/answered.h"
 #include "tests/fuzz/targets.h"
 
@@ -49,7 +50,7 @@ void run_with(Scene& scene, const std::string& integrator) {
     const std::unique_ptr<Recorder> recorder = make_recorder(mechanism);
     std::vector<Event> events = make_events(mechanism, *recorder);
     const RunSettings& run = mechanism.run;
-    Dynamics dynamics(mechanism.system, make_solver(run, builtins()), {run.formulation, run.stabilization});
+    Dynamics dynamics(system_of(mechanism), make_solver(run, builtins()), {run.formulation, run.stabilization});
     State start = mechanism.system.start();
     if (run.assemble) assemble(dynamics, start, mechanism.start_speeds);
     StepLoop loop(dynamics, make_integrator(run, builtins()),

@@ -18,6 +18,7 @@
 #include <lockstep/system.h>
 #include "framework/mechanism/params/units.h"
 #include "framework/tools/precision/history.h"
+#include "framework/tools/scene_run/scene_run.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 #include "tests/support/paths.h"
@@ -39,7 +40,7 @@ Mechanism made(const std::string& members) {
 }
 
 Dynamics dynamics_of(Mechanism& m) {
-  return Dynamics(m.system, make_solver(m.run, registry()), {m.run.formulation, m.run.stabilization});
+  return Dynamics(system_of(m), make_solver(m.run, registry()), {m.run.formulation, m.run.stabilization});
 }
 
 // The scene from its assembled start to its end.

@@ -17,7 +17,7 @@
 #include <lockstep/sweep.h>
 #include "framework/tools/program/detail_rows.h"
 #include "framework/tools/program/run_rows.h"
-#include "framework/tools/sweep/scene_run.h"
+#include "framework/tools/scene_run/scene_run.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/run_scene.h"

@@ -13,6 +13,7 @@
 #include <lockstep/scene.h>
 #include <lockstep/sweep.h>
 #include "framework/tools/program/detail_rows.h"
+#include "framework/tools/scene_run/scene_run.h"
 #include "tests/support/catch.h"
 #include "tests/support/gnuplot_here.h"
 #include "tests/support/paths.h"
@@ -153,7 +154,7 @@ TEST_CASE("the rows of a picture are dense where the method can interpolate", "[
     GrowingFile file(kRunnerFolder + "/dense.csv");
     RunRows own(file, *recorder, true, true);
     PictureRows rows(make_recorder(m), own, picture_spacing(options, m.run.until));
-    Dynamics dynamics(m.system, make_solver(m.run, registry));
+    Dynamics dynamics(system_of(m), make_solver(m.run, registry));
     StepLoop loop(dynamics, make_integrator(m.run, registry), options);
     loop.add_observer(*recorder), loop.add_observer(own), loop.add_observer(rows);
     loop.run_until(6);

@@ -9,6 +9,7 @@
 #include <lockstep/scene.h>
 #include <lockstep/simulation.h>
 #include <lockstep/sweep.h>
+#include "framework/tools/scene_run/scene_run.h"
 #include "tests/support/catch.h"
 
 namespace mass_ratio_test {
@@ -58,7 +59,7 @@ Run run(const std::string& text) {
   Mechanism mechanism = build_mechanism(scene, registry);
   const RunSettings& settings = mechanism.run;
   const std::unique_ptr<Recorder> recorder = make_recorder(mechanism);
-  Dynamics dynamics(mechanism.system, make_solver(settings, registry), {settings.formulation, settings.stabilization});
+  Dynamics dynamics(system_of(mechanism), make_solver(settings, registry), {settings.formulation, settings.stabilization});
   State start = mechanism.system.start();
   assemble(dynamics, start, mechanism.start_speeds);
   StepLoop loop(dynamics, make_integrator(settings, registry),

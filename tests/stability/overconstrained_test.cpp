@@ -15,6 +15,7 @@
 #include <lockstep/scene.h>
 #include <lockstep/sweep.h>
 #include <lockstep/uniqueness.h>
+#include "framework/description/scene/system_of.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/worst.h"
@@ -110,7 +111,7 @@ struct Model {
 
   Model(const std::string& text, const View& view) : mechanism(made(text, view)) {
     place(mechanism.system, view.frame);
-    dynamics = std::make_unique<Dynamics>(mechanism.system, make_solver(mechanism.run, builtin_registry()),
+    dynamics = std::make_unique<Dynamics>(system_of(mechanism), make_solver(mechanism.run, builtin_registry()),
                                           DynamicsOptions{mechanism.run.formulation, mechanism.run.stabilization});
     dynamics->set_up();
     start = mechanism.system.start();

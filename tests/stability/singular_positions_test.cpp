@@ -12,6 +12,7 @@
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
 #include <lockstep/sweep.h>
+#include "framework/description/scene/system_of.h"
 #include "framework/tools/analysis/branch_point.h"
 #include "framework/tools/analysis/doubts.h"
 #include "framework/tools/analysis/singular_watch.h"
@@ -81,7 +82,7 @@ struct Model {
   State state;
   explicit Model(const std::string& text)
       : m(build_mechanism(scene_from_text(text, "scene.json"), builtin_registry())),
-        dynamics(m.system, std::make_unique<SchurSolver>(), {Formulation::omega, {}}),
+        dynamics(system_of(m), std::make_unique<SchurSolver>(), {Formulation::omega, {}}),
         state(m.system.start()) {
     dynamics.set_up();
   }
@@ -165,7 +166,7 @@ TEST_CASE("regular positions of overconstrained mechanisms are no singular ones"
   Mechanism m =
       build_mechanism(read_scene(std::string(paths::kSource) + "/samples/scenes/overconstrained/" + name + ".json"),
                       builtin_registry());
-  Dynamics dynamics(m.system, std::make_unique<SchurSolver>(), {Formulation::omega, {}});
+  Dynamics dynamics(system_of(m), std::make_unique<SchurSolver>(), {Formulation::omega, {}});
   dynamics.set_up();
   State state = m.system.start();
   assemble(dynamics, state, m.start_speeds);
@@ -219,7 +220,7 @@ TEST_CASE("what is beside a loop neither hides its branches nor adds to their co
   Mechanism m = build_mechanism(scene_from_text(flat_parallelograms(1, 300, 70), "scene.json"), builtin_registry());
   long times = 0;
   m.system.add(std::make_unique<Asked>(times));
-  Dynamics dynamics(m.system, std::make_unique<SchurSolver>(), {Formulation::omega, {}});
+  Dynamics dynamics(system_of(m), std::make_unique<SchurSolver>(), {Formulation::omega, {}});
   dynamics.set_up();
   const State state = m.system.start();
   times = 0;
@@ -244,7 +245,7 @@ TEST_CASE("a singular position is told in few evaluations, however many motions 
   Mechanism m = build_mechanism(scene_from_text(flat_parallelograms(n, 0, 0), "scene.json"), builtin_registry());
   long times = 0;
   m.system.add(std::make_unique<Asked>(times));
-  Dynamics dynamics(m.system, std::make_unique<SchurSolver>(), {Formulation::omega, {}});
+  Dynamics dynamics(system_of(m), std::make_unique<SchurSolver>(), {Formulation::omega, {}});
   dynamics.set_up();
   times = 0;
   const BranchPoint at = branch_point(dynamics, m.system.start());
@@ -267,7 +268,7 @@ std::vector<PassedPosition> watch(const std::string& text, const std::string& me
   run.step = step;
   run.tolerance = {1e-9, 1e-11};
   StepLoop loop(model.dynamics, make_integrator(run, builtin_registry()), {.step = step, .tolerance = run.tolerance});
-  SingularWatch singular(model.m.system);
+  SingularWatch singular(system_of(model.m));
   loop.add_observer(singular);
   loop.set_state(model.state);
   loop.run_until(until);
@@ -304,13 +305,13 @@ TEST_CASE("flat positions that plain stages pass are found, with their times and
 TEST_CASE("the ten flat positions of two bays are found", "[stability][analysis]") {
   const Table truth = trusted("nfourbar_2");
   Mechanism m = build_mechanism(read_scene(scene_path("nfourbar_2")), builtin_registry());
-  Dynamics dynamics(m.system, std::make_unique<SchurSolver>(), {Formulation::omega, {}});
+  Dynamics dynamics(system_of(m), std::make_unique<SchurSolver>(), {Formulation::omega, {}});
   State start = m.system.start();
   assemble(dynamics, start, m.start_speeds);
   RunSettings settings = m.run;
   settings.integrator = {"rk4"}, settings.step = 1e-3;
   StepLoop loop(dynamics, make_integrator(settings, builtin_registry()), {.step = 1e-3});
-  SingularWatch singular(m.system);
+  SingularWatch singular(system_of(m));
   loop.add_observer(singular);
   loop.set_state(start);
   loop.run_until(10);
@@ -370,7 +371,7 @@ Passage pass(const std::string& method, double tolerance, double step, double be
   run.integrator = {method}, run.step = step, run.tolerance = {tolerance, 1e-2 * tolerance};
   StepLoop loop(model.dynamics, make_integrator(run, builtin_registry()),
                 {.step = step, .tolerance = run.tolerance, .max_steps = 20000});
-  SingularWatch singular(model.m.system);
+  SingularWatch singular(system_of(model.m));
   loop.add_observer(singular);
   Passage out;
   try {

@@ -1,3 +1,4 @@
+#include "framework/tools/scene_run/scene_run.h"
 #include "tests/support/outcome.h"
 
 #include <algorithm>
@@ -20,8 +21,8 @@ Outcome outcome_of(const std::string& text) {
     Mechanism m = build_mechanism(scene_from_text(text, "scene.json"), registry);
     recorder = make_recorder(m);
     std::vector<Event> events = make_events(m, *recorder);
-    EnergyAudit audit(m.system, m.run.limits);
-    Dynamics dynamics(m.system, make_solver(m.run, registry), {m.run.formulation, m.run.stabilization});
+    EnergyAudit audit(system_of(m), m.run.limits);
+    Dynamics dynamics(system_of(m), make_solver(m.run, registry), {m.run.formulation, m.run.stabilization});
     State start = m.system.start();
     AssemblyReport assembled;
     if (m.run.assemble) assembled = assemble(dynamics, start, m.start_speeds);

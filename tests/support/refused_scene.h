@@ -7,6 +7,7 @@
 #include <lockstep/error.h>
 #include <lockstep/registry.h>
 #include <lockstep/sweep.h>
+#include "framework/tools/scene_run/scene_run.h"
 #include "tests/support/catch.h"
 
 namespace lockstep::testing {

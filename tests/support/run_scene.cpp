@@ -1,3 +1,4 @@
+#include "framework/tools/scene_run/scene_run.h"
 #include "tests/support/run_scene.h"
 
 #include <algorithm>
@@ -33,7 +34,7 @@ SceneRun run_with_registry(const Registry& registry, const std::string& path,
   const RunSettings& run = mechanism.run;
   const std::unique_ptr<Recorder> recorder = make_recorder(mechanism);
   std::vector<Event> events = make_events(mechanism, *recorder);
-  Dynamics dynamics(mechanism.system, make_solver(run, registry), {run.formulation, run.stabilization});
+  Dynamics dynamics(system_of(mechanism), make_solver(run, registry), {run.formulation, run.stabilization});
   SceneRun result;
   State start = mechanism.system.start();
   if (run.assemble) result.assembly = assemble(dynamics, start, mechanism.start_speeds, mechanism.assembly);

@@ -4,6 +4,7 @@
 #include <lockstep/lock.h>
 #include <lockstep/registry.h>
 #include <lockstep/sweep.h>
+#include "framework/tools/scene_run/scene_run.h"
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 

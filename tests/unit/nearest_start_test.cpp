@@ -9,6 +9,7 @@
 #include <lockstep/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
+#include "framework/description/scene/system_of.h"
 #include "tests/support/catch.h"
 #include "tests/support/four_bar_scene.h"
 #include "tests/support/messages.h"
@@ -27,7 +28,7 @@ struct Assembled {
   AssemblyReport report;
   explicit Assembled(const std::string& members)
       : m(build_mechanism(scene_from_text(R"({"lockstep": 1, )" + members + "}", "scene.json"), builtin_registry())) {
-    Dynamics dynamics(m.system, std::make_unique<SchurSolver>(), {Formulation::omega, {}});
+    Dynamics dynamics(system_of(m), std::make_unique<SchurSolver>(), {Formulation::omega, {}});
     state = m.system.start();
     report = assemble(dynamics, state, m.start_speeds, m.assembly);
   }

@@ -7,6 +7,7 @@
 #include <lockstep/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/error.h>
+#include "framework/description/scene/system_of.h"
 #include "tests/support/catch.h"
 
 namespace pairs_test {
@@ -96,7 +97,7 @@ std::string refusal_of(const std::string& link) {
   try {
     const Registry registry = builtin_registry();
     Mechanism m = build_mechanism(scene_from_text(kJoints + link + "]}", "bad.json"), registry);
-    m.system.setup();
+    system_of(m).setup();
   } catch (const SceneError& error) {
     CHECK(error.line > 0);
     return error.what();
@@ -145,7 +146,7 @@ TEST_CASE("a coupling takes links by name, markers and bodies", "[unit][scene]")
         scene_from_text(kJoints + std::string(R"({"name": "G", "type": "gear", "ratio": 2, "pairs": )") + text + "}]}",
                         "good.json"),
         registry);
-    m.system.setup();
+    system_of(m).setup();
     const Lock& gear = m.system.link("G");
     REQUIRE(gear.pairs().size() == 2);
     CHECK(gear.pairs()[0].first->body->name == "one");

@@ -9,6 +9,7 @@
 #include <lockstep/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/sweep.h>
+#include "framework/description/scene/system_of.h"
 #include "framework/tools/report/histories.h"
 #include "framework/tools/report/modes_page.h"
 #include "framework/tools/report/points.h"
@@ -148,7 +149,7 @@ TEST_CASE("runs of mechanisms that all look different keep their columns, and as
 TEST_CASE("a page of modes holds the shapes by body, about the origins of their slots", "[report]") {
   const Scene scene = scene_from_text(kSwinging, "swinging.json");
   Mechanism m = build_mechanism(scene, builtin_registry());
-  Dynamics dynamics(m.system, make_solver(m.run, builtin_registry()));
+  Dynamics dynamics(system_of(m), make_solver(m.run, builtin_registry()));
   const State rest = m.system.start();
   using Z = std::complex<double>;
   const std::vector<report::ShownMode> modes{

@@ -17,6 +17,7 @@
 #include <lockstep/sweep.h>
 #include "framework/tools/report/numbers.h"
 #include "framework/tools/report/page.h"
+#include "framework/tools/scene_run/scene_run.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 #include "tests/support/paths.h"
@@ -230,7 +231,7 @@ TEST_CASE("every scene of the samples gives a report", "[report]") {
     Mechanism m = build_mechanism(scene, registry);
     const std::unique_ptr<Recorder> recorder = make_recorder(m);
     Report report(*recorder, m.solids, m.looks);
-    Dynamics dynamics(m.system, make_solver(m.run, registry), {m.run.formulation, m.run.stabilization});
+    Dynamics dynamics(system_of(m), make_solver(m.run, registry), {m.run.formulation, m.run.stabilization});
     State start = m.system.start();
     if (m.run.assemble) assemble(dynamics, start, m.start_speeds);
     StepLoop loop(dynamics, make_integrator(m.run, registry),

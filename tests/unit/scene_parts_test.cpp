@@ -11,6 +11,7 @@
 #include <lockstep/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
+#include "framework/description/scene/system_of.h"
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
@@ -125,8 +126,8 @@ TEST_CASE("an included scene stands somewhere else and moves there as it would a
     CHECK(apart(to.q, from.q) < 1e-14);
   }
   // The laws of mechanics hold in both places: a' = A a, alpha' = alpha in body axes, for the whole under turned gravity.
-  Dynamics at_home(home.system, make_solver(home.run, builtin())),
-      elsewhere(away.system, make_solver(away.run, builtin()));
+  Dynamics at_home(system_of(home), make_solver(home.run, builtin())),
+      elsewhere(system_of(away), make_solver(away.run, builtin()));
   const VecX a = at_home.evaluate(home.system.start()).a, b = elsewhere.evaluate(away.system.start()).a;
   REQUIRE(a.size() == b.size());
   for (const Body& body : home.system.bodies()) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <lockstep/lockstep.h>
+#include "framework/description/scene/system_of.h"
 #include "framework/tools/sweep/sweep_lanes.h"
 #include "tests/support/catch.h"
 #include "tests/support/four_bar_scene.h"
@@ -223,11 +224,11 @@ TEST_CASE("a start that is not assembled begins in the turn of its drive, too", 
   Mechanism m = build_mechanism(scene_from_text(text, "driven.json"), builtin_registry());
   const auto angle = static_cast<Eigen::Index>(m.system.forces().front()->first_memory());
   SECTION("simulation") {
-    Simulation run(m.system, {.assemble = false});
+    Simulation run(system_of(m), {.assemble = false});
     CHECK(run.state().z[angle] == Approx(4 * kPi));
   }
   SECTION("branches") {
-    Dynamics dynamics(m.system, std::make_unique<SchurSolver>(), {Formulation::omega, {}});
+    Dynamics dynamics(system_of(m), std::make_unique<SchurSolver>(), {Formulation::omega, {}});
     const BranchReport found = find_branches(dynamics, m.system.start(), {.starts = 3});
     REQUIRE(found.branches.size() == 1);
     CHECK(found.branches.front().state.z[angle] == Approx(4 * kPi));
@@ -245,7 +246,7 @@ TEST_CASE("an angle that has no number of turns is told, and recorded within hal
           spring,
       R"("U.angle_x")");
   Mechanism m = build_mechanism(scene_from_text(text, "universal.json"), builtin_registry());
-  Dynamics dynamics(m.system, std::make_unique<SchurSolver>(), {Formulation::omega, {}});
+  Dynamics dynamics(system_of(m), std::make_unique<SchurSolver>(), {Formulation::omega, {}});
   State state = m.system.start();
   const AssemblyReport report = assemble(dynamics, state, {}, m.assembly);
   REQUIRE(report.warnings.size() == 1);
@@ -257,7 +258,7 @@ TEST_CASE("an angle that has no number of turns is told, and recorded within hal
 TEST_CASE("wheels that contradict each other are refused at once", "[unit][assembly]") {
   const std::string text = scene_of(wheels(driven_from(40), driven_from(3), 0.1), R"("g1.x")");
   Mechanism m = build_mechanism(scene_from_text(text, "apart.json"), builtin_registry());
-  Dynamics dynamics(m.system, std::make_unique<SchurSolver>(), {Formulation::omega, {}});
+  Dynamics dynamics(system_of(m), std::make_unique<SchurSolver>(), {Formulation::omega, {}});
   State state = m.system.start();
   const std::string said = message_of<AssemblyError>([&] { assemble(dynamics, state); });
   INFO(said);
@@ -373,7 +374,7 @@ TEST_CASE("a drive that cannot begin where its law does is named", "[unit][assem
              "spherical", "p": "p", "s": "ground", "at_p": [1, 0, 0], "at_s": [0, 1, 0])"),
       R"("p.x")");
   Mechanism m = build_mechanism(scene_from_text(text, "held.json"), builtin_registry());
-  Dynamics dynamics(m.system, std::make_unique<SchurSolver>(), {Formulation::omega, {}});
+  Dynamics dynamics(system_of(m), std::make_unique<SchurSolver>(), {Formulation::omega, {}});
   State state = m.system.start();
   const std::string error = message_of<AssemblyError>([&] { assemble(dynamics, state); });
   CAPTURE(error);

@@ -2,6 +2,7 @@
 #include <lockstep/joints.h>
 
 #include <lockstep/lockstep.h>
+#include "framework/description/scene/system_of.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 
@@ -66,8 +67,8 @@ TEST_CASE("scene: a stop about x, y or z stops the same swing at the same angle"
       "links": [{"name": "A", "type": "lock", "mask": ")" +
                        mask + R"(", "p": "arm", "s": "ground", "at": [0, 0, 0], "orientation": )" + frame +
                        R"(, "stops": [{"axis": ")" + axis + R"(", "low": -0.4}]}]})");
-    const Channel angle = make_channel(m.system, "arm.angle_z");
-    Dynamics dynamics(m.system, std::make_unique<SchurSolver>());
+    const Channel angle = make_channel(system_of(m), "arm.angle_z");
+    Dynamics dynamics(system_of(m), std::make_unique<SchurSolver>());
     const Registry registry = builtin_registry();
     StepLoop simulation(dynamics, registry.integrators.make("dop853", {}, &registry, "method"));
     simulation.run_until(1);
@@ -132,7 +133,7 @@ TEST_CASE("scene: who starts on a stop and moves into it bounces", "[unit][scene
       "center": [0.5, 0, 0], "omega_world": [0, 0, -1]}],
     "links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0, 0, 0],
                "stops": [{"axis": "rz", "low": 0, "restitution": 1}]}]})");
-  Dynamics dynamics(m.system, std::make_unique<SchurSolver>());
+  Dynamics dynamics(system_of(m), std::make_unique<SchurSolver>());
   const Registry registry = builtin_registry();
   StepLoop simulation(dynamics, registry.integrators.make("dop853", {}, &registry, "method"));
   simulation.run_until(0.5);
@@ -154,8 +155,8 @@ TEST_CASE("scene: counted turns survive an impact", "[unit][scene]") {
                        std::to_string(restitution) + R"(}]},
                 {"name": "B", "type": "revolute", "p": "b", "s": "ground", "at": [0.3, 0, 0]},
                 {"name": "G", "type": "gear", "pairs": ["A", "B"], "ratio": 2}]})");
-    Recorder recorder(m.system, {"a.angle_z", "b.angle_z"});
-    Dynamics dynamics(m.system, std::make_unique<SchurSolver>());
+    Recorder recorder(system_of(m), {"a.angle_z", "b.angle_z"});
+    Dynamics dynamics(system_of(m), std::make_unique<SchurSolver>());
     const Registry registry = builtin_registry();
     StepLoop simulation(dynamics, registry.integrators.make("dop853", {}, &registry, "method"));
     simulation.add_observer(recorder);
@@ -172,7 +173,7 @@ namespace {
 
 /// How the run of an assembled mechanism to time t ends.
 std::string ending(Mechanism& m, const std::string& method, double step, double t, SimulationReport& report) {
-  Dynamics dynamics(m.system, std::make_unique<SchurSolver>());
+  Dynamics dynamics(system_of(m), std::make_unique<SchurSolver>());
   State start = m.system.start();
   assemble(dynamics, start);
   const Registry registry = builtin_registry();
@@ -220,7 +221,7 @@ TEST_CASE("scene: a ball in a gap that closes ends the run by counts, and what c
 TEST_CASE("scene: a law that begins against a stop is refused with both names", "[unit][scene]") {
   Mechanism m = made(arm(R"("stops": [{"axis": "rz", "low": 0, "high": 1}],
                             "drive": {"axis": "rz", "law": {"type": "ramp", "slope": -1}})"));
-  Dynamics dynamics(m.system, std::make_unique<SchurSolver>());
+  Dynamics dynamics(system_of(m), std::make_unique<SchurSolver>());
   State start = m.system.start();
   assemble(dynamics, start);
   StepLoop run(dynamics, std::make_unique<Dopri5>());

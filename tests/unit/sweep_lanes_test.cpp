@@ -1,4 +1,5 @@
 // Runs of a sweep eight at a time against the same runs one by one.
+#include "framework/description/scene/system_of.h"
 #include "framework/tools/sweep/sweep_lanes.h"
 
 #include <lockstep/batch.h>
@@ -257,7 +258,7 @@ TEST_CASE("a copy near a locked position ends soon, by counts", "[unit][scene]")
     options.integrator = integrator, options.tolerance = {1e-11, 1e-13};
     Copies copies({&one.system, &other.system}, options);
     std::vector<State> starts;
-    for (System* system : {&one.system, &other.system}) {
+    for (System* system : {&system_of(one), &system_of(other)}) {
       Dynamics dynamics(*system, std::make_unique<SchurSolver>());
       starts.push_back(system->start());
       assemble(dynamics, starts.back());

@@ -17,7 +17,7 @@
 #include <lockstep/simulation.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>
-#include "framework/tools/sweep/rows_at_jumps.h"
+#include "framework/tools/scene_run/rows_at_jumps.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 

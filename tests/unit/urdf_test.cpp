@@ -1,4 +1,5 @@
 // Robots in URDF become scenes: the same motion as the robot written by hand, and every mistake by name.
+#include "framework/description/scene/system_of.h"
 #include "framework/tools/import/urdf.h"
 
 #include <unistd.h>
@@ -72,7 +73,7 @@ TEST_CASE("a robot in URDF moves as the same robot in C++", "[unit][scene]") {
   CHECK(robot.left_out == std::vector<std::string>{"limits of effort: of 'elbow'", "limits of velocity: of 'elbow'"});
   Mechanism m = build_mechanism(scene_from_text(write_json(robot.scene), "arms.json"), builtin_registry());
   const std::vector<std::string> channels{"shoulder.angle_z", "elbow.angle_z", "shoulder.force_on_p_world_z"};
-  const std::vector<double> imported = last_of(m.system, channels);
+  const std::vector<double> imported = last_of(system_of(m), channels);
 
   // By hand: each turn as a rotation matrix.
   const auto rpy = [](double r, double p, double y) -> Mat3 {
@@ -128,7 +129,7 @@ TEST_CASE("limits, colours and the first link of a robot in URDF", "[unit][scene
   const Registry registry = builtin_registry();
   const auto freedoms = [&](const ImportedRobot& r) {
     Mechanism m = build_mechanism(scene_from_text(write_json(r.scene), "robot.json"), registry);
-    m.system.setup();
+    system_of(m).setup();
     return m.system.n_slots();
   };
   CHECK(freedoms(read_urdf(heavy, "arms.urdf", false)) == 2);
@@ -284,7 +285,7 @@ TEST_CASE("sliders, planes and free links of a robot, and names that a scene can
   CHECK(imported.left_out ==
         std::vector<std::string>{"names, which are others here: of 'a.b (a_b)', 'ground (ground_2)', 'c (c_2)'"});
   Mechanism m = build_mechanism(scene_from_text(write_json(imported.scene), "r.json"), builtin_registry());
-  Simulation run(m.system, {.integrator = "dop853", .tolerance = 1e-12, .output = 0.25});
+  Simulation run(system_of(m), {.integrator = "dop853", .tolerance = 1e-12, .output = 0.25});
   const Table& table = run.record({"a_b.y", "a_b.z", "ground_2.z", "c.z"});
   run.run_until(0.5);
   // Along the slide m s'' = -m g 0.8 - 2 s', from rest: s = -(0.8 g/2) (t - (1 - exp(-2 t))/2).

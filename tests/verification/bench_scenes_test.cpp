@@ -8,6 +8,7 @@
 
 #include <lockstep/registry.h>
 #include <lockstep/scene.h>
+#include "framework/description/scene/system_of.h"
 #include "tests/benchmark/peers/scenes.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
@@ -77,7 +78,7 @@ TEST_CASE("bench scenes run and keep their constraints", "[verification][bench]"
     CAPTURE(m.name);
     Mechanism mechanism = build_mechanism(scene_of(m), registry);
     const RunSettings& run = mechanism.run;
-    Dynamics dynamics(mechanism.system, make_solver(run, registry), {Formulation::omega, run.stabilization});
+    Dynamics dynamics(system_of(mechanism), make_solver(run, registry), {Formulation::omega, run.stabilization});
     State start = mechanism.system.start();
     const AssemblyReport assembled = assemble(dynamics, start, mechanism.start_speeds);
     CHECK(assembled.largest_move < 1e-12);

@@ -14,7 +14,7 @@
 #include <lockstep/registry.h>
 #include <lockstep/sweep.h>
 #include "framework/tools/analysis/singular_watch.h"
-#include "framework/tools/sweep/scene_run.h"
+#include "framework/tools/scene_run/scene_run.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/run_scene.h"
@@ -84,8 +84,8 @@ struct Run {
     m.run.record.push_back({"rejected", "tries of a test", {}});
     recorder = make_recorder(m);
     std::vector<Event> events = make_events(m, *recorder);
-    audit = std::make_unique<EnergyAudit>(m.system, m.run.limits);
-    dynamics.emplace(m.system, make_solver(m.run, registry()), DynamicsOptions{m.run.formulation, m.run.stabilization});
+    audit = std::make_unique<EnergyAudit>(system_of(m), m.run.limits);
+    dynamics.emplace(system_of(m), make_solver(m.run, registry()), DynamicsOptions{m.run.formulation, m.run.stabilization});
     loop.emplace(*dynamics, make_integrator(m.run, registry()), loop_options(m.run));
     loop->add_observer(*recorder), loop->add_observer(*audit);
     for (Event& event : events) loop->add_event(std::move(event));
@@ -250,7 +250,7 @@ TEST_CASE("a watch for singular positions goes on with what its solver has learn
     return all.numbers();
   };
   Run whole(scene);
-  SingularWatch watch(whole.m.system);
+  SingularWatch watch(system_of(whole.m));
   whole.loop->add_observer(watch);
   std::vector<Snapshot> saved;
   whole.loop->between_steps = [&] {
@@ -261,7 +261,7 @@ TEST_CASE("a watch for singular positions goes on with what its solver has learn
   const std::vector<double> expected = learned(watch);
   for (const Snapshot& at : saved) {
     Run on(scene);
-    SingularWatch watch_on(on.m.system);
+    SingularWatch watch_on(system_of(on.m));
     on.loop->add_observer(watch_on);
     on.loop->load(at);
     on.go();

@@ -10,6 +10,7 @@
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>
+#include "framework/description/scene/system_of.h"
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/loops.h"
@@ -125,7 +126,7 @@ TEST_CASE("a look aside leaves nothing behind in joint coordinates either", "[ve
     Scene scene = read_scene(scene_path("nfourbar_2"));
     scene.run.formulation = Formulation::joint;
     Mechanism m = build_mechanism(scene, builtin_registry());
-    Dynamics dynamics = joint_dynamics(m.system);
+    Dynamics dynamics = joint_dynamics(system_of(m));
     StepLoop loop(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-8, 1e-8}});
     State start = m.system.start();
     assemble(dynamics, start, m.start_speeds, m.assembly);

@@ -11,6 +11,7 @@
 #include <lockstep/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
+#include "framework/description/scene/system_of.h"
 #include "framework/dynamics/tree/joint_tree.h"
 #include "framework/dynamics/tree/tree_layout.h"
 #include "tests/support/catch.h"
@@ -105,7 +106,7 @@ TEST_CASE("scenes with loops accelerate in joint coordinates as in omega", "[ver
       if (!flat) scene = in_space(std::move(scene));
       scene.run.formulation = Formulation::joint;
       Mechanism m = build_mechanism(scene, builtin_registry());
-      Dynamics dynamics = joint_dynamics(m.system);
+      Dynamics dynamics = joint_dynamics(system_of(m));
       if (!dynamics.why_not_joint(m.system.start().modes).empty()) continue;
       State start = m.system.start();
       if (m.run.assemble) assemble(dynamics, start, m.start_speeds, m.assembly);
@@ -130,7 +131,7 @@ TEST_CASE("scenes with loops accelerate in joint coordinates as in omega", "[ver
         // redundant rows do not allow.
         const double left = dynamics.violation_v(state);
         CAPTURE(report.residual, report.detector, left);
-        if (report.detector < 1e-6 || is_singular(m.system, dynamics, state)) continue;
+        if (report.detector < 1e-6 || is_singular(system_of(m), dynamics, state)) continue;
         CHECK(error < 1e-10 + 10 * left + 1e-13 / report.detector);
         ++(flat ? checked_flat : checked);
       }
@@ -223,7 +224,7 @@ TEST_CASE("redundant rows that differ off the constraints are left so, contradic
   Scene scene = read_scene(std::string(paths::kSource) + "/samples/scenes/overconstrained/sarrus_three.json");
   scene.run.formulation = Formulation::joint;
   Mechanism m = build_mechanism(scene, builtin_registry());
-  Dynamics dynamics = joint_dynamics(m.system);
+  Dynamics dynamics = joint_dynamics(system_of(m));
   State state = m.system.start();
   assemble(dynamics, state, m.start_speeds, m.assembly);
   dynamics.to_formulation(state);
@@ -264,7 +265,7 @@ TEST_CASE("auto takes loops along joints where counts say that it costs less", "
       void rates(const Evaluated&, std::span<double> sd) const override { sd[0] = 0; }
     };
     if (reads) m.system.add(std::make_unique<Reader>());
-    Dynamics automatic(m.system, std::make_unique<SchurSolver>(), {});
+    Dynamics automatic(system_of(m), std::make_unique<SchurSolver>(), {});
     return automatic.why_not_joint(m.system.start().modes);
   };
   const std::string delta = std::string(paths::kSource) + "/samples/scenes/overconstrained/delta.json";

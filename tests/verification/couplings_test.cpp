@@ -14,6 +14,7 @@
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>
+#include "framework/description/scene/system_of.h"
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
@@ -222,7 +223,7 @@ TEST_CASE("joints and couplings from functions take nothing from the heap while 
   Scene scene = read_scene(std::string(paths::kScenes) + "/" + name + ".json");
   scene.run.integrator = {"rk4"}, scene.run.step = 1e-3;
   Mechanism m = build_mechanism(scene, registry);
-  Dynamics dynamics(m.system, make_solver(m.run, registry));
+  Dynamics dynamics(system_of(m), make_solver(m.run, registry));
   State start = m.system.start();
   assemble(dynamics, start, m.start_speeds);
   StepLoop simulation(dynamics, make_integrator(m.run, registry), {.step = 1e-3});

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <lockstep/lockstep.h>
+#include "framework/description/scene/system_of.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/worst.h"
@@ -24,7 +25,7 @@ struct Part {
 std::vector<Part> parts_of(const std::string& method, double h, long n_steps) {
   const Registry registry = builtin_registry();
   Mechanism m = build_mechanism(read_scene(std::string(paths::kScenes) + "/double_pendulum.json"), registry);
-  System& system = m.system;
+  System& system = system_of(m);
   Dynamics dynamics(system, make_solver(m.run, registry));
   const std::unique_ptr<Integrator> integrator =
       registry.integrators.make(method, Params{}, &registry, "run.integrator");

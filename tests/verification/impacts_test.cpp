@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <lockstep/lockstep.h>
+#include "framework/description/scene/system_of.h"
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
@@ -335,11 +336,11 @@ TEST_CASE("a cube that is thrown on eight supports comes to lie", "[verification
   const double mu = GENERATE(0.0, 0.3);
   CAPTURE(mu);
   Mechanism m = build_mechanism(scene_from_text(cube(mu), "cube.json"), builtin_registry());
-  const Channel balance = make_channel(m.system, "energy.balance"), lost = make_channel(m.system, "energy.dissipated");
-  Dynamics dynamics(m.system, std::make_unique<SchurSolver>());
+  const Channel balance = make_channel(system_of(m), "energy.balance"), lost = make_channel(system_of(m), "energy.dissipated");
+  Dynamics dynamics(system_of(m), std::make_unique<SchurSolver>());
   StepLoop simulation = simulate(dynamics, {"dopri5", 0, 1e-8, 0});
   balance.track(Sample(dynamics, simulation.state(), {}));
-  const double before = make_channel(m.system, "energy.total").value(Sample(dynamics, simulation.state(), {}));
+  const double before = make_channel(system_of(m), "energy.total").value(Sample(dynamics, simulation.state(), {}));
   const SimulationReport& report = simulation.run_until(3);
   CHECK(report.impacts > 10);
   CHECK(report.impacts < 1000);

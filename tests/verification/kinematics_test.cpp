@@ -10,6 +10,7 @@
 #include <lockstep/explain.h>
 #include <lockstep/kinematics.h>
 #include <lockstep/lockstep.h>
+#include "framework/tools/scene_run/scene_run.h"
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
@@ -30,7 +31,7 @@ struct Driven {
 
   explicit Driven(const std::string& scene, const std::function<void(Scene&)>& change = {})
       : m(build_mechanism(changed(scene, change), builtin_registry())),
-        dynamics(m.system, make_solver(m.run, builtin_registry()), {m.run.formulation, m.run.stabilization}),
+        dynamics(system_of(m), make_solver(m.run, builtin_registry()), {m.run.formulation, m.run.stabilization}),
         start(m.system.start()) {
     assemble(dynamics, start, m.start_speeds);
   }

@@ -13,6 +13,7 @@
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
 #include <lockstep/splines.h>
+#include "framework/description/scene/system_of.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 #include "tests/support/paths.h"
@@ -109,7 +110,7 @@ TEST_CASE("in the plane all solvers agree, redundant or not", "[verification][pl
   Mechanism m = build_mechanism(scene, registry);
   REQUIRE(m.system.plane() == Plane{2});
   const auto solved = [&](std::unique_ptr<LinearSolver> solver) {
-    Dynamics dynamics(m.system, std::move(solver));
+    Dynamics dynamics(system_of(m), std::move(solver));
     State state = m.system.start();
     dynamics.project(state);
     const Evaluated& v = dynamics.evaluate(state);

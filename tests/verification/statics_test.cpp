@@ -11,6 +11,7 @@
 
 #include <lockstep/equilibrium.h>
 #include <lockstep/lockstep.h>
+#include "framework/description/scene/system_of.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 
@@ -421,7 +422,7 @@ TEST_CASE("statics: a wheel that nothing holds makes no two equilibria of anothe
     "forces": [{"name": "k", "type": "spring_damper", "p": "bob", "s": "ground", "at_p": [0, 0.8, 0],
                 "at_s": [0, 0, 0], "stiffness": 1000, "free_length": 1}]})";
   Mechanism m = build_mechanism(scene_from_text(text, "wheelwell.json"), builtin_registry());
-  Dynamics dynamics(m.system, std::make_unique<SchurSolver>());
+  Dynamics dynamics(system_of(m), std::make_unique<SchurSolver>());
   const EquilibriaReport found = find_equilibria(dynamics, m.system.start(), {.starts = 40});
   CHECK(found.failed == 0);
   REQUIRE(found.all.size() == 3);

@@ -10,6 +10,7 @@
 #include <lockstep/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/sweep.h>
+#include "framework/description/scene/system_of.h"
 #include "framework/tools/analysis/wild_starts.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
@@ -30,7 +31,7 @@ TEST_CASE("samples are assembled from wild starts as often as the table says", "
     std::getline(cells, name, ','), std::getline(cells, of_1000, ','), std::getline(cells, of_30, ',');
     CAPTURE(name);
     Mechanism m = build_mechanism(read_scene(scene_path(name)), builtin_registry());
-    Dynamics dynamics(m.system, make_solver(m.run, builtin_registry()), {m.run.formulation, m.run.stabilization});
+    Dynamics dynamics(system_of(m), make_solver(m.run, builtin_registry()), {m.run.formulation, m.run.stabilization});
     State first = m.system.start();
     dynamics.to_slots(first);
     first.v.setZero();

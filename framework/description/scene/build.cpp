@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include <lockstep/integrator.h>
+#include <lockstep/loader.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/resolve.h"
@@ -102,7 +103,7 @@ std::string Builder::claim(const Params& object, const std::string& kind) {
 
 void Builder::build() {
   const Params root = params_of(scene_.root, "scene", "scene", &registry_);
-  out_.system.set_gravity(root.vector3("gravity"));
+  system_.set_gravity(root.vector3("gravity"));
   out_.run = scene_.run;
   bodies(root);
   markers(root);
@@ -136,7 +137,7 @@ void Builder::set_merge(const std::string& how) {
   const auto named = [&](const std::string& text, const std::string& name) {
     return text == name || text.rfind(name + ".", 0) == 0;
   };
-  for (const auto& link : out_.system.links()) {
+  for (const auto& link : system_.links()) {
     bool wanted = false;
     for (const ChannelRequest& r : out_.run.record) wanted = wanted || named(r.channel, link->name());
     for (const EventRequest& e : out_.events) {
@@ -146,7 +147,7 @@ void Builder::set_merge(const std::string& how) {
     }
     if (wanted) keep.push_back(link.get());
   }
-  out_.system.set_merge(true, std::move(keep));
+  system_.set_merge(true, std::move(keep));
 }
 
 // The tree of joint coordinates, if the run may take them, of the mechanism as it is set now; else null.
@@ -155,16 +156,16 @@ std::shared_ptr<const JointTree> Builder::tree() const {
   if (formulation != Formulation::joint && formulation != Formulation::automatic) return nullptr;
   const std::unique_ptr<Integrator> method = make_integrator(out_.run, registry_);
   if (!method->info().joint) return nullptr;
-  out_.system.setup();
+  system_.setup();
   const Taken taken = formulation == Formulation::joint ? Taken::all : Taken::where_cheaper;
-  std::shared_ptr<const JointTree> tree = lay_out_tree(out_.system, out_.system.start().modes, taken).tree;
+  std::shared_ptr<const JointTree> tree = lay_out_tree(system_, system_.start().modes, taken).tree;
   return takes(*method, tree.get()) ? tree : nullptr;
 }
 
 // A start speed of a link that leads out of the plane; null where there is none. Of a system that is set up in it.
 const VelocityTarget* Builder::start_out_of(Plane plane) const {
   for (const VelocityTarget& start : out_.start_speeds) {
-    const Vec3 normal = MarkerFrame(*out_.system.link(start.link).pairs().front().second).A0.row(plane.n);
+    const Vec3 normal = MarkerFrame(*system_.link(start.link).pairs().front().second).A0.row(plane.n);
     if (start.value != 0 && !axis_stays_in_plane(start.axis, normal, 1e-10)) return &start;
   }
   return nullptr;
@@ -173,7 +174,7 @@ const VelocityTarget* Builder::start_out_of(Plane plane) const {
 // The plane of a mechanism that moves in one, unless a formulation works in space, or joints alone keep it in a plane.
 // `asked`: the scene asks for it, and the plane is preferred.
 void Builder::choose_plane(bool asked) {
-  System& system = out_.system;
+  System& system = system_;
   if (!asked && out_.run.formulation == Formulation::quaternion) return;
   const std::shared_ptr<const JointTree> in_space = asked ? nullptr : tree();
   if (in_space && in_space->planar() && !in_space->has_rows()) return;  // coordinates are as few as in a plane
@@ -187,7 +188,7 @@ void Builder::choose_plane(bool asked) {
 
 // Refusals of the System name a body, link or force: its place in the file is put before them.
 void Builder::set_up(const Params& root) {
-  System& system = out_.system;
+  System& system = system_;
   const std::string normal = root.text("planar");
   try {
     if (normal == "auto")
@@ -218,7 +219,45 @@ Scene in_space(Scene scene) {
 
 Mechanism build_mechanism(const Scene& scene, const Registry& registry) {
   Mechanism mechanism;
+  mechanism.methods.integrators = registry.integrators, mechanism.methods.solvers = registry.solvers;
   with_formulas(scene, [&] { Builder(scene, registry, mechanism).build(); });
+  return mechanism;
+}
+
+namespace {
+
+template <class Shelf>
+bool brought(const Shelf& shelf, const std::string& plugin) {
+  return std::ranges::any_of(shelf.entries(), [&](const auto& entry) { return entry.second.origin == plugin; });
+}
+
+// Whether any type of the registry came from the plugin.
+bool brought(const Registry& r, const std::string& plugin) {
+  return brought(r.laws, plugin) || brought(r.translation_laws, plugin) || brought(r.rotation_laws, plugin) ||
+         brought(r.links, plugin) || brought(r.forces, plugin) || brought(r.integrators, plugin) ||
+         brought(r.solvers, plugin);
+}
+
+}  // namespace
+
+void record_places(Mechanism& m) {
+  if (!m.run.record.empty()) return;
+  for (const Body& body : m.system.bodies())
+    if (!body.fixed)
+      for (const char* axis : {".x", ".y", ".z"}) m.run.record.push_back({body.name + axis, "", {}});
+}
+
+Mechanism read_mechanism(const std::string& file, const Registry& given,
+                         const std::vector<std::pair<std::string, std::string>>& set) {
+  Scene scene = read_scene(file);
+  Registry registry = given;
+  for (const std::string& plugin : scene.plugins)
+    if (!brought(registry, plugin_name(plugin))) load_plugin(registry, plugin);
+  std::vector<std::string> texts;
+  for (const auto& [name, value] : set) texts.push_back(name + "=" + value);
+  if (!texts.empty()) scene = set_in_scene(scene, texts, registry);
+  Mechanism mechanism = build_mechanism(scene, registry);
+  record_places(mechanism);
   return mechanism;
 }
 

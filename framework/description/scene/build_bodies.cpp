@@ -305,7 +305,7 @@ void Builder::body(const Value& object, const std::string& owner) {
 void Builder::matter(const Value& object, const Params& p, const std::string& name) {
   const Pose home{p.vector3("position"), p.orientation("orientation")};
   const std::vector<std::string> kMass = {"mass", "rod", "box", "cylinder", "sphere", "compound", "particle"};
-  System& system = out_.system;
+  System& system = system_;
   Solids solids;
   if (p.boolean("fixed")) {
     refuse_beside(p, "a fixed body never moves", {"velocity", "omega_body", "omega_world"});
@@ -359,7 +359,7 @@ void Builder::marker(const Value& object, const std::string& owner) {
     known.push_back("ground");
     p.refuse("body", "unknown body \"" + carrier + "\"" + text::suggestion(carrier, known));
   }
-  Body& body = out_.system.body(carrier);
+  Body& body = system_.body(carrier);
   const bool world = p.has("world_at") || p.has("world_orientation");
   if (world)
     refuse_beside(p, "the pose is already given in the world (\"world_at\", \"world_orientation\")",
@@ -369,8 +369,8 @@ void Builder::marker(const Value& object, const std::string& owner) {
                 p.has(orientation) ? p.orientation(orientation) : Quat{}};
   };
   placed(object.where, [&] {
-    Marker& m = world ? out_.system.add_marker_at(name, body, pose("world_at", "world_orientation"))
-                      : out_.system.add_marker(name, body, pose("at", "orientation"));
+    Marker& m = world ? system_.add_marker_at(name, body, pose("world_at", "world_orientation"))
+                      : system_.add_marker(name, body, pose("at", "orientation"));
     if (p.has("translation")) m.translation_law = p.translation_law("translation");
     if (p.has("rotation")) m.rotation_law = p.rotation_law("rotation");
   });

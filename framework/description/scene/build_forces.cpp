@@ -17,7 +17,7 @@ std::pair<Marker*, Marker*> Builder::markers_of(const Params& p, const Lock& lin
   if (!given.pairs.empty()) p.refuse("link", "\"p\" and \"s\" are given as well; name either a link or two markers");
   const auto its = link.pairs();
   if (its.empty()) p.refuse("link", "link '" + link.name() + "' has no markers; name \"p\" and \"s\"");
-  return {&out_.system.marker(its.front().first->name), &out_.system.marker(its.front().second->name)};
+  return {&system_.marker(its.front().first->name), &system_.marker(its.front().second->name)};
 }
 
 void Builder::force(const Value& object, const std::string& owner) {
@@ -31,7 +31,7 @@ void Builder::force(const Value& object, const std::string& owner) {
     const std::string link = parts.common.text("link");
     if (!is_taken("link", link))
       parts.common.refuse("link", "unknown link \"" + link + "\"" + text::suggestion(link, names("link")));
-    where.link = &out_.system.link(link);
+    where.link = &system_.link(link);
     if (entry->origin == "built in" && parts.type != "joint_friction" && !on_coordinate)
       parts.common.refuse("link", "a " + parts.type + " does not act in a link; name \"p\" and \"s\"");
     if (entry->origin == "built in" && !on_coordinate && !where.pairs.empty())
@@ -40,7 +40,7 @@ void Builder::force(const Value& object, const std::string& owner) {
     if (on_coordinate) where.pairs = {markers_of(parts.common, *where.link, where)};
   }
   placed(object.where, [&] {
-    Force& added = out_.system.add(registry_.forces.make_checked(parts.type, where, parts.own));
+    Force& added = system_.add(registry_.forces.make_checked(parts.type, where, parts.own));
     if (!parts.common.boolean("active")) added.set_switched(false);
   });
 }
@@ -55,7 +55,7 @@ std::vector<std::string> Builder::switched_by(const Params& event, const std::st
   std::vector<std::string> things;
   for (const auto& [name, where] : texts_of(event, key)) {
     if (is_taken("force", name)) {
-      Force& force = out_.system.force(name);
+      Force& force = system_.force(name);
       force.set_switched(force.acts_at_start());
     } else if (!is_taken("link", name)) {
       std::vector<std::string> known = names("link");

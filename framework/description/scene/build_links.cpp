@@ -63,7 +63,7 @@ void warn_of_held_turns(const Params& p, const std::string& type, const System& 
 // other side, if it exists already, and the default of the new one.
 Marker* Builder::side(const Params& p, const std::string& key, const std::string& name, const Pose* other) {
   const std::string word = p.text(key);
-  if (is_taken("marker", word)) return &out_.system.marker(word);
+  if (is_taken("marker", word)) return &system_.marker(word);
   if (word != "ground" && !is_taken("body", word)) {
     std::vector<std::string> known = names("marker");
     const std::vector<std::string> bodies = names("body");
@@ -71,7 +71,7 @@ Marker* Builder::side(const Params& p, const std::string& key, const std::string
     known.push_back("ground");
     p.refuse(key, "unknown marker or body \"" + word + "\"" + text::suggestion(word, known));
   }
-  Body& body = out_.system.body(word);
+  Body& body = system_.body(word);
   Pose world{Vec3::Zero(), axes_of(p)};
   if (!origin_of(p, key, body, world.x)) {
     if (other == nullptr)
@@ -80,7 +80,7 @@ Marker* Builder::side(const Params& p, const std::string& key, const std::string
     world.x = other->x;
   }
   if (other != nullptr && !p.has("axis") && !p.has("orientation")) world.q = other->q;
-  return &out_.system.add_marker_at(name + (key == "p" ? ".P" : ".S"), body, world);
+  return &system_.add_marker_at(name + (key == "p" ? ".P" : ".S"), body, world);
 }
 
 Attachment Builder::attachment(const Params& p, const std::string& name, bool both) {
@@ -135,10 +135,10 @@ Attachment Builder::pairs(const Params& p, const std::string& name) {
             item.where, place,
             "unknown link \"" + *word + "\"" + text::suggestion(*word, known) + "; a coupling comes after its joints");
       }
-      const auto its = out_.system.link(*word).pairs();
+      const auto its = system_.link(*word).pairs();
       if (its.empty()) refuse(item.where, place, "link \"" + *word + "\" has no markers; name a pair of markers");
       const auto [P, S] = its.front();
-      all.pairs.emplace_back(&out_.system.marker(P->name), &out_.system.marker(S->name));
+      all.pairs.emplace_back(&system_.marker(P->name), &system_.marker(S->name));
     } else {
       const Params own = params_of(item, "pair", place, nullptr);
       for (const char* key : {"p", "s"})
@@ -177,8 +177,8 @@ void Builder::link(const Value& object, const std::string& owner) {
                             " takes " + std::to_string(made->pairs().size()) + "; remove the others");
     made->set_active_at_start(p.boolean("active"));
     unilateral(p, *made);
-    Lock& added = out_.system.add(std::move(made));
-    warn_of_held_turns(p, parts.type, out_.system);
+    Lock& added = system_.add(std::move(made));
+    warn_of_held_turns(p, parts.type, system_);
     laws(p, added);
     drives(p, added);
     start_speeds(p, added);

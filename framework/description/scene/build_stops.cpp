@@ -59,7 +59,7 @@ void Builder::brought_along(const Params& link, const Attachment& attachment, Lo
   Attachment where;
   where.name = name, where.link = &lock;
   placed(keys.where, [&] {
-    out_.system.add(registry_.forces.make_checked("joint_friction", where, friction));
+    system_.add(registry_.forces.make_checked("joint_friction", where, friction));
   });
   taken_["force"][name] = keys.where;
 }
@@ -69,7 +69,7 @@ void Builder::stops(const Value& object, const std::string& owner, const Attachm
   const Params p = params_of(object, "travel", owner, nullptr);
   const Axis axis = axis_from(p.text("axis"));
   const Unilateral options = unilateral_from(p);
-  if (const Jointed* joint = out_.system.link(of.name).jointed();
+  if (const Jointed* joint = system_.link(of.name).jointed();
       joint != nullptr && includes(joint->mask(), row_of(axis)))
     p.refuse("axis", "the link holds " + p.text("axis") + " already, so it has no travel; name a free coordinate");
   if (!p.has("low") && !p.has("high")) p.refuse("axis", "no limit is given; add \"low\" or \"high\"");
@@ -92,8 +92,8 @@ void Builder::stops(const Value& object, const std::string& owner, const Attachm
                                "' moves by a law, so a stop of its turn about x or y needs its own markers: add a "
                                "link of type \"stop\"");
       const Pose turned{Vec3::Zero(), axes_with_z(axis_index(axis) - 3)};
-      P = &out_.system.add_marker(attachment.name + ".P", *P->body, P->local * turned);
-      S = &out_.system.add_marker(attachment.name + ".S", *S->body, S->local * turned);
+      P = &system_.add_marker(attachment.name + ".P", *P->body, P->local * turned);
+      S = &system_.add_marker(attachment.name + ".S", *S->body, S->local * turned);
       coordinate = "rz";
     }
     attachment.pairs.emplace_back(P, S);
@@ -101,7 +101,7 @@ void Builder::stops(const Value& object, const std::string& owner, const Attachm
       const Params keys{{"coordinate", coordinate}, {end, p.number(end)}};
       std::unique_ptr<Lock> stop = registry_.links.make("stop", attachment, keys, &registry_, owner);
       stop->set_unilateral(options);
-      out_.system.add(std::move(stop));
+      system_.add(std::move(stop));
     });
     taken_["link"][attachment.name] = object.where;
   }

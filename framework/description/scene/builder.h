@@ -10,6 +10,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/scene.h>
+#include "framework/description/scene/system_of.h"
 #include "framework/description/scene/tables.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/refusals.h"
@@ -88,7 +89,7 @@ class SceneErrors {
 class Builder {
  public:
   Builder(const Scene& scene, const Registry& registry, Mechanism& out)
-      : scene_(scene), registry_(registry), out_(out) {}
+      : scene_(scene), registry_(registry), out_(out), system_(system_of(out)) {}
   void build();
 
  private:
@@ -130,6 +131,7 @@ class Builder {
   const Scene& scene_;
   const Registry& registry_;
   Mechanism& out_;
+  System& system_;  // of out_
   std::map<std::string, std::map<std::string, Where>> taken_;  // kind -> name -> place
   SceneErrors errors_;
 };

@@ -25,7 +25,6 @@ RunOutputs read_outputs(const Value& run, const std::vector<ChannelRequest>& rec
   RunOutputs out;
   const Params p = params_of(run, "run", "run", nullptr);
   out.units = p.text("headers") == "units";
-  out.at_jumps = p.boolean("at_jumps");
   const Value::List& pictures = objects_of(p, "pictures");
   Refusals wrong;
   for (std::size_t i = 0; i < pictures.size(); ++i)

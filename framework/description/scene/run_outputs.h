@@ -16,7 +16,6 @@ struct PictureRequest {
 /// Keys of "run" that are about its files alone.
 struct RunOutputs {
   bool units = true;      ///< the header of the CSV names them
-  bool at_jumps = false;  ///< rows just before and just after events, impacts and jumps of laws
   std::vector<PictureRequest> pictures{};
 };
 

@@ -179,6 +179,7 @@ void read_clock(const Params& p, RunSettings& run, Refusals& wrong) {
     run.until = until;
   });
   take("output", "interval", run.output);
+  run.at_jumps = p.boolean("at_jumps");
   wrong.attempt([&] { run.times = read_times(p); });
   if (p.has("max_steps")) run.max_steps = p.integer("max_steps");
   wrong.attempt([&] {

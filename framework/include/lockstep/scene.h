@@ -35,6 +35,7 @@ struct RunSettings {
       until = -1,                                ///< end of the run, s; 0: its start, one row
       output = 0;                                ///< interval of output times, s
   std::vector<double> times{};                   ///< output times in place of an interval, s, rising
+  bool at_jumps = false;                         ///< rows also just before and after what jumps
   AuditLimits limits;                            ///< of the energy balance and the violation
   long max_steps = 0;                            ///< the run ends with an error after so many; 0: no limit
   Tolerance tolerance;                           ///< error of a step, for adaptive integrators
@@ -99,15 +100,34 @@ struct EventRequest {
   Where given_where{};    ///< its place in the file
 };
 
-/// What a scene describes, ready to run.
-struct Mechanism {
-  System system;                               ///< set up
+/// A system that is read here, and changed by what takes it over.
+class HeldSystem {
+ public:
+  HeldSystem() = default;
+  HeldSystem(HeldSystem&& other) noexcept : own_(std::move(other.own_)) {}
+  HeldSystem& operator=(HeldSystem&& other) noexcept {
+    own_ = std::move(other.own_);
+    return *this;
+  }
+
+ private:
+  System own_;
+  friend System& system_of(HeldSystem&);
+
+ public:
+  const System& system = own_;  ///< set up
+};
+
+/// What a scene describes, ready to run: `Simulation run(std::move(mechanism));`. Its settings, events and targets may be
+/// changed before, its system by Simulation::system().
+struct Mechanism : HeldSystem {
   RunSettings run;                             ///< of the scene
   std::vector<VelocityTarget> start_speeds{};  ///< velocities that the start is to have
   std::vector<EventRequest> events{};          ///< of the scene
   std::vector<Solid> solids{};                 ///< of the bodies, as far as the scene gives their shapes
   std::vector<Look> looks{};                   ///< of the bodies with a key "visual"
   AssemblyOptions assembly{};                  ///< coordinates that the start is to have, weights of the bodies' poses
+  Registry methods{};                          ///< integrators and solvers that `run` may name
 };
 
 /// The same scene, computed in space unless it has a key "planar".
@@ -115,6 +135,14 @@ LOCKSTEP_API Scene in_space(Scene);
 /// Makes the mechanism of a scene and sets its system up. Throws SceneError, with the place in the file, for everything
 /// that is wrong, also for what makers and the System refuse.
 LOCKSTEP_API Mechanism build_mechanism(const Scene&, const Registry&);
+/// Where nothing is recorded: records x, y and z of every body that is not fixed.
+LOCKSTEP_API void record_places(Mechanism&);
+/// Reads a scene from a file, gives its parameters and other plain values the texts of `set` ({"crank", "0.12 m"},
+/// {"run.until", "2 s"}), and makes its mechanism. Plugins that the scene requires and the registry lacks are loaded.
+/// Where the scene names no column, record_places() does. Throws what read_scene(), load_plugin(), set_in_scene() and
+/// build_mechanism() throw.
+LOCKSTEP_API Mechanism read_mechanism(const std::string& file, const Registry& = builtin_registry(),
+                                      const std::vector<std::pair<std::string, std::string>>& set = {});
 
 /// Makes the integrator that the settings name, with their tolerance. Throws SceneError: an unknown name, refused keys,
 /// or a method with fixed steps where no step is given.

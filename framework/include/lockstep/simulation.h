@@ -1,4 +1,4 @@
-// Simulation: the short way to a run, with integrator and solver by name and a table of what is recorded.
+// Simulation: a run of a system or of a scene, with integrator and solver by name and a table of what is recorded.
 #pragma once
 
 #include <memory>
@@ -8,6 +8,7 @@
 #include <lockstep/assembly.h>
 #include <lockstep/recorder.h>
 #include <lockstep/registry.h>
+#include <lockstep/scene.h>
 #include <lockstep/step_loop.h>
 
 namespace lockstep {
@@ -27,27 +28,58 @@ struct SimulationOptions {
   bool assemble = true;  ///< the start is brought onto the constraints; otherwise one that violates them is refused
 };
 
-/// A run of one system. Its parts stay accessible: recorder(), loop(), dynamics().
+/// What is found of a run that went through.
+struct RunVerdict {
+  Audit audit;                       ///< energy and drift
+  std::vector<std::string> doubts{};  ///< what speaks against the result, one sentence each
+  bool right = true;                 ///< neither NOT CONSERVED nor DRIFTED: exit code 9 of the program
+};
+
+/// A run of a scene, or of one system. Its parts stay accessible: recorder(), loop(), dynamics().
+///
+///     Simulation run(read_mechanism("four_bar.json", registry, {{"crank", "0.12 m"}}));
+///     run.run();
+///     write_csv("four_bar.csv", run.table());
 ///
 ///     Simulation run(system, {.integrator = "dopri5", .tolerance = 1e-8, .output = 0.01});
 ///     auto& table = run.record({"rod.angle_z", "energy.total"});
 ///     run.run_until(2.0);
+///
+/// It may be moved, also during a run; what it holds stays where it is in memory.
 class LOCKSTEP_API Simulation {
  public:
   /// The system must outlive the simulation; the registry is read only here. Throws ModelError or SceneError for an
   /// unknown name or key, a tolerance that is not positive, or a fixed step that is not given.
   explicit Simulation(System& system, SimulationOptions options = {}, const Registry& registry = builtin_registry());
+  /// Runs a scene as the program does: its start, events, tolerance, step, formulation, outputs and columns. Energy, drift,
+  /// tolerance and singular configurations are watched: verdict(). In liblockstep-tools. Throws SceneError with the
+  /// place in the file of a channel that does not exist.
+  explicit Simulation(Mechanism mechanism);
+  Simulation(Simulation&&) noexcept;
+  Simulation& operator=(Simulation&&) noexcept;
   ~Simulation();
+
+  /// Integrator, tolerance, step, outputs and end; what is changed here before the run begins holds in it. Throws
+  /// ModelError once it has begun. Columns and draw are those of record().
+  RunSettings& settings();
+  System& system();              ///< as given, or that of the scene; add and change before the run begins
+  const System& system() const;  ///< the same
 
   /// Adds columns to record besides the time: channels, or pairs of a name and a channel. Returns the table, which
   /// grows during the run. May be called several times. Throws ModelError for an unknown channel, a name that is taken,
   /// and once the run has begun.
   const Table& record(std::vector<Request> requests);
-  const Table& table() const { return recorder_.table(); }  ///< what is recorded so far
+  const Table& table() const;  ///< what is recorded so far
 
   /// Runs on to the time t, s; may be called again. Throws what assemble() and StepLoop::run_until throw; what was
   /// recorded is kept.
   const SimulationReport& run_until(double t);
+  /// Runs on to settings().until, which a scene gives by "until" of "run". Throws ModelError where none is given, and
+  /// what run_until() throws.
+  const SimulationReport& run();
+  /// What the program says of a run so far: energy, drift, and what makes the result doubtful. Throws ModelError for a
+  /// run of a system, which only observers watch (EnergyAudit), and of a scene whose run has not begun.
+  RunVerdict verdict() const;
 
   /// Writes the run to a checkpoint: a file of its own that replaces an older one when it is whole. Table, events and
   /// what observers write themselves (Observer::save) are part of it. Throws ModelError where the run has not begun or
@@ -59,30 +91,19 @@ class LOCKSTEP_API Simulation {
   void load(const std::string& file);
 
   // -- after any of these no column can be added
-  const State& state();                       ///< at the present time; before the run the assembled start
-  void set_state(State);                      ///< sets another start, which is assembled when the options say so
-  const AssemblyReport& assembly();           ///< what assembling the start changed
-  Event& add_event(Event event);              ///< as StepLoop::add_event
-  void add_observer(Observer& observer);      ///< not owned
-  Recorder& recorder() { return recorder_; }  ///< fills the table; reading it does not begin the run
-  StepLoop& loop();                           ///< runs the mechanism
-  Dynamics& dynamics();                       ///< by which the loop evaluates
+  const State& state();                   ///< at the present time; before the run the assembled start
+  void set_state(State);                  ///< sets another start, which is assembled when the options say so
+  const AssemblyReport& assembly();       ///< what assembling the start changed
+  Event& add_event(Event event);          ///< as StepLoop::add_event
+  void add_observer(Observer& observer);  ///< not owned
+  Recorder& recorder();                   ///< fills the table; reading it does not begin the run
+  StepLoop& loop();                       ///< runs the mechanism
+  Dynamics& dynamics();                   ///< by which the loop evaluates
+
+  struct Parts;  ///< what it holds
 
  private:
-  void begin();
-  void start_from(State start);
-  std::string fingerprint() const;
-
-  System& system_;
-  SimulationOptions options_;
-  Tolerance tolerance_;
-  Recorder recorder_;
-  std::vector<std::string> recorded_;       // names of its channels
-  std::unique_ptr<Integrator> integrator_;  // until the loop takes them
-  std::unique_ptr<LinearSolver> solver_;
-  std::unique_ptr<Dynamics> dynamics_;
-  std::unique_ptr<StepLoop> loop_;
-  AssemblyReport assembly_;
+  std::unique_ptr<Parts> parts_;
 };
 
 }  // namespace lockstep

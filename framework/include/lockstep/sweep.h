@@ -1,4 +1,4 @@
-// A scene run many times; recorder and events of a scene.
+// A scene run many times.
 #pragma once
 
 #include <functional>
@@ -11,19 +11,6 @@
 #include <lockstep/scene.h>
 
 namespace lockstep {
-
-// The recorder and the events of a mechanism that came from a scene.
-
-/// Where the scene asks for no channel: adds x, y and z of every body that is not fixed to what is recorded.
-LOCKSTEP_API void record_places(Mechanism&);
-
-/// Makes a recorder with the channels that the scene asks for. Make it before the StepLoop; the mechanism must stay
-/// where it is in memory. Throws SceneError with the place in the file of a channel that does not exist.
-LOCKSTEP_API std::unique_ptr<Recorder> make_recorder(Mechanism&);
-
-/// Makes the scene's events with their conditions; `recorder` keeps their channels up to date. Make them before the
-/// StepLoop too. Throws SceneError with the place in the file of a channel that does not exist.
-LOCKSTEP_API std::vector<Event> make_events(Mechanism&, Recorder& recorder);
 
 // Sweep: one mechanism run many times, one row of results per run.
 
@@ -60,7 +47,7 @@ struct SweepRun {
 LOCKSTEP_API bool wrong_by(std::string_view outcome);
 
 /// The columns that a scene records, with their units, without rows: the time, then its channels, or the places of
-/// record_places(). Throws what build_mechanism() and make_recorder() throw.
+/// record_places(). Throws what build_mechanism() and Simulation(Mechanism) throw.
 LOCKSTEP_API Table recorded_columns(const Scene&, const Registry&);
 
 /// Builds the scene, assembles its start and runs it to its end. It throws nothing: every failure is a result, also

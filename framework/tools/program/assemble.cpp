@@ -9,7 +9,7 @@
 #include "framework/tools/program/commands.h"
 #include "framework/tools/program/document.h"
 #include "framework/tools/program/method_specs.h"
-#include "framework/tools/sweep/scene_run.h"
+#include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {
 

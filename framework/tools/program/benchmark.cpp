@@ -11,7 +11,7 @@
 #include <lockstep/text.h>
 #include "framework/tools/program/few_messages.h"
 #include "framework/tools/program/method_specs.h"
-#include "framework/tools/sweep/scene_run.h"
+#include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {
 namespace {
@@ -44,12 +44,12 @@ Subject subject_of(const Scene& scene, const Registry& registry, const Interrupt
   Mechanism& m = owner->mechanism;
   m.run.record.clear();
   owner->recorder = make_recorder(m);
-  Subject subject{owner, &m.system, {}};
+  Subject subject{owner, &system_of(m), {}};
   subject.events = make_events(m, *owner->recorder);
   if (!subject.events.empty()) subject.observers.push_back(owner->recorder.get());
   subject.observers.push_back(&owner->ender);
   if (!assembled) {
-    Dynamics dynamics(m.system, make_solver(m.run, registry), {Formulation::omega, m.run.stabilization});
+    Dynamics dynamics(system_of(m), make_solver(m.run, registry), {Formulation::omega, m.run.stabilization});
     assembled = assembled_start(dynamics, m);
   }
   subject.start = *assembled;

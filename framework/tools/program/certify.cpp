@@ -10,7 +10,7 @@
 #include "framework/tools/precision/certificate.h"
 #include "framework/tools/program/benchmark.h"
 #include "framework/tools/program/method_specs.h"
-#include "framework/tools/sweep/scene_run.h"
+#include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {
 namespace {
@@ -42,7 +42,7 @@ std::optional<Table> make_again(const Loaded& loaded, const RunSettings& run, co
   std::vector<Event> events = make_events(m, *recorder);
   Stabilization stabilization = run.stabilization;
   stabilization.tolerance = std::min(stabilization.tolerance, kProjection);
-  Dynamics dynamics(m.system, make_solver(run, loaded.registry), {run.formulation, stabilization});
+  Dynamics dynamics(system_of(m), make_solver(run, loaded.registry), {run.formulation, stabilization});
   StepLoop sim(dynamics, repeat.make(), repeat.options);
   sim.add_observer(*recorder);
   for (Event& event : events) sim.add_event(std::move(event));

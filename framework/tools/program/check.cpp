@@ -24,7 +24,7 @@
 #include "framework/tools/program/mobility_findings.h"
 #include "framework/tools/program/run_warnings.h"
 #include "framework/tools/program/terminal.h"
-#include "framework/tools/sweep/scene_run.h"
+#include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {
 namespace {
@@ -193,8 +193,8 @@ std::optional<std::string> if_named(const char* normal, const Loaded& loaded, co
   scene.root.object()->push_back({"planar", Value(normal), scene.root.where});
   Mechanism named = build_mechanism(scene, loaded.registry);
   if (named.system.has_offsets()) return {};  // reactions would be incomplete
-  named.system.set_planar(named.system.plane(), true);
-  const std::optional<ModelError> missing = named.system.try_setup();
+  system_of(named).set_planar(system_of(named).plane(), true);
+  const std::optional<ModelError> missing = system_of(named).try_setup();
   if (!missing) return {};
   return fmt::format("\"planar\": \"{}\" gives {} unknown velocities instead of {}, if nothing leaves that plane: {}",
                      normal, named.system.n_velocities(), m.system.n_velocities(), missing->what());

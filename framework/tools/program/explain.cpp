@@ -11,7 +11,7 @@
 #include "framework/tools/program/commands.h"
 #include "framework/tools/program/document.h"
 #include "framework/tools/program/state_at.h"
-#include "framework/tools/sweep/scene_run.h"
+#include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {
 namespace {

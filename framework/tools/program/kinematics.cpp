@@ -16,7 +16,7 @@
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/growing_file.h"
 #include "framework/tools/program/method_specs.h"
-#include "framework/tools/sweep/scene_run.h"
+#include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {
 namespace {

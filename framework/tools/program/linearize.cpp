@@ -6,6 +6,7 @@
 #include <lockstep/error.h>
 #include <lockstep/linearization.h>
 #include <lockstep/text.h>
+#include "framework/description/scene/system_of.h"
 #include "framework/tools/program/document.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/linear_inputs.h"
@@ -77,7 +78,7 @@ int linearize_command(const Arguments& args) {
   if (!args.csv.empty()) check_overwrites(args.csv, loaded.scene);
   MechanismWithInputs built = build_with_inputs(in_space(loaded.scene), loaded.registry, args.inputs);
   std::vector<Channel> outputs;
-  for (const std::string& name : args.outputs) outputs.push_back(make_channel(built.mechanism->system, name));
+  for (const std::string& name : args.outputs) outputs.push_back(make_channel(system_of(*built.mechanism), name));
   const MechanismAt at = state_at(std::move(built.mechanism), loaded.registry, instant_of(args));
   const StateSpace s = with_words_of_program(
       [&] { return linearize(*at.dynamics, at.state, built.inputs, outputs, motion_options(args)); });

@@ -69,6 +69,7 @@ void put_settings(RunSettings& run, const Arguments& args, const Registry& regis
         args.solver + "\" out, or give --formulation omega");
   if (args.formulation == "quaternion" && args.solver.empty() && run.solver.type == "schur")
     run.solver.type = "sparse";  // the default needs six velocities per body
+  run.at_jumps = run.at_jumps || args.at_jumps;
   if (!args.nearly_redundant.empty()) run.nearly_redundant = nearly_redundant_from(args.nearly_redundant);
   if (!args.stabilization.empty()) run.stabilization.kind = read_stabilization(args.stabilization);
 }

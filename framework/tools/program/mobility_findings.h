@@ -9,7 +9,7 @@
 #include <lockstep/kinematics.h>
 #include <lockstep/uniqueness.h>
 #include "framework/tools/analysis/branch_point.h"
-#include "framework/tools/sweep/scene_run.h"
+#include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {
 

@@ -34,8 +34,8 @@
 #include "framework/tools/program/suspects.h"
 #include "framework/tools/program/terminal.h"
 #include "framework/tools/program/words.h"
-#include "framework/tools/sweep/rows_at_jumps.h"
-#include "framework/tools/sweep/scene_run.h"
+#include "framework/tools/scene_run/rows_at_jumps.h"
+#include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {
 namespace {
@@ -110,7 +110,6 @@ PictureRequest picture_of(const std::string& text, const Table& columns) {
 RunOutputs outputs_of(const Loaded& loaded, const Arguments& args, const Table& columns) {
   RunOutputs out = outputs_of(loaded.scene);
   if (!args.headers.empty()) out.units = args.headers == "units";
-  out.at_jumps = out.at_jumps || args.at_jumps;
   for (const std::string& text : args.pictures) out.pictures.push_back(picture_of(text, columns));
   return out;
 }
@@ -249,8 +248,8 @@ class ProgramRun {
         rows_(file_, *recorder_, report_ || args.certify, outputs_.units),  // both read the rows afterwards
         details_(picture_rows(m_, csv_, rows_, args)),
         at_jumps_([this](const Sample& s) { recorder_->output(s); }, [this] { return rows_.last_instant(); }),
-        singular_(m_.system),
-        audit_(args.quiet ? nullptr : std::make_unique<EnergyAudit>(m_.system, m_.run.limits)),
+        singular_(system_of(m_)),
+        audit_(args.quiet ? nullptr : std::make_unique<EnergyAudit>(system_of(m_), m_.run.limits)),
         dynamics_(make_dynamics(m_, loaded_.registry)),
         sim_(dynamics_, make_integrator(m_.run, loaded_.registry), loop_options(m_.run)),
         doubts_(records_reactions(m_.run), sim_.integrator().info().adaptive ? m_.run.tolerance.relative : 0.0) {}
@@ -277,7 +276,7 @@ class ProgramRun {
                  singular_.passed(),
                  singular_.n_passed(),
                  formulation_.name(sim_, m_.run.formulation)};
-    end.suspects = suspects_of(end, m_.system);
+    end.suspects = suspects_of(end, system_of(m_));
     conclude(end, unwritten);
     return exit_code(end);
   }
@@ -321,7 +320,7 @@ class ProgramRun {
 
   void add_observers(const State& start) {
     sim_.add_observer(*recorder_);
-    if (outputs_.at_jumps) sim_.add_observer(at_jumps_);
+    if (m_.run.at_jumps) sim_.add_observer(at_jumps_);
     sim_.add_observer(rows_);
     sim_.add_observer(formulation_);
     if (judged()) sim_.add_observer(doubts_);

@@ -16,7 +16,7 @@
 #include "framework/tools/analysis/branch_point.h"
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/few_messages.h"
-#include "framework/tools/sweep/scene_run.h"
+#include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {
 namespace {

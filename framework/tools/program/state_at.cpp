@@ -7,7 +7,7 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/tools/program/method_specs.h"
-#include "framework/tools/sweep/scene_run.h"
+#include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {
 
@@ -43,7 +43,7 @@ MechanismAt state_at(std::unique_ptr<Mechanism> mechanism, const Registry& regis
   out.mechanism = std::move(mechanism);
   out.state = run_to(*out.mechanism, registry, t);
   out.dynamics = std::make_unique<Dynamics>(
-      out.mechanism->system, make_solver(out.mechanism->run, registry),
+      system_of(*out.mechanism), make_solver(out.mechanism->run, registry),
       DynamicsOptions{.formulation = Formulation::omega, .stabilization = {.kind = Stabilization::Kind::none}});
   return out;
 }

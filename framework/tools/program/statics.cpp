@@ -20,7 +20,7 @@
 #include "framework/tools/program/pose_columns.h"
 #include "framework/tools/program/state_at.h"
 #include "framework/tools/record/csv_lines.h"
-#include "framework/tools/sweep/scene_run.h"
+#include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {
 namespace {

@@ -120,7 +120,7 @@ bool keeps_motion(const Arguments& args) { return !args.histories.empty() && !ar
 std::string why_alone(const SweepPlan& plan) {
   if (plan.arguments.lanes == "off") return "as asked for";
   if (keeps_motion(plan.arguments)) return "the report keeps their motion";
-  if (!plan.arguments.histories.empty() && outputs_of(plan.loaded.scene).at_jumps)
+  if (!plan.arguments.histories.empty() && plan.loaded.scene.run.at_jumps)
     return "the histories have rows at jumps (at_jumps)";
   if (plan.grid.n_runs(plan.shard) == 0) return {};
   try {

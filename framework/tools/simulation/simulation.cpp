@@ -7,109 +7,176 @@
 #include <lockstep/registry.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/simulate/start_turns.h"
+#include "framework/mechanism/params/read.h"
 #include "framework/tools/record/start_of_angle.h"
 #include "framework/tools/simulation/checkpoint.h"
+#include "framework/tools/simulation/simulation_parts.h"
 
 namespace lockstep {
 
 namespace {
 
-// The solver that is taken: the default needs six velocities per body.
-std::string solver_of(const SimulationOptions& options) {
-  if (!options.solver.empty()) return options.solver;
-  return options.dynamics.formulation == Formulation::quaternion ? "sparse" : "schur";
+// The options of a system's run as the settings that a scene gives. The default solver needs six velocities per body; one
+// that is named means the formulation omega.
+RunSettings settings_of(const SimulationOptions& options, const Registry& registry) {
+  if (!(options.tolerance > 0) || !(options.absolute_tolerance >= 0))
+    throw ModelError("simulation: tolerance " + text::brief(options.tolerance) + ", absolute_tolerance " +
+                     text::brief(options.absolute_tolerance) + "; give a positive tolerance, such as 1e-8");
+  RunSettings run;
+  run.tolerance.relative = options.tolerance;
+  run.tolerance.atol_x = options.absolute_tolerance > 0 ? options.absolute_tolerance : 0.01 * options.tolerance;
+  run.integrator = read_method_spec(options.integrator, types_of(registry.integrators));
+  run.formulation = options.dynamics.formulation, run.stabilization = options.dynamics.stabilization;
+  const bool quaternion = run.formulation == Formulation::quaternion;
+  run.solver = read_method_spec(!options.solver.empty() ? options.solver : quaternion ? "sparse" : "schur",
+                                types_of(registry.solvers));
+  if (!options.solver.empty() && run.formulation == Formulation::automatic) run.formulation = Formulation::omega;
+  run.step = options.step, run.output = options.output, run.max_steps = options.max_steps;
+  run.assemble = options.assemble;
+  return run;
+}
+
+struct SystemSettings {
+  RunSettings settings;
+  Registry methods;  // integrators and solvers alone
+};
+
+/// The run of a system.
+struct SystemParts final : SystemSettings, Simulation::Parts {
+  SystemParts(System& of, const SimulationOptions& options, const Registry& registry)
+      : SystemSettings{settings_of(options, registry), {}},
+        Parts(of, SystemSettings::settings, std::make_unique<Recorder>(of)) {
+    methods.integrators = registry.integrators, methods.solvers = registry.solvers;
+    make_method(), make_solver();  // what is wrong with them is said at once
+  }
+  std::unique_ptr<Integrator> make_method() const override {
+    const MethodSpec& method = Parts::settings.integrator;
+    std::unique_ptr<Integrator> made = make_integrator(method, methods, "simulation.integrator");
+    if (!made->info().adaptive && !(Parts::settings.step > 0))
+      throw ModelError("simulation: integrator \"" + method.type +
+                       "\" takes fixed steps and no step is given; set .step, for instance .step = 1e-3");
+    return made;
+  }
+  std::unique_ptr<LinearSolver> make_solver() const override {
+    return lockstep::make_solver(Parts::settings.solver, methods, "simulation.solver");
+  }
+};
+
+}  // namespace
+
+Simulation::Parts::~Parts() = default;
+
+StepLoop& Simulation::Parts::begun() {
+  if (loop) return *loop;
+  before();
+  std::unique_ptr<Integrator> method = make_method();
+  auto evaluates = std::make_unique<Dynamics>(system, make_solver(),
+                                              DynamicsOptions{settings.formulation, settings.stabilization});
+  auto runs = std::make_unique<StepLoop>(*evaluates, std::move(method),
+                                         StepLoopOptions{.step = settings.step,
+                                                         .tolerance = settings.tolerance,
+                                                         .output = settings.output,
+                                                         .output_times = settings.times,
+                                                         .max_steps = settings.max_steps});
+  runs->add_observer(*recorder);
+  runs->set_state(begin(*evaluates, *runs, assembly));
+  dynamics = std::move(evaluates), loop = std::move(runs);
+  return *loop;
+}
+
+/// Channels may add quadratures to the system, so everything that takes its sizes is made when the run begins.
+State Simulation::Parts::begin(Dynamics& by, StepLoop&, AssemblyReport& report) {
+  if (const std::string words = channels::uncounted(system, {}, recorded); !words.empty()) log_warning(words);
+  State start = system.start();
+  if (settings.assemble)
+    report = assemble(by, start);
+  else
+    begin_turns(by, start);
+  return start;
+}
+
+void Simulation::Parts::start_from(State start) {
+  begun();
+  if (settings.assemble)
+    assembly = assemble(*dynamics, start);
+  else
+    begin_turns(*dynamics, start);
+  loop->set_state(std::move(start));
+}
+
+RunVerdict Simulation::Parts::verdict() const {
+  throw ModelError("simulation: nothing watches the run of a system; add an EnergyAudit as an observer");
+}
+
+Simulation::Simulation(System& system, SimulationOptions options, const Registry& registry)
+    : parts_(std::make_unique<SystemParts>(system, options, registry)) {}
+Simulation::Simulation(Simulation&&) noexcept = default;
+Simulation& Simulation::operator=(Simulation&&) noexcept = default;
+Simulation::~Simulation() = default;
+
+RunSettings& Simulation::settings() {
+  if (parts_->loop) throw ModelError("simulation: settings() after the run began; change them before");
+  return parts_->settings;
+}
+System& Simulation::system() { return parts_->system; }
+const System& Simulation::system() const { return parts_->system; }
+
+const Table& Simulation::record(std::vector<Request> requests) {
+  if (parts_->loop) throw ModelError("simulation: record() after the run began; ask for all columns before run_until()");
+  for (Request& request : requests) {
+    Channel channel = make_channel(parts_->system, request.channel);
+    parts_->recorded.push_back(std::move(request.channel));
+    channel.name = std::move(request.name);
+    parts_->recorder->add(std::move(channel));
+  }
+  return table();
+}
+const Table& Simulation::table() const { return parts_->recorder->table(); }
+
+const SimulationReport& Simulation::run_until(double t) { return loop().run_until(t); }
+const SimulationReport& Simulation::run() {
+  if (!(parts_->settings.until >= 0))
+    throw ModelError(
+        "simulation: run() needs an end; set settings().until (\"until\" of \"run\" in a scene), or call run_until(t)");
+  return run_until(parts_->settings.until);
+}
+RunVerdict Simulation::verdict() const { return parts_->verdict(); }
+
+const State& Simulation::state() { return loop().state(); }
+void Simulation::set_state(State state) { parts_->start_from(std::move(state)); }
+const AssemblyReport& Simulation::assembly() {
+  parts_->begun();
+  return parts_->assembly;
+}
+Event& Simulation::add_event(Event event) { return loop().add_event(std::move(event)); }
+void Simulation::add_observer(Observer& observer) { loop().add_observer(observer); }
+Recorder& Simulation::recorder() { return *parts_->recorder; }
+StepLoop& Simulation::loop() { return parts_->begun(); }
+Dynamics& Simulation::dynamics() {
+  parts_->begun();
+  return *parts_->dynamics;
+}
+
+namespace {
+
+std::string name_of(const MethodSpec& method) {
+  std::string name = method.type;
+  if (method.keys.object() != nullptr)
+    for (const Value::Member& m : *method.keys.object()) name += ":" + m.key + "=" + shown(m.value);
+  return name;
+}
+
+// What a checkpoint of another simulation would differ in, beside what the loop compares itself.
+std::string fingerprint(const RunSettings& run) {
+  return fmt::format("integrator {}, solver {}, tolerance {:a} {:a}, step {:a}, output {:a}", name_of(run.integrator),
+                     name_of(run.solver), run.tolerance.relative, run.tolerance.atol_x, run.step, run.output);
 }
 
 }  // namespace
 
-Simulation::Simulation(System& system, SimulationOptions options, const Registry& registry)
-    : system_(system), options_(std::move(options)), recorder_(system) {
-  if (!(options_.tolerance > 0) || !(options_.absolute_tolerance >= 0))
-    throw ModelError("simulation: tolerance " + text::brief(options_.tolerance) + ", absolute_tolerance " +
-                     text::brief(options_.absolute_tolerance) + "; give a positive tolerance, such as 1e-8");
-  tolerance_.relative = options_.tolerance;
-  tolerance_.atol_x = options_.absolute_tolerance > 0 ? options_.absolute_tolerance : 0.01 * options_.tolerance;
-  const MethodSpec method = read_method_spec(options_.integrator, types_of(registry.integrators));
-  integrator_ = make_integrator(method, registry, "simulation.integrator");
-  if (!integrator_->info().adaptive && !(options_.step > 0))
-    throw ModelError("simulation: integrator \"" + method.type +
-                     "\" takes fixed steps and no step is given; set .step, for instance .step = 1e-3");
-  solver_ =
-      make_solver(read_method_spec(solver_of(options_), types_of(registry.solvers)), registry, "simulation.solver");
-}
-
-Simulation::~Simulation() = default;
-
-const Table& Simulation::record(std::vector<Request> requests) {
-  if (loop_) throw ModelError("simulation: record() after the run began; ask for all columns before run_until()");
-  for (Request& request : requests) {
-    Channel channel = make_channel(system_, request.channel);
-    recorded_.push_back(std::move(request.channel));
-    channel.name = std::move(request.name);
-    recorder_.add(std::move(channel));
-  }
-  return recorder_.table();
-}
-
-/// Channels may add quadratures to the system, so everything that takes its sizes is made when the run begins.
-void Simulation::begin() {
-  if (loop_) return;
-  DynamicsOptions taken = options_.dynamics;
-  if (!options_.solver.empty() && taken.formulation == Formulation::automatic) taken.formulation = Formulation::omega;
-  dynamics_ = std::make_unique<Dynamics>(system_, std::move(solver_), taken);
-  StepLoopOptions loop;
-  loop.step = options_.step;
-  loop.output = options_.output;
-  loop.max_steps = options_.max_steps;
-  loop.tolerance = tolerance_;
-  loop_ = std::make_unique<StepLoop>(*dynamics_, std::move(integrator_), loop);
-  loop_->add_observer(recorder_);
-  if (const std::string words = channels::uncounted(system_, {}, recorded_); !words.empty()) log_warning(words);
-  start_from(system_.start());
-}
-
-void Simulation::start_from(State start) {
-  if (options_.assemble)
-    assembly_ = assemble(*dynamics_, start);
-  else
-    begin_turns(*dynamics_, start);
-  loop_->set_state(std::move(start));
-}
-
-const SimulationReport& Simulation::run_until(double t) { return loop().run_until(t); }
-const State& Simulation::state() { return loop().state(); }
-Event& Simulation::add_event(Event event) { return loop().add_event(std::move(event)); }
-void Simulation::add_observer(Observer& observer) { loop().add_observer(observer); }
-
-void Simulation::set_state(State state) {
-  begin();
-  start_from(std::move(state));
-}
-
-const AssemblyReport& Simulation::assembly() {
-  begin();
-  return assembly_;
-}
-
-StepLoop& Simulation::loop() {
-  begin();
-  return *loop_;
-}
-
-Dynamics& Simulation::dynamics() {
-  begin();
-  return *dynamics_;
-}
-
-// What a checkpoint of another simulation would differ in, beside what the loop compares itself.
-std::string Simulation::fingerprint() const {
-  return fmt::format("integrator {}, solver {}, tolerance {:a} {:a}, step {:a}, output {:a}", options_.integrator,
-                     solver_of(options_), tolerance_.relative, tolerance_.atol_x, options_.step, options_.output);
-}
-
 void Simulation::save(const std::string& file) {
   Snapshot out;
-  out.put_text("simulation"), out.put_text(fingerprint());
+  out.put_text("simulation"), out.put_text(fingerprint(parts_->settings));
   loop().save(out);
   write_checkpoint(file, out);
 }
@@ -119,7 +186,7 @@ void Simulation::load(const std::string& file) {
   if (const std::string kind = in.get_text(); kind != "simulation")
     throw ModelError(
         fmt::format("checkpoint '{}' is one of the program's (lockstep resume), not of a simulation", file));
-  if (const std::string saved = in.get_text(), own = fingerprint(); saved != own)
+  if (const std::string saved = in.get_text(), own = fingerprint(parts_->settings); saved != own)
     throw ModelError(
         fmt::format("checkpoint '{}' is of a simulation with other options ({}); this one has {}", file, saved, own));
   loop().load(in);

@@ -12,7 +12,7 @@
 #include "framework/dynamics/simulate/step_rules.h"
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/analysis/singular_watch.h"
-#include "framework/tools/sweep/scene_run.h"
+#include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {
 namespace {
@@ -40,14 +40,14 @@ Ran run_scene(const Scene& scene, const Registry& registry, const std::vector<do
     m.run.record.clear();
     const std::unique_ptr<Recorder> recorder = make_recorder(m);
     std::vector<Event> events = make_events(m, *recorder);
-    HistoryObserver history(m.system, clock, ran.history);
-    EnergyAudit audit(m.system, m.run.limits);
+    HistoryObserver history(system_of(m), clock, ran.history);
+    EnergyAudit audit(system_of(m), m.run.limits);
     Dynamics dynamics = make_dynamics(m, registry);
     State start = assembled_start(dynamics, m);
     ran.length = m.system.length();
     StepLoopOptions options = loop_options(m.run);
     options.output = 0, options.output_times = instants;
-    SingularWatch singular(m.system);
+    SingularWatch singular(system_of(m));
     StepLoop loop(dynamics, make_integrator(m.run, registry), options);
     loop.add_observer(*recorder), loop.add_observer(history), loop.add_observer(audit);
     if (SingularWatch::is_needed(dynamics, start, loop.integrator().info())) loop.add_observer(singular);

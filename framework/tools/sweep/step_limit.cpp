@@ -1,3 +1,4 @@
+#include "framework/description/scene/system_of.h"
 #include "framework/tools/sweep/step_limit.h"
 
 #include <cmath>
@@ -7,7 +8,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "framework/tools/sweep/scene_run.h"
+#include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {
 namespace {
@@ -69,7 +70,7 @@ SmallMotions small_motions(const Scene& scene, const Registry& registry) {
   Mechanism m = build_mechanism(in_space(scene), registry);
   Stabilization stabilization = m.run.stabilization;
   if (stabilization.kind == Stabilization::Kind::project) stabilization.kind = Stabilization::Kind::none;
-  Dynamics dynamics(m.system, make_solver(m.run, registry), {Formulation::omega, stabilization});
+  Dynamics dynamics(system_of(m), make_solver(m.run, registry), {Formulation::omega, stabilization});
   State start = assembled_start(dynamics, m);
   dynamics.to_slots(start);
   const Eigen::Index n = 6 * m.system.n_slots();

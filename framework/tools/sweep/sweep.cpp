@@ -7,13 +7,12 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
-#include "framework/description/scene/run_outputs.h"
 #include "framework/foundation/support/csv_cells.h"
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/analysis/singular_watch.h"
 #include "framework/tools/precision/work_precision.h"
-#include "framework/tools/sweep/rows_at_jumps.h"
-#include "framework/tools/sweep/scene_run.h"
+#include "framework/tools/scene_run/rows_at_jumps.h"
+#include "framework/tools/scene_run/scene_run.h"
 #include "framework/tools/sweep/watched_run.h"
 
 namespace lockstep {
@@ -69,14 +68,14 @@ class HistoryRows {
 void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepRun& result,
               const std::function<bool(const State&)>& go_on, Observer* at_jumps, Observer* besides) {
   std::vector<Event> events = make_events(m, recorder);
-  EnergyAudit audit(m.system, m.run.limits);
+  EnergyAudit audit(system_of(m), m.run.limits);
   Dynamics dynamics = make_dynamics(m, registry);
   State start = assembled_start(dynamics, m);
   StepLoop sim(dynamics, make_integrator(m.run, registry), loop_options(m.run));
   sim.add_observer(recorder);
   if (at_jumps != nullptr) sim.add_observer(*at_jumps);
   sim.add_observer(audit);
-  SingularWatch singular(m.system);
+  SingularWatch singular(system_of(m));
   if (SingularWatch::is_needed(dynamics, start, sim.integrator().info())) sim.add_observer(singular);
   if (besides != nullptr) sim.add_observer(*besides);
   for (Event& event : events) sim.add_event(std::move(event));
@@ -158,7 +157,7 @@ SweepRun watched_run(const Scene& scene, const Registry& registry, const Table& 
     record_places(m);
     const std::unique_ptr<Recorder> recorder = make_recorder(m);
     std::optional<HistoryRows> at_jumps;
-    if (history != nullptr && outputs_of(scene).at_jumps) at_jumps.emplace(*recorder);
+    if (history != nullptr && scene.run.at_jumps) at_jumps.emplace(*recorder);
     const auto end = [&] {
       if (history != nullptr) *history = recorder->table();
       if (watch.ended) watch.ended(m, recorder->table());

@@ -8,7 +8,8 @@
 #include "framework/description/scene/run_outputs.h"
 #include "framework/dynamics/tree/rows_in_plane.h"
 #include "framework/tools/precision/work_precision.h"
-#include "framework/tools/sweep/scene_run.h"
+#include "framework/tools/scene_run/scene_run.h"
+#include "framework/tools/sweep/watched_run.h"
 
 namespace lockstep {
 namespace {
@@ -48,9 +49,9 @@ std::string unsuited(Mechanism& m) {
     if (request.channel == "step" || request.channel == "rejected" || request.channel == "evaluations" ||
         request.channel.starts_with("solver."))
       return "column \"" + request.channel + "\" is about steps and solutions of a run by itself";
-    make_channel(m.system, request.channel);  // works add their states to the system
+    make_channel(system_of(m), request.channel);  // works add their states to the system
   }
-  return Copies::unsuited(m.system, m.run.formulation);
+  return Copies::unsuited(system_of(m), m.run.formulation);
 }
 
 bool alike(const RunSettings& a, const RunSettings& b) {
@@ -84,11 +85,11 @@ std::unique_ptr<Lane> make_lane(const Scene& scene, const Registry& registry) {
 void prepare(Lane& lane, const Registry& registry) {
   Mechanism& m = lane.mechanism;
   lane.recorder = make_recorder(m);
-  if (!may_have_laws(m.system)) lane.audit = std::make_unique<EnergyAudit>(m.system, m.run.limits);
+  if (!may_have_laws(m.system)) lane.audit = std::make_unique<EnergyAudit>(system_of(m), m.run.limits);
   lane.follows_steps = lane.audit != nullptr || std::ranges::any_of(m.run.record, [&](const ChannelRequest& request) {
-                         return make_channel(m.system, request.channel).track != nullptr;
+                         return make_channel(system_of(m), request.channel).track != nullptr;
                        });
-  lane.dynamics = std::make_unique<Dynamics>(m.system, make_solver(m.run, registry),
+  lane.dynamics = std::make_unique<Dynamics>(system_of(m), make_solver(m.run, registry),
                                              DynamicsOptions{m.run.formulation, m.run.stabilization});
   lane.start = assembled_start(*lane.dynamics, m);
   const Sample first(*lane.dynamics, lane.start, kNoReport);
@@ -109,7 +110,7 @@ std::vector<CopyReport> run_together(std::vector<std::unique_ptr<Lane>>& lanes, 
                                      const Registry& registry, const std::function<bool(double)>& go_on) {
   std::vector<System*> systems;
   std::vector<State> starts;
-  for (const auto& lane : lanes) systems.push_back(&lane->mechanism.system), starts.push_back(lane->start);
+  for (const auto& lane : lanes) systems.push_back(&system_of(lane->mechanism)), starts.push_back(lane->start);
   Copies copies(systems, options_of(lanes.front()->mechanism.run, registry));
   const auto output = [&](int copy, std::size_t, const State& state) {
     Lane& lane = *lanes[static_cast<std::size_t>(copy)];
@@ -159,7 +160,7 @@ std::vector<SweepRun> sweep_lanes(std::span<const Scene> scenes, const Registry&
   try {
     for (const Scene& scene : scenes) {
       if (!unsuited(scene.run).empty()) return {};
-      if (histories != nullptr && outputs_of(scene).at_jumps) return {};  // lanes have no rows at jumps
+      if (histories != nullptr && scene.run.at_jumps) return {};  // lanes have no rows at jumps
       if (!(scene.run.until > 0) || !alike(scene.run, scenes.front().run)) return {};
       lanes.push_back(make_lane(scene, registry));
       if (!unsuited(lanes.back()->mechanism).empty()) return {};

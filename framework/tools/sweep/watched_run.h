@@ -14,6 +14,9 @@ struct RunWatch {
   std::function<void(const Mechanism&, const Table&)> ended{};
 };
 
+/// Writes what an audit found to the result of a run; `adaptive`: by a method that controls its error.
+void judge(const Audit&, bool adaptive, SweepRun&);
+
 /// As sweep_run.
 LOCKSTEP_API SweepRun watched_run(const Scene&, const Registry&, const Table& like,
                                   const std::function<bool(const State&)>& go_on, Table* history, const RunWatch&);

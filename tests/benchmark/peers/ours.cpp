@@ -8,6 +8,7 @@
 
 #include <lockstep/lockstep.h>
 #include "framework/description/scene/read.h"
+#include "framework/description/scene/system_of.h"
 #include "tests/benchmark/peers/measure.h"
 #include "tests/benchmark/peers/scenes.h"
 
@@ -132,7 +133,7 @@ class Watch final : public Observer {
 void simulate(Run& run, const SceneSource& source, const Registry& registry, const Method& method) {
   lockstep::Mechanism mechanism = build_mechanism(source.scene(method), registry);
   const RunSettings& settings = mechanism.run;
-  Dynamics dynamics(mechanism.system, make_solver(settings, registry), {settings.formulation, settings.stabilization});
+  Dynamics dynamics(system_of(mechanism), make_solver(settings, registry), {settings.formulation, settings.stabilization});
   State start = mechanism.system.start();
   if (settings.assemble) assemble(dynamics, start, mechanism.start_speeds);
   StepLoop simulation(dynamics, make_integrator(settings, registry),
@@ -178,7 +179,7 @@ std::optional<Trial> trial(const SceneSource& source, const Registry& registry, 
     method.setting = 1e-3;
     lockstep::Mechanism mechanism = build_mechanism(source.scene(method), registry);
     const std::unique_ptr<Integrator> integrator = make_integrator(mechanism.run, registry);
-    Dynamics dynamics(mechanism.system, make_solver(mechanism.run, registry),
+    Dynamics dynamics(system_of(mechanism), make_solver(mechanism.run, registry),
                       {mechanism.run.formulation, mechanism.run.stabilization});
     State start = mechanism.system.start(), inside = start;
     if (mechanism.run.assemble) assemble(dynamics, start, mechanism.start_speeds);

@@ -3,14 +3,24 @@
 
 #include <lockstep/analysis.h>
 #include <lockstep/log.h>
-#include <lockstep/sweep.h>
+#include <lockstep/recorder.h>
+#include <lockstep/scene.h>
+#include "framework/description/scene/system_of.h"
 #include "framework/dynamics/simulate/start_turns.h"
 
 namespace lockstep {
 
+/// Makes a recorder with the channels that the scene asks for. Make it before the StepLoop; the mechanism must stay
+/// where it is in memory. Throws SceneError with the place in the file of a channel that does not exist.
+LOCKSTEP_API std::unique_ptr<Recorder> make_recorder(Mechanism&);
+
+/// Makes the scene's events with their conditions; `recorder` keeps their channels up to date. Make them before the
+/// StepLoop too. Throws SceneError with the place in the file of a channel that does not exist.
+LOCKSTEP_API std::vector<Event> make_events(Mechanism&, Recorder& recorder);
+
 /// The dynamics with the solver, formulation and stabilisation of the run settings.
 inline Dynamics make_dynamics(Mechanism& m, const Registry& registry) {
-  return Dynamics(m.system, make_solver(m.run, registry), {m.run.formulation, m.run.stabilization});
+  return Dynamics(system_of(m), make_solver(m.run, registry), {m.run.formulation, m.run.stabilization});
 }
 
 /// Rows that nearly depend on others at a start.
@@ -33,19 +43,18 @@ LOCKSTEP_API std::vector<NearDependency> nearly_redundant_at(Dynamics& dynamics,
 LOCKSTEP_API std::string uncounted_angles(const Mechanism&);
 
 /// The same start, assembled unless the scene says otherwise; what counts turns begins where drives do. Logs the angles
-/// whose turns nothing counts.
-inline State assembled_start(Dynamics& dynamics, Mechanism& m) {
+/// whose turns nothing counts. `report`, where given, takes what assembly changed.
+inline State assembled_start(Dynamics& dynamics, Mechanism& m, AssemblyReport* report = nullptr) {
   State start = decided_start(dynamics, m);
-  if (m.run.assemble)
-    assemble(dynamics, start, m.start_speeds, m.assembly);
-  else
+  if (m.run.assemble) {
+    const AssemblyReport assembled = assemble(dynamics, start, m.start_speeds, m.assembly);
+    if (report != nullptr) *report = assembled;
+  } else {
     begin_turns(dynamics, start);
+  }
   if (const std::string words = uncounted_angles(m); !words.empty()) log_warning(words);
   return start;
 }
-
-/// Writes what an audit found to the result of a run; `adaptive`: by a method that controls its error.
-void judge(const Audit&, bool adaptive, SweepRun&);
 
 inline StepLoopOptions loop_options(const RunSettings& run) {
   return {.step = run.step,

@@ -1,4 +1,4 @@
-#include "framework/tools/sweep/scene_run.h"
+#include "framework/tools/scene_run/scene_run.h"
 
 #include <algorithm>
 
@@ -39,7 +39,7 @@ bool holds_by_itself(System& system, const State& start) {
 bool is_asked_for(Mechanism& m, const State& start) {
   const NearlyRedundant choice = m.run.nearly_redundant;
   return choice != NearlyRedundant::told && has_loops(m.system, start.modes) &&
-         (choice != NearlyRedundant::automatic || holds_by_itself(m.system, start));
+         (choice != NearlyRedundant::automatic || holds_by_itself(system_of(m), start));
 }
 
 // Rows that were left out would stay so when those that hold their directions are released.
@@ -72,7 +72,7 @@ std::string switching_event(const Mechanism& m, const State& start) {
 // Decides at a pose on the constraints. False: nothing was.
 bool decide(Dynamics& dynamics, Mechanism& m, const State& start, const State& pose, NearRows& near) {
   const bool by_itself = m.run.nearly_redundant == NearlyRedundant::automatic;
-  near.all = decide_nearly_redundant(m.system, dynamics, pose, m.run.nearly_redundant);
+  near.all = decide_nearly_redundant(system_of(m), dynamics, pose, m.run.nearly_redundant);
   if (std::ranges::none_of(near.all, &NearDependency::decided)) return false;
   if (!by_itself) {
     for (const NearDependency& d : near.all)
@@ -81,7 +81,7 @@ bool decide(Dynamics& dynamics, Mechanism& m, const State& start, const State& p
   }
   const std::string event = switching_event(m, start);
   if (event.empty()) return true;
-  near.all = decide_nearly_redundant(m.system, dynamics, pose, NearlyRedundant::told);
+  near.all = decide_nearly_redundant(system_of(m), dynamics, pose, NearlyRedundant::told);
   for (NearDependency& d : near.all)
     if (d.undecided.empty() && !d.in_passing) d.undecided = "event '" + event + "' switches links of such a loop";
   return false;
@@ -99,9 +99,9 @@ State decided_start(Dynamics& dynamics, Mechanism& m, NearRows* out) {
     if (off && !m.run.assemble) return start;
     if (off) assemble_positions(dynamics, pose, m.assembly);
     near.looked = true;
-    if (may_depend(m.system, pose)) {
+    if (may_depend(system_of(m), pose)) {
       dynamics.project(pose);
-      near.all = decide_nearly_redundant(m.system, dynamics, pose, NearlyRedundant::told);
+      near.all = decide_nearly_redundant(system_of(m), dynamics, pose, NearlyRedundant::told);
     }
     if (off && !near.all.empty()) {  // once more, with its words
       pose = start;
@@ -130,8 +130,8 @@ std::vector<NearDependency> nearly_redundant_at(Dynamics& dynamics, Mechanism& m
   try {
     State pose = start;
     dynamics.to_slots(pose);
-    if (dynamics.violation(pose) > kOn * m.system.length() || !may_depend(m.system, pose)) return {};
-    return decide_nearly_redundant(m.system, dynamics, pose, NearlyRedundant::told);
+    if (dynamics.violation(pose) > kOn * system_of(m).length() || !may_depend(system_of(m), pose)) return {};
+    return decide_nearly_redundant(system_of(m), dynamics, pose, NearlyRedundant::told);
   } catch (const Error&) {  // the run says what is wrong
     return {};
   }

@@ -1,8 +1,9 @@
-#include <lockstep/sweep.h>
+#include "framework/tools/scene_run/scene_run.h"
 
 #include <cmath>
 
 #include "framework/description/scene/builder.h"
+#include "framework/description/scene/system_of.h"
 #include "framework/dynamics/simulate/start_turns.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/refusals.h"
@@ -10,13 +11,6 @@
 #include "framework/tools/record/start_of_angle.h"
 
 namespace lockstep {
-
-void record_places(Mechanism& m) {
-  if (!m.run.record.empty()) return;
-  for (const Body& body : m.system.bodies())
-    if (!body.fixed)
-      for (const char* axis : {".x", ".y", ".z"}) m.run.record.push_back({body.name + axis, "", {}});
-}
 
 namespace {
 
@@ -28,7 +22,7 @@ bool is_counted(const Mechanism& m, const CoordinateTarget& target) {
 
 // An angle that the start asks for begins in the turn that is asked for.
 Channel channel_of(Mechanism& m, const std::string& name) {
-  Channel channel = make_channel(m.system, name);
+  Channel channel = make_channel(system_of(m), name);
   if (!m.run.assemble) return channel;
   for (const CoordinateTarget& target : m.assembly.coordinates)
     if (is_rotation(target.axis) && !is_counted(m, target) &&
@@ -41,7 +35,7 @@ Channel channel_of(Mechanism& m, const std::string& name) {
 }  // namespace
 
 std::unique_ptr<Recorder> make_recorder(Mechanism& m) {
-  auto recorder = std::make_unique<Recorder>(m.system);
+  auto recorder = std::make_unique<Recorder>(system_of(m));
   Refusals wrong;
   for (const ChannelRequest& request : m.run.record)
     wrong.attempt([&] {

@@ -1,4 +1,4 @@
-#include "framework/tools/sweep/rows_at_jumps.h"
+#include "framework/tools/scene_run/rows_at_jumps.h"
 
 #include <limits>
 #include <utility>

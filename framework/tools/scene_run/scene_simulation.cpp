@@ -1,0 +1,62 @@
+// A Simulation of a scene: what the program runs, as one object.
+#include <limits>
+
+#include "framework/tools/analysis/singular_watch.h"
+#include "framework/tools/scene_run/rows_at_jumps.h"
+#include "framework/tools/scene_run/scene_run.h"
+#include "framework/tools/simulation/simulation_parts.h"
+
+namespace lockstep {
+
+namespace {
+
+struct HeldMechanism {
+  Mechanism mechanism;
+};
+
+/// The run of a scene.
+struct SceneParts final : HeldMechanism, Simulation::Parts {
+  explicit SceneParts(Mechanism&& m)
+      : HeldMechanism{std::move(m)},
+        Parts(system_of(mechanism), mechanism.run, make_recorder(mechanism)),
+        events(make_events(mechanism, *recorder)),
+        at_jumps([this](const Sample& s) { recorder->output(s); }, [this] { return last_instant(); }),
+        singular(system) {}
+
+  std::unique_ptr<Integrator> make_method() const override { return make_integrator(settings, mechanism.methods); }
+  std::unique_ptr<LinearSolver> make_solver() const override {
+    return lockstep::make_solver(settings, mechanism.methods);
+  }
+  void before() override {
+    if (!audit) audit = std::make_unique<EnergyAudit>(system, settings.limits);
+  }
+  State begin(Dynamics& by, StepLoop& run, AssemblyReport& report) override {
+    State start = assembled_start(by, mechanism, &report);
+    if (settings.at_jumps) run.add_observer(at_jumps);
+    run.add_observer(*audit);
+    if (SingularWatch::is_needed(by, start, run.integrator().info())) run.add_observer(singular);
+    for (const Event& event : events) run.add_event(event);
+    return start;
+  }
+  RunVerdict verdict() const override {
+    if (!loop) throw ModelError("simulation: verdict() before the run began; call it after run()");
+    RunVerdict found{audit->result()};
+    found.right = !found.audit.is_wrong(loop->integrator().info().adaptive);
+    return found;
+  }
+  double last_instant() const {
+    const std::vector<double>& times = recorder->table().columns().front().values;
+    return times.empty() ? std::numeric_limits<double>::infinity() : times.back();
+  }
+
+  std::vector<Event> events;
+  RowsAtJumps at_jumps;
+  SingularWatch singular;
+  std::unique_ptr<EnergyAudit> audit;
+};
+
+}  // namespace
+
+Simulation::Simulation(Mechanism mechanism) : parts_(std::make_unique<SceneParts>(std::move(mechanism))) {}
+
+}  // namespace lockstep

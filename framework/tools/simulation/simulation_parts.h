@@ -1,0 +1,39 @@
+// What a Simulation holds, whether it runs a system or a scene.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <lockstep/simulation.h>
+
+namespace lockstep {
+
+struct LOCKSTEP_API Simulation::Parts {
+  Parts(System& of, RunSettings& by, std::unique_ptr<Recorder> to)
+      : system(of), settings(by), recorder(std::move(to)) {}
+  virtual ~Parts();
+
+  virtual std::unique_ptr<Integrator> make_method() const = 0;
+  virtual std::unique_ptr<LinearSolver> make_solver() const = 0;
+  /// Called before the dynamics is made: what adds integrated states to the system.
+  virtual void before() {}
+  /// Adds observers and events, and returns the assembled start.
+  virtual State begin(Dynamics&, StepLoop&, AssemblyReport&);
+  virtual RunVerdict verdict() const;
+
+  /// Makes and begins the run at the first call. Nothing is made where that throws.
+  StepLoop& begun();
+  /// Begins at another state.
+  void start_from(State);
+
+  System& system;
+  RunSettings& settings;
+  std::unique_ptr<Recorder> recorder;
+  std::vector<std::string> recorded;  // names of the channels that record() added
+  std::unique_ptr<Dynamics> dynamics;
+  std::unique_ptr<StepLoop> loop;
+  AssemblyReport assembly;
+};
+
+}  // namespace lockstep
