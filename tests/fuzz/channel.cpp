@@ -28,7 +28,7 @@ class Probe {
  public:
   Probe(const Scene& scene, const Registry& registry)
       : mechanism_(build_mechanism(scene, registry)), n_states_(mechanism_.system.auxiliaries().size()) {
-    mechanism_.system.setup();
+    system_of(mechanism_).setup();
   }
   // A quadrature is a state that is integrated along: what a channel adds is there for good.
   bool has_grown() const { return mechanism_.system.auxiliaries().size() != n_states_; }
@@ -36,7 +36,7 @@ class Probe {
   void read(const std::string& name, const Registry& registry) {
     const Channel made = make_channel(system_of(mechanism_), name);
     if (!made.value) throw Broken{"a channel without a value"};
-    if (has_grown()) mechanism_.system.setup();
+    if (has_grown()) system_of(mechanism_).setup();
     Dynamics dynamics(system_of(mechanism_), make_solver(mechanism_.run, registry));
     const State state = mechanism_.system.start();
     const StepReport report;

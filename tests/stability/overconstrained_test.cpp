@@ -110,7 +110,7 @@ struct Model {
   State start;
 
   Model(const std::string& text, const View& view) : mechanism(made(text, view)) {
-    place(mechanism.system, view.frame);
+    place(system_of(mechanism), view.frame);
     dynamics = std::make_unique<Dynamics>(system_of(mechanism), make_solver(mechanism.run, builtin_registry()),
                                           DynamicsOptions{mechanism.run.formulation, mechanism.run.stabilization});
     dynamics->set_up();

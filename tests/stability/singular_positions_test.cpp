@@ -219,7 +219,7 @@ std::string flat_parallelograms(int n, int n_free, int n_chain) {
 TEST_CASE("what is beside a loop neither hides its branches nor adds to their cost", "[stability][analysis]") {
   Mechanism m = build_mechanism(scene_from_text(flat_parallelograms(1, 300, 70), "scene.json"), builtin_registry());
   long times = 0;
-  m.system.add(std::make_unique<Asked>(times));
+  system_of(m).add(std::make_unique<Asked>(times));
   Dynamics dynamics(system_of(m), std::make_unique<SchurSolver>(), {Formulation::omega, {}});
   dynamics.set_up();
   const State state = m.system.start();
@@ -244,7 +244,7 @@ TEST_CASE("a singular position is told in few evaluations, however many motions 
   const int n = GENERATE(2, 6, 12);
   Mechanism m = build_mechanism(scene_from_text(flat_parallelograms(n, 0, 0), "scene.json"), builtin_registry());
   long times = 0;
-  m.system.add(std::make_unique<Asked>(times));
+  system_of(m).add(std::make_unique<Asked>(times));
   Dynamics dynamics(system_of(m), std::make_unique<SchurSolver>(), {Formulation::omega, {}});
   dynamics.set_up();
   times = 0;

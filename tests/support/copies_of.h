@@ -9,7 +9,6 @@
 #include <lockstep/forces.h>
 #include <lockstep/laws.h>
 #include <lockstep/solvers.h>
-#include "framework/description/scene/system_of.h"
 #include "tests/support/catch.h"
 #include "tests/support/mechanism.h"
 
@@ -67,7 +66,7 @@ Family random_family(int bodies, Links&& links, int particles = 0) {
     for (int i = 0; i < bodies; ++i) m.add_body();
     for (int i = 0; i < particles; ++i) m.add_particle();
     links(m);
-    return std::make_unique<System>(std::move(system_of(m)));
+    return std::make_unique<System>(std::move(m.system));
   });
 }
 

@@ -256,7 +256,7 @@ TEST_CASE("a copy near a locked position ends soon, by counts", "[unit][scene]")
     Mechanism one = build_mechanism(scene, builtin_registry()), other = build_mechanism(scene, builtin_registry());
     CopiesOptions options;
     options.integrator = integrator, options.tolerance = {1e-11, 1e-13};
-    Copies copies({&one.system, &other.system}, options);
+    Copies copies({&system_of(one), &system_of(other)}, options);
     std::vector<State> starts;
     for (System* system : {&system_of(one), &system_of(other)}) {
       Dynamics dynamics(*system, std::make_unique<SchurSolver>());

@@ -6,7 +6,6 @@
 #include <lockstep/error.h>
 #include <lockstep/laws.h>
 #include <lockstep/stepping.h>
-#include "framework/description/scene/system_of.h"
 #include "framework/tools/batch/tree_batch.h"
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
@@ -222,7 +221,7 @@ TEST_CASE("loops in lanes are taken in joint coordinates where these are the che
       m.link(i, -1, Mask::xyz);
       m.link(0, i, Mask::xyz);
     }
-    return std::make_unique<System>(std::move(system_of(m)));
+    return std::make_unique<System>(std::move(m.system));
   };
   CHECK(taken(Family(3, parallel)) == Formulation::omega);
   CHECK(taken(Family(3, parallel), Formulation::joint) == Formulation::joint);

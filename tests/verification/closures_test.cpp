@@ -264,7 +264,7 @@ TEST_CASE("auto takes loops along joints where counts say that it costs less", "
       int size() const override { return 1; }
       void rates(const Evaluated&, std::span<double> sd) const override { sd[0] = 0; }
     };
-    if (reads) m.system.add(std::make_unique<Reader>());
+    if (reads) system_of(m).add(std::make_unique<Reader>());
     Dynamics automatic(system_of(m), std::make_unique<SchurSolver>(), {});
     return automatic.why_not_joint(m.system.start().modes);
   };

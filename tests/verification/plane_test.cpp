@@ -98,7 +98,7 @@ TEST_CASE("mechanisms in space are not taken for planar ones", "[verification][p
   CAPTURE(name);
   const Registry registry = builtin_registry();
   Mechanism m = build_mechanism(read_scene(scene_path(name)), registry);
-  CHECK_FALSE(find_plane(m.system));
+  CHECK_FALSE(find_plane(system_of(m)));
 }
 
 TEST_CASE("in the plane all solvers agree, redundant or not", "[verification][plane]") {
@@ -305,12 +305,12 @@ TEST_CASE("planar by default: loops that are known to stay in their plane", "[ve
 TEST_CASE("what is added to a mechanism in its plane may bring it back into space", "[verification][plane]") {
   Mechanism m = build_mechanism(read_scene(scene_path("four_bar")), builtin_registry());
   REQUIRE(m.system.plane() == Plane{2});
-  const Marker& tip = m.system.add_marker("tip", m.system.body(m.system.bodies().back().name));
-  m.system.add(function_force("own", {&tip}, [](const Inputs&, WrenchSum&) {}));
-  m.system.setup();
+  const Marker& tip = system_of(m).add_marker("tip", system_of(m).body(system_of(m).bodies().back().name));
+  system_of(m).add(function_force("own", {&tip}, [](const Inputs&, WrenchSum&) {}));
+  system_of(m).setup();
   CHECK_FALSE(m.system.plane());
-  m.system.set_planar(Plane{2});  // by name it is looked at only
-  m.system.setup();
+  system_of(m).set_planar(Plane{2});  // by name it is looked at only
+  system_of(m).setup();
   CHECK(m.system.plane() == Plane{2});
 }
 

@@ -359,7 +359,7 @@ TEST_CASE("statics: an arm rests on its stop, or free of it", "[verification][st
                  "stops": [{"axis": "rz", "low": )" +
                              std::to_string(low) + R"(, "high": 1}]}]})";
     Mechanism m = build_mechanism(scene_from_text(text, "arm.json"), builtin_registry());
-    AtRest found(m.system);
+    AtRest found(system_of(m));
     const double rests = std::max(low, -kPi / 2);
     CHECK(std::abs(angle_of(m.system.body("arm"), found.state) - rests) <= 1e-10);
     CHECK(found.report.pressed == (low > -1 ? std::vector<std::string>{"A.stop_rz_low"} : std::vector<std::string>{}));
@@ -375,7 +375,7 @@ TEST_CASE("statics: a stop that would pull is released", "[verification][statics
     "links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0, 0, 0], "axis": "z",
                "stops": [{"axis": "rz", "high": 0}]}]})";
   Mechanism m = build_mechanism(scene_from_text(text, "arm.json"), builtin_registry());
-  const AtRest found(m.system);
+  const AtRest found(system_of(m));
   CHECK(std::abs(angle_of(m.system.body("arm"), found.state) + kPi / 2) <= 1e-10);
   CHECK(found.report.pressed.empty());
   CHECK(found.report.free == std::vector<std::string>{"A.stop_rz_high"});
@@ -393,7 +393,7 @@ TEST_CASE("statics: a light part on a stiff spring hides no unstable motion of a
                 "stiffness": 1e9, "free_length": 2}]})";
   for (const bool nearest : {true, false}) {
     Mechanism m = build_mechanism(scene_from_text(text, "stiff.json"), builtin_registry());
-    const AtRest found(m.system, {.nearest = nearest});
+    const AtRest found(system_of(m), {.nearest = nearest});
     const Stability& s = found.report.stability;
     const double square = 9.81 * 0.5 / (0.1 + 0.25);  // m g s/(J + m s^2)
     CAPTURE(nearest);
@@ -448,7 +448,7 @@ TEST_CASE("statics: a note names a marker that a law moves under a damper", "[ve
     "forces": [{"name": "s", "type": "spring_damper", "p": "P", "s": "M", "stiffness": 123, "damping": 10,
                 "free_length": 1.1}]})";
   Mechanism m = build_mechanism(scene_from_text(text, "marker.json"), builtin_registry());
-  const AtRest found(m.system);
+  const AtRest found(system_of(m));
   CHECK(found.report.notes ==
         std::vector<std::string>{"marker 'M' moves by a law: dampers on it act as they do at that instant"});
   CHECK(body_pose(m.system.body("b"), found.state).x[0] == Approx(1.1 + 10.0 / 123).epsilon(1e-10));
