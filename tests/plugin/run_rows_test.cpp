@@ -139,6 +139,35 @@ TEST_CASE("a path is drawn through rows of one instant each", "[runner]") {
   }
 }
 
+// One row in 2, 4, 8, ... and the last, each once. Of the envelope, two rows for each full group of 4, 8, ... rows; of the
+// open one both extremes and its end, or the one row that it has.
+TEST_CASE("thinned rows end in the last one, which is there once", "[runner]") {
+  constexpr long kMost = 64;
+  Table all;
+  all.add_column("t", "s"), all.add_column("x", "m");
+  RowEnvelope envelope(all, kMost);
+  for (long n = 1; n <= 1100; ++n) {
+    CAPTURE(n);
+    const double t = static_cast<double>(n - 1);
+    all.add_row(std::vector<double>{t, 3 * t - 1});
+    envelope.add(all, 0);
+    all.clear_rows();
+    const Table path = envelope.path_table(), table = envelope.table();
+    const long every = envelope.path_every();
+    std::vector<double> expected;
+    for (long i = 0; i < n; i += every) expected.push_back(static_cast<double>(i));
+    if ((n - 1) / every * every != n - 1) expected.push_back(t);
+    CHECK(path["t"] == expected);
+    CHECK(path.last("x") == 3 * t - 1);
+    long group = 4;  // rows of a full one
+    while (group * kMost / 4 <= n / 2) group *= 2;
+    const long open = n % group;
+    const long rows = n < kMost ? n : n / group * 2 + std::min(open, 1L) + (open > 1 ? 2 : 0);
+    CHECK(static_cast<long>(table.n_rows()) == rows);
+    CHECK(table.last("t") == t);
+  }
+}
+
 TEST_CASE("an envelope of rows goes on from what it saved", "[runner]") {
   const Table all = table_of(1000);
   RowEnvelope whole(all, 64), first(all, 64), rest(all, 64);

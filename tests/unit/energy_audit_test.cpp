@@ -65,6 +65,36 @@ TEST_CASE("an audit tells a sound run from one whose forces and energies differ"
   CHECK(silent.unbooked_forces == std::vector<std::string>{"spring"});
 }
 
+namespace {
+
+/// A moment on the only body, which no energy answers for.
+class Twister final : public Force {
+ public:
+  Twister() : Force("twister") {}
+  std::string_view type() const override { return "test_twister"; }
+  std::vector<const Marker*> markers() const override { return {}; }
+  void setup() override {}
+  void apply(const Inputs&, WrenchSum& out) const override { out.torque(0, Vec3(0, 0, 3)); }
+};
+
+}  // namespace
+
+// 3 N m bring 2 kg m^2 from rest to 1.5 rad/s in 1 s: 2.25 J.
+TEST_CASE("a moment without a force that no energy answers for is named", "[unit][record]") {
+  System system;
+  system.add_body("wheel", MassProperties{1, Vec3::Zero(), Vec3(2, 2, 2).asDiagonal()});
+  system.add(std::make_unique<Twister>());
+  EnergyAudit audit(system);
+  Dynamics dynamics = dynamics_of(system);
+  StepLoop run(dynamics, std::make_unique<Dop853>(), {.output = 0.1});
+  run.add_observer(audit);
+  run.run_until(1);
+  const Audit found = audit.result();
+  CHECK(found.unbooked_forces == std::vector<std::string>{"twister"});
+  CHECK(found.energy == Audit::Energy::not_judged);
+  CHECK(found.imbalance == Approx(0.5 * 2 * 1.5 * 1.5).epsilon(1e-9));
+}
+
 TEST_CASE("the energy exchanged is that of the run, however few its outputs", "[unit][record]") {
   System system;
   system.add_particle("bob", 1, {0.5, 0, 0});

@@ -173,6 +173,25 @@ TEST_CASE("spline outside of its points: refused, or held with its jumps", "[uni
                     {});
 }
 
+// Where rate and acceleration of an end are zero, holding the value changes neither.
+TEST_CASE("a held spline breaks only at the end where it does not rest", "[unit][motionlaws]") {
+  struct Ends {
+    SplineEndValues values;      // at 0.5 s and at 2 s
+    std::vector<double> breaks;  // s
+  };
+  const Ends all[] = {{{0, 0, 0, 0}, {}},       {{0, 1.5, 0, 0}, {2}},     {{-0.7, 0, 0, 0}, {0.5}},
+                      {{0, 0, 0, 3}, {2}},      {{0, 0, -2, 0}, {0.5}},    {{0, 1.5, 0, -2}, {2}},
+                      {{-0.7, 0, 4, 0}, {0.5}}, {{1, -1, 0, 0}, {0.5, 2}}, {{0, -1, 2, 0}, {0.5, 2}}};
+  for (const auto& [values, breaks] : all) {
+    CAPTURE(values.start_rate, values.end_rate, values.start_acceleration, values.end_acceleration);
+    const SplineSettings held{.degree = 5, .ends = SplineEnds::clamped, .outside = SplineOutside::hold};
+    const auto law = laws::spline({{0.5, 1}, {0.9, -0.4}, {1.4, 0.6}, {2, 0.2}}, held, values);
+    check_breakpoints(*law, -1, 3, breaks);
+    // The interval is open: an end on its edge is no break of it.
+    check_breakpoints(*law, 0.5, 2, {});
+  }
+}
+
 TEST_CASE("a long table stays exact and cheap", "[unit][motionlaws]") {
   Spline::Points p;
   for (int i = 0; i <= 4000; ++i) p.emplace_back(0.001 * i, std::sin(0.001 * i));

@@ -3,6 +3,8 @@
 #include <limits>
 #include <string>
 
+#include <spdlog/fmt/fmt.h>
+
 #include <lockstep/assembly.h>
 #include <lockstep/error.h>
 #include <lockstep/joints.h>
@@ -88,6 +90,31 @@ TEST_CASE("a coordinate may be asked for approximately", "[unit][assembly]") {
          "links": [{"name": "G", "type": "prismatic", "p": "slider", "s": "ground", "at": [0, 0, 0], "axis": "x",
                     "start": {"near": {"z": "30 cm"}}}])");
   CHECK(found.place("slider")[0] == Approx(0.15).margin(1e-9));
+}
+
+// A plate whose point at a along x comes to S on the hinge, a (0.8, 0.5): a turn theta takes its frame to S - a (cos theta,
+// sin theta), and turns count as displacements at the length of the mechanism, which is a here. With the weight w of the
+// pose and an angle phi asked for beside it, w (|S/a - (cos, sin)|^2 + theta^2) + (theta - phi)^2 is least, in a^2.
+TEST_CASE("turns of a start count as displacements at the length of the mechanism", "[unit][assembly]") {
+  const auto [a, w, phi] = GENERATE(table<double, double, double>(
+      {{3.0, 1.0, 0.3}, {3.0, 0.5, -0.7}, {1.0, 1.0, 0.3}, {0.02, 1.0, 0.3}, {0.02, 4.0, -0.7}}));
+  CAPTURE(a, w, phi);
+  const auto number = [](double x) { return fmt::format("{:.17g}", x); };
+  const Assembled found(R"("gravity": [0, 0, 0],
+    "bodies": [{"name": "plate", "mass": 2, "inertia": )" +
+                        fmt::format("[{0}, {0}, {0}]", 0.1 * a * a) + R"(, "start_weight": )" + number(w) + R"(}],
+    "links": [{"name": "A", "type": "revolute", "p": "plate", "s": "ground", "at_p": [)" +
+                        number(a) + R"(, 0, 0], "at_s": [)" + number(0.8 * a) + ", " + number(0.5 * a) +
+                        R"(, 0], "start": {"near": {"rz": )" + number(phi) + "}}}]");
+  CHECK(found.m.system.length() == Approx(a));
+  double low = -kPi / 2, high = kPi / 2;  // half of the derivative rises between them
+  while (high - low > 1e-14) {
+    const double theta = 0.5 * (low + high);
+    const double slope = w * (0.8 * std::sin(theta) - 0.5 * std::cos(theta) + theta) + (theta - phi);
+    (slope < 0 ? low : high) = theta;
+  }
+  CHECK(found.angle("plate") == Approx(low).margin(1e-7));
+  CHECK((found.place("plate") / a - Vec3(0.8 - std::cos(low), 0.5 - std::sin(low), 0)).norm() < 1e-7);
 }
 
 // Missed where poses count as much: by half of 0.3 m; met where the slider begins there already.

@@ -18,6 +18,7 @@
 #include "framework/description/scene/tables.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
+#include "tests/support/run_scene.h"
 #include "tests/support/scene_folder.h"
 
 namespace scene_includes_test {
@@ -171,6 +172,33 @@ TEST_CASE("an included scene is refused for what it is refused for alone", "[uni
   for (const char* file : {"part.json", "between.json"})
     check_words(refusal(folder.whole(R"("include": [{"scene": ")" + std::string(file) + R"("}])")),
                 {"part.json:2:2: scene: unknown key \"linkz\"", "did you mean \"links\""});
+}
+
+// A block at rest in a guide falls at 10 m/s^2 onto a stop 0.2 m below it: it is there at 0.2 s. Let go of at 0.5 s, it falls
+// on: 0.2 m + 5 0.5^2 at 1 s; the stop's gap is -0.45 m then at 0.8 s.
+TEST_CASE("an event of an included scene has stops of its links, alone and with a prefix", "[unit][scene]") {
+  const Folder folder;
+  folder.write("part.json", R"({"lockstep": 1, "gravity": [0, 0, -10],
+    "bodies": [{"name": "block", "box": {"mass": 1, "size": [0.1, 0.1, 0.1]}}],
+    "links": [{"name": "A", "type": "prismatic", "p": "block", "s": "ground", "at": [0, 0, 0],
+               "stops": [{"axis": "z", "low": "-0.2 m"}]}],
+    "events": [{"name": "let go", "at": 0.5, "deactivate": ["A.stop_z_low"]},
+               {"name": "near", "when": {"channel": "A.stop_z_low.gap", "crosses": "0.1 m", "direction": "falling"},
+                "activate": ["A.stop_z_low"]},
+               {"name": "through", "when": {"channel": "A.stop_z_low.gap", "crosses": "-0.45 m"}, "stop": true}]})");
+  for (const std::string prefix : {"", "my_"}) {
+    CAPTURE(prefix);
+    const std::string file =
+        folder.whole(R"("gravity": [0, 0, -10], "include": [{"scene": "part.json", "prefix": ")" + prefix + R"("}],
+                        "run": {"until": 2, "tolerance": 1e-10})");
+    const Mechanism m = build_mechanism(read(file).scene, builtin());
+    REQUIRE(m.events.size() == 3);
+    CHECK(m.events[0].event.deactivate == std::vector<std::string>{prefix + "A.stop_z_low"});
+    CHECK(m.events[1].event.activate == std::vector<std::string>{prefix + "A.stop_z_low"});
+    const SceneRun run = run_scene(file);
+    CHECK(run.report.stopped_by == prefix + "through");
+    CHECK(run.table.last("t") == Approx(0.8).epsilon(1e-8));
+  }
 }
 
 TEST_CASE("gravity of an included scene is told of where the whole gives none", "[unit][scene]") {

@@ -1,5 +1,11 @@
 #include "framework/mechanism/params/units.h"
 
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
 #include <lockstep/math.h>
 #include "tests/support/messages.h"
 
@@ -70,6 +76,75 @@ TEST_CASE("powers of ten cost no bit", "[unit][model]") {
   CHECK(read_quantity("12 mm", Unit::length).value == 0.012);
   CHECK(read_quantity("0.3 um", Unit::length).value == 0.3e-6);
   CHECK(read_quantity("7 g", Unit::mass).value == 0.007);
+}
+
+namespace {
+
+/// What the tables of the SI say of a symbol: its size, mantissa 10^ten, its dimension, and whether it takes prefixes.
+struct Symbol {
+  std::string name;
+  double mantissa;
+  int ten;
+  Dimension dimension;  // m, kg, s, rad
+  bool takes_prefixes;
+};
+const std::vector<Symbol> kSymbols = {{"m", 1, 0, {1, 0, 0, 0}, true},
+                                      {"g", 1, -3, {0, 1, 0, 0}, true},
+                                      {"s", 1, 0, {0, 0, 1, 0}, true},
+                                      {"N", 1, 0, {1, 1, -2, 0}, true},   // kg m/s^2
+                                      {"Nm", 1, 0, {2, 1, -2, 0}, true},  // kg m^2/s^2
+                                      {"J", 1, 0, {2, 1, -2, 0}, true},   // N m
+                                      {"W", 1, 0, {2, 1, -3, 0}, true},   // J/s
+                                      {"Hz", 1, 0, {0, 0, -1, 0}, true},  // 1/s
+                                      {"rad", 1, 0, {0, 0, 0, 1}, true},
+                                      {"deg", kPi / 180, 0, {0, 0, 0, 1}, false},
+                                      {"\u00b0", kPi / 180, 0, {0, 0, 0, 1}, false},
+                                      {"rev", 2 * kPi, 0, {0, 0, 0, 1}, false},
+                                      {"turn", 2 * kPi, 0, {0, 0, 0, 1}, false},
+                                      {"rpm", kPi / 30, 0, {0, 0, -1, 1}, false},
+                                      {"min", 60, 0, {0, 0, 1, 0}, false},
+                                      {"h", 3600, 0, {0, 0, 1, 0}, false},
+                                      {"t", 1, 3, {0, 1, 0, 0}, false},
+                                      {"in", 254, -4, {1, 0, 0, 0}, false},    // 25.4 mm
+                                      {"ft", 3048, -4, {1, 0, 0, 0}, false}};  // 12 in
+const std::vector<std::pair<std::string, int>> kPrefixes = {
+    {"", 0},   {"n", -9}, {"u", -6}, {"\u00b5", -6}, {"\u03bc", -6},  // both signs that are read as micro
+    {"m", -3}, {"c", -2}, {"d", -1}, {"k", 3},       {"M", 6}};
+
+/// x 10^ten as the digits say it, to the last bit.
+double decimal(double x, int ten) { return std::stod(std::to_string(static_cast<int>(x)) + "e" + std::to_string(ten)); }
+
+}  // namespace
+
+TEST_CASE("every unit is read with every prefix, its powers and as a divisor", "[unit][model]") {
+  std::size_t n_read = 0;
+  for (const Symbol& s : kSymbols)
+    for (const auto& [prefix, ten] : kPrefixes) {
+      const std::string unit = prefix + s.name;
+      CAPTURE(unit);
+      if (unit == "min" && s.name == "in") continue;  // a minute
+      const Measured one = read_quantity("2 " + unit, Unit::any);
+      if (!prefix.empty() && !s.takes_prefixes) {
+        check_words(one.problem, {"unknown unit \"" + unit + "\""});
+        continue;
+      }
+      ++n_read;
+      REQUIRE(one.problem.empty());
+      CHECK(dimension_of(unit) == std::optional(s.dimension));
+      const bool exact = s.mantissa == std::round(s.mantissa);
+      const auto check = [&](const Measured& q, double mantissa, int power) {
+        CHECK(q.problem.empty());
+        if (exact && power > 0)
+          CHECK(q.value == decimal(mantissa, power * (s.ten + ten)));
+        else
+          CHECK(q.value == Approx(mantissa * std::pow(10.0, power * (s.ten + ten))).epsilon(1e-14));
+      };
+      check(one, 2 * s.mantissa, 1);
+      check(read_quantity("3 " + unit + "^2", Unit::any), 3 * s.mantissa * s.mantissa, 2);
+      check(read_quantity("5 1/" + unit, Unit::any), 5 / s.mantissa, -1);
+      check(in_si(7, unit), 7 * s.mantissa, 1);
+    }
+  CHECK(n_read == 9 * 10 + 10);
 }
 
 TEST_CASE("every unit understands its own SI symbol and its own example", "[unit][model]") {

@@ -96,6 +96,54 @@ TEST_CASE("a wheel that swings many turns within a step or two is counted right"
   }
 }
 
+namespace {
+
+/// Moments about z of the first two bodies that grow alike with the time, 120 N m/s.
+class Runup final : public Force {
+ public:
+  Runup() : Force("runup") {}
+  std::string_view type() const override { return "runup"; }
+  std::vector<const Marker*> markers() const override { return {}; }
+  void setup() override {}
+  void apply(const Inputs& in, WrenchSum& out) const override {
+    for (const int slot : {0, 1}) out.torque(slot, Vec3(0, 0, 120 * in.t));
+  }
+};
+
+}  // namespace
+
+// Two wheels on one axis, each on a hinge of the ground, speed up alike: 60 t^2 rad/s. A third is geared to the turn of one
+// against the other, a pair that no joint has: it is the difference of their angles and stays 0, however long the steps.
+TEST_CASE("the turn of two turning bodies in the plane is the difference of theirs", "[verification][joint]") {
+  System system;
+  system.set_planar(Plane{2});
+  const Pose axis = pose_at(Vec3::Zero());
+  const auto wheel = [&](const char* name) -> Body& {
+    Body& body = system.add_body(name, MassProperties{1.0, Vec3::Zero(), Vec3(1, 1, 1).asDiagonal()});
+    system.add<Revolute>(std::string("hinge ") + name, body, system.ground(), axis);
+    return body;
+  };
+  Body &one = wheel("one"), &two = wheel("two"), &third = wheel("third");
+  CoupledPairs coupled("mesh");
+  coupled.pairs = {{&system.add_marker_at("on one", one, axis), &system.add_marker_at("on two", two, axis)},
+                   system.link("hinge third").pairs().front()};
+  system.add(std::make_unique<Gear>(coupled, 2.0));
+  system.add(std::make_unique<Runup>());
+  Dynamics dynamics = along_joints(system);
+  State start = system.start();
+  dynamics.to_formulation(start);
+  REQUIRE(start.coordinates);
+  StepLoop loop(dynamics, std::make_unique<Dop853>(), {.tolerance = {1e-8, 1e-8}});
+  loop.set_state(start);
+  loop.run_until(10);
+  CHECK(loop.report().steps <= 12);
+  State end = loop.state();
+  dynamics.to_slots(end);
+  CHECK(body_twist(one, end).w[2] == Approx(6000).epsilon(1e-9));
+  CHECK(body_twist(two, end).w[2] == Approx(6000).epsilon(1e-9));
+  CHECK(std::abs(body_twist(third, end).w[2]) < 1e-9);
+}
+
 TEST_CASE("a fixed step in which turns cannot be counted is refused by the link", "[verification][joint]") {
   Wheels wheels;
   wheels.system.add(std::make_unique<Shaker>(2 * 500.0 * 20.0, 20.0));

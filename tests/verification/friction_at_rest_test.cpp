@@ -112,6 +112,41 @@ TEST_CASE("friction at rest has the coefficient of rest, the preload and the sha
   }
 }
 
+// A footstep bearing: a disc on a vertical axis rests on a collar of radius r_a and leans against a journal of radius r. Its
+// weight is the axial load, a push P through the axis the radial one: a torque turns it beyond mu_s (r P + r_a m g).
+TEST_CASE("the limit of a bearing counts its axial load at the radius where that rubs",
+          "[verification][statics][friction]") {
+  const double mu = 0.1, mu_s = 0.15, mass = 4;
+  struct Bearing {
+    double r, r_a, push;
+  };
+  for (const Bearing& b : {Bearing{0.02, 0.05, 0}, Bearing{0.02, 0.05, 30}, Bearing{0, 0.05, 30}, Bearing{0.02, 0, 30}})
+    for (const double share : {0.999, 1.001}) {
+      CAPTURE(b.r, b.r_a, b.push, share);
+      const double most = mu_s * (b.r * b.push + b.r_a * mass * kG);
+      System system({.gravity = {0, 0, -kG}});
+      Body& disc = system.add_body("disc", block(mass));
+      const Lock& bearing = system.add<Revolute>("bearing", disc, system.ground(), pose_at({0, 0, 0}));
+      rub(system, bearing, {.mu = mu, .mu_static = mu_s, .radius = b.r, .axial_radius = b.r_a, .load_smoothing = 1e-9});
+      system.add(std::make_unique<AppliedForce>("load", system.add_marker_at("at", disc, pose_at({0, 0, 0})),
+                                                AppliedForce::Options{.force = Vec3(0.6 * b.push, -0.8 * b.push, 0)}));
+      system.add(std::make_unique<AppliedTorque>("turn", system.marker("at"),
+                                                 AppliedTorque::Options{.torque = Vec3(0, 0, share * most)}));
+      if (share > 1) {
+        testing::check_words(testing::message_of<SolveError>([&] { rest(system, {.relaxation_steps = 100}); }),
+                             {"'bearing.friction' (turning) would have to carry"});
+        continue;
+      }
+      const EquilibriumReport found = rest(system);
+      CHECK(found.stability.kind == Kind::gripped);
+      REQUIRE(found.grips.size() == 1);
+      CHECK(found.grips.front().what == "turning");
+      CHECK(found.grips.front().unit == "N m");
+      CHECK(found.grips.front().carries == Approx(share * most).epsilon(1e-9));
+      CHECK(found.grips.front().most == Approx(most).epsilon(1e-8));
+    }
+}
+
 // A load on an arm presses a clamp to its column by a moment, which friction turns into a grip: any load holds beyond the
 // arm b/mu, and none within it.
 TEST_CASE("a clamp jams on its column beyond the arm b/mu, whatever the load", "[verification][statics][friction]") {
