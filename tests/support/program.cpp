@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
@@ -15,15 +16,17 @@ namespace lockstep::testing {
 namespace fs = std::filesystem;
 
 const std::string kRunnerFolder = std::string(paths::kBuild) + "/output/runner";
+// Where another program is tried in the tests of this one (tests/mutants/random), it is called instead.
+const std::string kCalled = std::getenv("LOCKSTEP_PROGRAM") ? std::getenv("LOCKSTEP_PROGRAM") : paths::kProgram;
 const std::string kFourBar = std::string(paths::kScenes) + "/four_bar.json";
 const std::string kArm = R"("bodies": [{"name": "arm", "rod": {"mass": 1, "from": [0,0,0], "to": [1,0,0]}}], )";
 const std::string kHinge = R"("name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0,0,0])";
 
 Called shell(const std::string& line) {
   fs::create_directories(kRunnerFolder);
-  const std::string command = "cd '" + kRunnerFolder + "' && PATH='" +
-                              fs::path(paths::kProgram).parent_path().string() + "':\"$PATH\" LOCKSTEP_OUTPUT='" +
-                              kRunnerFolder + "' && export PATH LOCKSTEP_OUTPUT && { " + line + "\n} 2>&1";
+  const std::string command = "cd '" + kRunnerFolder + "' && PATH='" + fs::path(kCalled).parent_path().string() +
+                              "':\"$PATH\" LOCKSTEP_OUTPUT='" + kRunnerFolder +
+                              "' && export PATH LOCKSTEP_OUTPUT && { " + line + "\n} 2>&1";
   Called result;
   std::FILE* pipe = popen(command.c_str(), "r");
   REQUIRE(pipe != nullptr);
@@ -35,7 +38,7 @@ Called shell(const std::string& line) {
 }
 
 Called call(const std::string& words, const std::string& before) {
-  return shell(before + " '" + paths::kProgram + "' " + words);
+  return shell(before + " '" + kCalled + "' " + words);
 }
 
 void check_refused(const Called& called, int exit, const std::vector<std::string>& words) {
