@@ -198,7 +198,7 @@ void EmbeddedRungeKutta::save(Snapshot& out) const {
   out.put(h_followed_), out.put(landed_t_), out.put_all(gap_.v), out.put_all(stages_.k(scheme_.late_stage).v);
 }
 
-void EmbeddedRungeKutta::restore(const Snapshot& in) {
+void EmbeddedRungeKutta::restore(SnapshotReader& in) {
   AdaptiveStepper::restore(in);
   passage_.restore(in);
   h_ = h_followed_ = 0;

@@ -81,7 +81,7 @@ void GeneralizedAlpha::begin(Dynamics& dynamics, const State& state) {
     v->setZero(n);
   for (VecX* v : {&sd_, &as_, &sd1_, &as1_, &as0_, &sd_now_}) v->setZero(n_s);
   y_.setZero(n_increments(state));
-  rate_ = difference_ = sized_like(state);
+  size_like(state, rate_), size_like(state, difference_);
   output_.begin(state);
   matrix_.set_residual(1e-6);  // Newton does the rest
   h_ = 0;
@@ -271,7 +271,7 @@ void GeneralizedAlpha::save(Snapshot& out) const {
   for (const VecX* v : {&vd_, &a_, &sd_, &as_, &bend_, &lambda_}) out.put_all(*v);
 }
 
-void GeneralizedAlpha::restore(const Snapshot& in) {
+void GeneralizedAlpha::restore(SnapshotReader& in) {
   AdaptiveStepper::restore(in);
   h_ = in.get(), t_ = in.get();
   for (VecX* v : {&vd_, &a_, &sd_, &as_, &bend_}) {

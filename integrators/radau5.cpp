@@ -62,7 +62,7 @@ IntegratorInfo Radau5::info() const { return {"radau5", 5, true, !fixed(), kStag
 void Radau5::begin(Dynamics& dynamics, const State& state) {
   AdaptiveStepper::begin(dynamics, state);
   stage_ = state;
-  rate0_ = rate_ = difference_ = sized_like(state);
+  for (StateRate* rate : {&rate0_, &rate_, &difference_}) size_like(state, *rate);
   const Eigen::Index n = n_increments(state), n_v = state.v.size();
   for (Columns* c : {&Z_, &W_, &F_, &before_}) c->setZero(n, kStages);
   for (VecX* v : {&f0_, &r_, &r2_, &y_, &y2_, &error_}) v->setZero(n);
@@ -246,7 +246,7 @@ void Radau5::save(Snapshot& out) const {
   for (int i = 0; i < kStages; ++i) out.put_all(before_.col(i));
 }
 
-void Radau5::restore(const Snapshot& in) {
+void Radau5::restore(SnapshotReader& in) {
   AdaptiveStepper::restore(in);
   h_before_ = in.get(), t_before_ = in.get();
   for (int i = 0; i < kStages; ++i) {

@@ -158,7 +158,7 @@ void Rattle::save(Snapshot& out) const {
   for (const VecX* v : {&now_.q, &now_.v, &now_.z, &guess_, &factored_q_}) out.put_all(*v);
 }
 
-void Rattle::restore(const Snapshot& in) {
+void Rattle::restore(SnapshotReader& in) {
   ready_ = restored_ = in.get_flag();
   if (!ready_) return;
   now_.t = in.get(), left_ = in.get(), factored_t_ = in.get();

@@ -48,7 +48,7 @@ void StiffnessWatch::save(Snapshot& out) const {
   out.put_all(a_before_);
 }
 
-void StiffnessWatch::restore(const Snapshot& in) {
+void StiffnessWatch::restore(SnapshotReader& in) {
   for (double* x : {&n_, &rate2_, &damped_}) *x = in.get();
   stiff_ = in.get_flag();
   const Eigen::Index own = a_before_.size();  // by begin()

@@ -72,7 +72,7 @@ class AdamsBashforth final : public Integrator {
     }
     s.put(end_.t), s.put_all(end_.q), s.put_all(end_.v), s.put_all(end_.s);
   }
-  void restore(const Snapshot& s) override {
+  void restore(SnapshotReader& s) override {
     n_kept_ = static_cast<int>(s.get());
     for (int j = 0; j < n_kept_; ++j) {
       Kept& k = kept_[static_cast<std::size_t>(j)];

@@ -108,7 +108,7 @@ class Ida final : public Integrator {
     return guess_first_step(dynamics, state, 1, largest, norm_, rate_, difference_, stage_);
   }
 
-  void restore(const Snapshot&) override { followed_ = false; }
+  void restore(SnapshotReader&) override { followed_ = false; }
   bool saves_all() const override { return false; }  // IDA keeps its history to itself
 
  private:

@@ -175,8 +175,9 @@ TEST_CASE("an envelope of rows goes on from what it saved", "[runner]") {
   for (std::size_t i = 0; i < 519; ++i) first.add(all, i);
   Snapshot saved;
   first.save(saved);
-  rest.load(saved);
-  CHECK(saved.at_end());
+  SnapshotReader in(saved);
+  rest.load(in);
+  CHECK(in.at_end());
   for (std::size_t i = 519; i < 1000; ++i) rest.add(all, i);
   CHECK(rest.n_rows() == 1000);
   const Table a = whole.table(), b = rest.table();

@@ -155,8 +155,8 @@ inline void check_memory(Integrator& method, double h, double margin = 0) {
   method.save(memory);
   State again = s;
   const StepReport first = method.step(dynamics, s, h);
-  memory.rewind();
-  method.restore(memory);
+  SnapshotReader in(memory);
+  method.restore(in);
   const StepReport second = method.step(dynamics, again, h);
   CHECK(first.h_next == second.h_next);
   CHECK((s.q - again.q).norm() <= margin);

@@ -87,7 +87,7 @@ class Two final : public Integrator {
     if (fault_ == Fault::no_save) return;
     s.put(has_before_ ? 1 : 0), s.put_all(before_.q), s.put_all(before_.v), s.put_all(before_.s);
   }
-  void restore(const Snapshot& s) override {
+  void restore(SnapshotReader& s) override {
     if (fault_ == Fault::no_save) return;
     has_before_ = s.get() > 0, s.get_all(before_.q), s.get_all(before_.v), s.get_all(before_.s);
   }

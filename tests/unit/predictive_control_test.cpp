@@ -37,7 +37,8 @@ TEST_CASE("the controller of implicit methods can be put back", "[unit][integrat
   a.accept(0.1, 0.3, 3, false);
   Snapshot memory;
   a.save(memory);
-  b.restore(memory);
+  SnapshotReader in(memory);
+  b.restore(in);
   CHECK(a.accept(0.12, 0.5, 3, false) == b.accept(0.12, 0.5, 3, false));
 }
 

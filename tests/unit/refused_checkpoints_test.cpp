@@ -85,7 +85,6 @@ TEST_CASE("a number of a checkpoint that no run has is refused by what it is", "
     CHECK(std::any_of(said.begin(), said.end(),
                       [&](const std::string& s) { return s.find(cause) != std::string::npos; }));
   }
-  saved.rewind();
   on.run.loop().load(saved);
   on.run.run_until(0.3);
   whole.run.run_until(0.123), whole.run.run_until(0.3);

@@ -237,7 +237,7 @@ void Dynamics::save(const State& state, Snapshot& out) {
   if (!held) forget_rows(state);
 }
 
-void Dynamics::restore(const State& state, const Snapshot& in) {
+void Dynamics::restore(const State& state, SnapshotReader& in) {
   WorkCount work;
   for (long* n : {&work.evaluations, &work.factors, &work.projections, &work.corrections}) *n = in.get_count();
   factor_.restore(gather(state), in);
@@ -255,7 +255,8 @@ Dynamics::Aside::Aside(Dynamics& dynamics) : dynamics_(dynamics), work_(dynamics
 
 Dynamics::Aside::~Aside() {
   dynamics_.factor_.put_back(std::move(learned_));
-  if (coordinates_ && dynamics_.tree_->coordinates == coordinates_) dynamics_.tree_->closures().restore(closures_);
+  SnapshotReader closures(closures_);
+  if (coordinates_ && dynamics_.tree_->coordinates == coordinates_) dynamics_.tree_->closures().restore(closures);
   dynamics_.work_ = work_;
 }
 
@@ -264,7 +265,7 @@ void Dynamics::save_state(const State& state, Snapshot& out) const {
   put_state(state, out);
 }
 
-void Dynamics::load_state(State& state, const Snapshot& in) {
+void Dynamics::load_state(State& state, SnapshotReader& in) {
   set_up();
   State read;
   const bool other_coordinates = in.get_flag();

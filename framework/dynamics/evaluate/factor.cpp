@@ -40,8 +40,8 @@ void Factor::compute(const Evaluation& e) {
   if (!rested_.layout) return;
   const Learned before = std::exchange(rested_, {});
   if (!same(before.layout, e)) return;
-  before.numbers.rewind();
-  factorization_->restore(before.numbers);
+  SnapshotReader numbers(before.numbers);
+  factorization_->restore(numbers);
   factorization_->compute(assembler_.kkt());  // sees this matrix by what it knew
 }
 
@@ -60,9 +60,9 @@ void Factor::save(const Evaluation& e, Snapshot& out) const {
   out.put(any || rests ? 1 : 0), out.put_part(rests ? rested_.numbers : learned);
 }
 
-void Factor::restore(const Evaluation& e, const Snapshot& in) {
+void Factor::restore(const Evaluation& e, SnapshotReader& in) {
   const bool any = in.get_flag();
-  const Snapshot learned = in.get_part();
+  SnapshotReader learned = in.get_part();
   layout_ = nullptr, rested_ = {};
   if (!any) return;
   compute(e);
@@ -91,9 +91,9 @@ void Factor::put_back(Learned in) noexcept {
     layout_ = nullptr;
     return;
   }
-  in.numbers.rewind();
   try {
-    factorization_->restore(in.numbers);
+    SnapshotReader numbers(in.numbers);
+    factorization_->restore(numbers);
   } catch (const std::exception&) {
     layout_ = nullptr, rested_ = std::move(in);
   }

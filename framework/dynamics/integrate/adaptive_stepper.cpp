@@ -148,15 +148,15 @@ void AdaptiveStepper::newton_failed(double h, const char* advice) const {
 
 double AdaptiveStepper::first_step(Dynamics& dynamics, const State& state, double largest) {
   if (fixed()) return 0;
-  StateRate f0 = sized_like(state), f1 = f0;
-  return guess_first_step(dynamics, state, order_, largest, norm_, f0, f1, end_);
+  size_like(state, guess0_), size_like(state, guess1_);
+  return guess_first_step(dynamics, state, order_, largest, norm_, guess0_, guess1_, end_);
 }
 
 void AdaptiveStepper::save(Snapshot& out) const {
   if (control_) control_->save(out);
 }
 
-void AdaptiveStepper::restore(const Snapshot& in) {
+void AdaptiveStepper::restore(SnapshotReader& in) {
   if (control_) control_->restore(in);
 }
 

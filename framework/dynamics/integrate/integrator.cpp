@@ -18,7 +18,7 @@ const EmbeddedScheme* Integrator::scheme() const { return nullptr; }
 
 void Integrator::save(Snapshot&) const {}
 
-void Integrator::restore(const Snapshot&) {}
+void Integrator::restore(SnapshotReader&) {}
 
 bool Integrator::saves_all() const { return true; }
 

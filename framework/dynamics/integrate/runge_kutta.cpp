@@ -163,10 +163,17 @@ double combined_error(double e5, double e3) {
 }
 
 StateRate sized_like(const State& y) {
+  StateRate rate;
+  size_like(y, rate);
+  return rate;
+}
+
+void size_like(const State& y, StateRate& out) {
   const Eigen::Index alone = y.coordinates && y.v.size() == 0 ? 6 * y.coordinates->n_slots() : 0;  // rates of the slots
   const auto followed = y.coordinates ? static_cast<Eigen::Index>(y.coordinates->followed().size()) : 0;
-  return {VecX::Zero(y.q.size() + alone), VecX::Zero(y.v.size() + alone), VecX::Zero(y.s.size()),
-          VecX::Zero(12 * followed)};
+  out.q.setZero(y.q.size() + alone), out.v.setZero(y.v.size() + alone), out.s.setZero(y.s.size());
+  out.followed.setZero(12 * followed);
+  out.largest_a = out.largest_alpha = 0;
 }
 
 void copy_motion(const State& in, State& out) {

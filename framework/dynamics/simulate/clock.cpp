@@ -19,7 +19,6 @@ constexpr double kSameInstant = 1e-12;  // relative to max(|t|, length of the ru
 }  // namespace
 
 void Clock::start(double t) {
-  adaptive_ = method_.info().adaptive;
   t_start_ = t;
   breakpoints_to_ = -kInfinity;
   pace_.start(t);
@@ -30,6 +29,10 @@ void Clock::start(double t) {
 
 double Clock::span() const { return std::isfinite(t_end_) ? t_end_ - t_start_ : 0; }
 
+bool Clock::is_past(double instant, double t) const {
+  return instant < t - kSameInstant * std::max(std::abs(t), span());
+}
+
 double Clock::horizon(double t) const {
   const double left = std::isfinite(t_end_) ? t_end_ - t : 1.0;
   return options_.step > 0 ? std::min(left, options_.step) : left;
@@ -37,8 +40,8 @@ double Clock::horizon(double t) const {
 
 void Clock::begin(double t, double guess) {
   set_anchor(t);
-  advised_ = adaptive_ ? guess : options_.step;
-  if (adaptive_ && guess > 0)
+  advised_ = info_.adaptive ? guess : options_.step;
+  if (info_.adaptive && guess > 0)
     advised_ = std::max(guess, least_step(t, span()));  // only a step that was tried is too short
   if (!(advised_ > 0)) advised_ = options_.step > 0 ? options_.step : 1e-3;
 }
@@ -64,7 +67,7 @@ double Clock::too_long_by(double t, long n) const {
 
 double Clock::step_towards(double t, const Target& target, double largest, long n) const {
   const double left = target.reach - t;
-  if (!adaptive_) {
+  if (!info_.adaptive) {
     const double size = largest > 0 ? largest : options_.step;
     const double end = largest > 0 ? t + size : anchor_ + static_cast<double>(n_from_anchor_ + 1) * size;
     return end >= target.reach - 1e-9 * size ? left : end - t;
@@ -78,25 +81,24 @@ double Clock::step_towards(double t, const Target& target, double largest, long 
     throw StepError(
         fmt::format("{}: at t = {:.9g} s a step of {:.3g} s is lost beside the length of the run, {:.3g} s; the "
                     "rest would take {:.2g} of them",
-                    method_.info().name, t, h, span(), (t_end_ - t) / h),
+                    info_.name, t, h, span(), (t_end_ - t) / h),
         t);
   if (lost)
     throw StepError(
         fmt::format("{}: the step shrank to {:.3g} s at t = {:.9g} s; use another method (--integrator), a wider "
                     "tolerance, or look for a singular position (lockstep check)",
-                    method_.info().name, h, t),
+                    info_.name, h, t),
         t);
   return step_within(left, h, kSameInstant * scale);
 }
 
 void Clock::count_step(double asked, const StepReport& report) {
   ++n_from_anchor_;
-  if (adaptive_) advised_ = advised_after(advised_, asked, report.h, report.h_next);
+  if (info_.adaptive) advised_ = advised_after(advised_, asked, report.h, report.h_next);
 }
 
 std::string Clock::watch_pace(double t, long n) {
-  const std::string method = method_.info().name;
-  return pace_.watch({method, adaptive_, t_end_, advised_, options_.max_steps}, t, n);
+  return pace_.watch({info_.name, info_.adaptive, t_end_, advised_, options_.max_steps}, t, n);
 }
 
 void Clock::refresh_breakpoints(double t, double limit, double largest) {
@@ -104,7 +106,7 @@ void Clock::refresh_breakpoints(double t, double limit, double largest) {
   const bool open = !std::isfinite(limit);  // single steps: no end is known
   if (breakpoints_to_ >= (open ? t + 2 * size : limit)) return;
   const double far = open ? t + 256 * size : limit;
-  breakpoints_ = system_.breakpoints(t, std::nextafter(far, kInfinity));  // including one at the very end
+  system_.breakpoints(t, std::nextafter(far, kInfinity), breakpoints_);  // including one at the very end
   breakpoints_to_ = far;
   next_breakpoint_ = 0;
 }
@@ -141,17 +143,16 @@ bool Clock::end_due(double t) const {
 // The jumps that are known of are kept: asked for anew from here they might differ in the last bit.
 void Clock::save(Snapshot& out) const {
   for (const double x : {t_start_, t_end_, advised_, anchor_, pace_.from, last_output_, breakpoints_to_}) out.put(x);
-  for (const long n : {n_from_anchor_, pace_.n_steps, pace_.n_slow, next_output_}) out.put(static_cast<double>(n));
+  for (const long n : {n_from_anchor_, pace_.from_n, pace_.slow_from, next_output_}) out.put(static_cast<double>(n));
   out.put(pace_.warned ? 1 : 0);
   out.put_all(
       std::vector<double>(breakpoints_.begin() + static_cast<std::ptrdiff_t>(next_breakpoint_), breakpoints_.end()));
 }
 
-void Clock::load(const Snapshot& in) {
-  adaptive_ = method_.info().adaptive;
+void Clock::load(SnapshotReader& in) {
   for (double* x : {&t_start_, &t_end_, &advised_, &anchor_, &pace_.from, &last_output_, &breakpoints_to_})
     *x = in.get();
-  for (long* n : {&n_from_anchor_, &pace_.n_steps, &pace_.n_slow, &next_output_}) *n = in.get_count();
+  for (long* n : {&n_from_anchor_, &pace_.from_n, &pace_.slow_from, &next_output_}) *n = in.get_count();
   if (next_output_ < 0) throw ModelError("the saved number of outputs is below zero: the checkpoint is damaged");
   pace_.warned = in.get_flag();
   in.get_all(breakpoints_), next_breakpoint_ = 0;

@@ -13,7 +13,7 @@ namespace lockstep {
 class LOCKSTEP_API Clock {
  public:
   Clock(const System& system, const Integrator& method, const StepLoopOptions& options)
-      : system_(system), method_(method), options_(options) {}
+      : system_(system), info_(method.info()), options_(options) {}
 
   struct Target {
     double t = 0;       ///< where the state is wanted
@@ -22,14 +22,14 @@ class LOCKSTEP_API Clock {
   };
 
   /// The end of the run; infinity: single steps.
-  void set_end(double t) { pace_.n_slow = t == t_end_ ? pace_.n_slow : 0, t_end_ = t; }
+  void set_end(double t) { pace_.slow_from = t == t_end_ ? pace_.slow_from : -1, t_end_ = t; }
   double end() const { return t_end_; }
   /// A new run from t.
   void start(double t);
   double started_at() const { return t_start_; }
 
   // -- steps
-  bool adaptive() const { return adaptive_; }
+  bool adaptive() const { return info_.adaptive; }
   double advised() const { return advised_; }  ///< length of the next step
   /// The longest first step of a method that begins at t.
   double horizon(double t) const;
@@ -52,11 +52,13 @@ class LOCKSTEP_API Clock {
   /// Watches the pace of the run, which has made n steps and reached t. Returns a warning, once, where the rest will take
   /// very many steps; "" otherwise. Throws StepError where it has no end in sight, or max_steps are made.
   std::string watch_pace(double t, long n);
-  long paced() const { return pace_.n_steps; }  ///< steps since the pace was last measured
-  /// The mean length of the steps since then, s; of a run that has reached t.
-  double recent_mean(double t) const {
-    return pace_.n_steps > 0 ? (t - pace_.from) / static_cast<double>(pace_.n_steps) : 0.0;
+  long paced(long n) const { return n - pace_.from_n; }  ///< of n steps those since the pace was last measured
+  /// The mean length of the steps since then, s; of a run that has made n and reached t.
+  double recent_mean(double t, long n) const {
+    return paced(n) > 0 ? (t - pace_.from) / static_cast<double>(paced(n)) : 0.0;
   }
+  /// Whether an instant lies before t by more than rounding.
+  bool is_past(double instant, double t) const;
 
   // -- outputs
   double next_output() const { return output_time(next_output_); }  ///< infinity: none left
@@ -73,7 +75,7 @@ class LOCKSTEP_API Clock {
 
   // -- checkpoints
   void save(Snapshot&) const;
-  void load(const Snapshot&);
+  void load(SnapshotReader&);
 
  private:
   void refresh_breakpoints(double t, double limit, double largest);
@@ -81,9 +83,8 @@ class LOCKSTEP_API Clock {
   double span() const;
 
   const System& system_;
-  const Integrator& method_;
+  const IntegratorInfo info_;
   const StepLoopOptions& options_;
-  bool adaptive_ = false;
   double t_start_ = 0, t_end_ = 0;
   double advised_ = 0;  // the method's next step
   double anchor_ = 0;   // fixed steps: the n-th ends at anchor + n step

@@ -52,7 +52,7 @@ void ContactManager::save(Snapshot& out) const {
   }
 }
 
-void ContactManager::load(const Snapshot& in) {
+void ContactManager::load(SnapshotReader& in) {
   lay_out();
   if (in.get_count() != static_cast<long>(contacts_.size()))
     throw ModelError("the run was saved with another number of one-sided links");

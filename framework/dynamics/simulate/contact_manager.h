@@ -45,7 +45,7 @@ class ContactManager {
   // -- checkpoints
   void save(Snapshot&) const;
   /// In place of start().
-  void load(const Snapshot&);
+  void load(SnapshotReader&);
 
  private:
   Settled settle_all(State&);

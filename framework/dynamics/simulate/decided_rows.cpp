@@ -57,10 +57,11 @@ const Lock* switched_of_decided(const System& system, const std::vector<bool>& m
   return nullptr;
 }
 
-void refuse_switch_of_decided(const System& system, const std::vector<bool>& modes, const Event& event) {
+void refuse_switch_of_decided(const System& system, const std::vector<bool>& modes, const Event& event,
+                              const std::string& who) {
   const Lock* const link = switched_of_decided(system, modes, event);
   if (link == nullptr) return;
-  throw ModelError("event '" + event.name + "' switches link '" + link->name() + "', on whose loop " +
+  throw ModelError(who + " switches link '" + link->name() + "', on whose loop " +
                        (system.held_down_to() > 0 ? "rows hold that nearly depend on others" : "rows were left out") +
                        ": what was decided at the start is wrong then; leave it told "
                        "(\"nearly_redundant\", decide_nearly_redundant())",

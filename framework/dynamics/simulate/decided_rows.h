@@ -9,7 +9,8 @@ namespace lockstep {
 /// nearly dependent rows hold (System::hold_down_to); null where it switches none. `modes`: links in force before it.
 LOCKSTEP_API const Lock* switched_of_decided(const System&, const std::vector<bool>& modes, const Event&);
 
-/// Throws ModelError for an event that switches such a link.
-LOCKSTEP_API void refuse_switch_of_decided(const System&, const std::vector<bool>& modes, const Event&);
+/// Throws ModelError for an event that switches such a link. `who`: it, in words.
+LOCKSTEP_API void refuse_switch_of_decided(const System&, const std::vector<bool>& modes, const Event&,
+                                           const std::string& who);
 
 }  // namespace lockstep

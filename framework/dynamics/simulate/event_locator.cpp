@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <lockstep/error.h>
+#include <lockstep/text.h>
 #include "framework/dynamics/simulate/root_finder.h"
 #include "framework/dynamics/simulate/user_code.h"
 
@@ -17,6 +18,17 @@ namespace {
 // Whether the condition's value is on the side to which a crossing in one sense leads.
 bool is_past(Event::Crossing crossing, double value) {
   return crossing == Event::Crossing::rising ? value > 0 : crossing == Event::Crossing::falling && value < 0;
+}
+
+// Throws ModelError for a name that neither a link nor a force has.
+const Lock* link_named(const System& system, const std::string& name, const std::string& who) {
+  std::vector<std::string> names;
+  for (const auto& link : system.links()) {
+    if (link->name() == name) return link.get();
+    names.push_back(link->name());
+  }
+  for (const auto& force : system.forces()) names.push_back(force->name());
+  throw ModelError(fmt::format("{}: unknown link or force \"{}\"{}", who, name, text::suggestion(name, names)));
 }
 
 }  // namespace
@@ -37,26 +49,28 @@ Event& EventLocator::add(Event event) {
         event.name, event.at));
   if (!(event.tolerance > 0))
     throw ModelError(fmt::format("event '{}': its tolerance of {} s must be > 0", event.name, event.tolerance));
+  check_switched(event, "event '" + event.name + "'");
+  events_.push_back(std::move(event));
+  return events_.back();
+}
+
+void EventLocator::check_switched(const Event& event, const std::string& who) const {
   const System& system = dynamics_.system();
   for (const std::vector<std::string>* names : {&event.activate, &event.deactivate})
     for (const std::string& name : *names)
       if (const Force* force = force_named(system, name)) {
         if (force->switch_memory() < 0)
           throw ModelError(fmt::format(
-              "event '{}': force '{}' cannot be switched; call its set_switched() before the system is set up",
-              event.name, name));
-      } else if (system.merged(system.link(name)))
+              "{}: force '{}' cannot be switched; call its set_switched() before the system is set up", who, name));
+      } else if (const Lock* link = link_named(system, name, who); system.merged(*link))
         throw ModelError(
-            fmt::format("event '{}': link '{}' is merged into one slot and cannot be switched; keep it, as in "
+            fmt::format("{}: link '{}' is merged into one slot and cannot be switched; keep it, as in "
                         "set_merge(true, {{&link}})",
-                        event.name, name));
-  events_.push_back(std::move(event));
-  return events_.back();
+                        who, name));
 }
 
 void EventLocator::join(const State& state) {
   watched_.push_back({});
-  watched_.back().over = !events_.back().value && events_.back().at < state.t;
   watch(state);
 }
 
@@ -69,13 +83,14 @@ void EventLocator::start(double t) {
 double EventLocator::next_instant(double t) const {
   double next = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < events_.size(); ++i)
-    if (!events_[i].value && !watched_[i].over && events_[i].at > t) next = std::min(next, events_[i].at);
+    if (!events_[i].value && events_[i].on && !watched_[i].over && events_[i].at > t)
+      next = std::min(next, events_[i].at);
   return next;
 }
 
 void EventLocator::watch(const State& state) {
   for (std::size_t i = 0; i < events_.size(); ++i)
-    if (events_[i].value && !watched_[i].over) watched_[i].value = value_of(i, state);
+    if (events_[i].value && events_[i].on && !watched_[i].over) watched_[i].value = value_of(i, state);
 }
 
 double EventLocator::value_of(std::size_t event, const State& state) {
@@ -117,7 +132,10 @@ bool EventLocator::locate(State& state) {
   for (std::size_t i = 0; i < events_.size(); ++i) {
     Watched& w = watched_[i];
     w.met = false, w.at = kNever;
-    if (!events_[i].value || w.over) continue;
+    w.over = w.over || (!events_[i].on && !events_[i].value && events_[i].at <= t1);
+    w.off = w.off || !events_[i].on;
+    if (!events_[i].value || w.over || !events_[i].on) continue;
+    if (w.off) w.value = value_of(i, interval_.from()), w.off = false;
     w.now = value_of(i, state);
     searched_.push_back(i);
   }
@@ -153,14 +171,26 @@ void EventLocator::note_left_zero() {
   for (std::size_t i = 0; i < events_.size(); ++i) {
     const Watched& w = watched_[i];
     const bool either = events_[i].crossing == Event::Crossing::any;
-    if (events_[i].value && !w.over && w.first && w.value == 0 && (either || is_past(events_[i].crossing, w.now)))
+    if (events_[i].value && events_[i].on && !w.over && w.first && w.value == 0 &&
+        (either || is_past(events_[i].crossing, w.now)))
       left_zero_.push_back(events_[i].name);
   }
 }
 
 EventLocator::Due EventLocator::due(std::size_t i, double t) const {
+  if (!events_[i].on) return Due::no;
   if (events_[i].value) return watched_[i].met ? Due::by_condition : Due::no;
   return !watched_[i].over && events_[i].at <= t ? Due::by_time : Due::no;
+}
+
+bool EventLocator::any_due(double t) const {
+  for (std::size_t i = 0; i < events_.size(); ++i)
+    if (due(i, t) == Due::by_time) return true;
+  return false;
+}
+
+void EventLocator::forget_met() {
+  for (Watched& w : watched_) w.met = false;
 }
 
 void EventLocator::done(std::size_t i, double t) {
@@ -192,11 +222,13 @@ void EventLocator::save(Snapshot& out) const {
     const Watched& w = watched_[i];
     out.put_text(events_[i].name);
     const long stage = w.over ? kStageOver : w.first ? kStageFirst : kStageWatched;
-    for (const double x : {w.value, w.now, w.last, w.at, static_cast<double>(stage), w.met ? 1.0 : 0.0}) out.put(x);
+    for (const double x : {w.value, w.now, w.last, w.at, static_cast<double>(stage), w.met ? 1.0 : 0.0,
+                           events_[i].on ? 1.0 : 0.0, w.off ? 1.0 : 0.0})
+      out.put(x);
   }
 }
 
-void EventLocator::load(const Snapshot& in) {
+void EventLocator::load(SnapshotReader& in) {
   const long n = in.get_count();
   if (n != static_cast<long>(events_.size()))
     throw ModelError(fmt::format("the run was saved with {} events and has {}; add the same before it is loaded", n,
@@ -214,7 +246,7 @@ void EventLocator::load(const Snapshot& in) {
       throw ModelError(fmt::format("event '{}' has the stage {}, which no event has: the checkpoint is damaged",
                                    events_[i].name, stage));
     w.over = stage == kStageOver, w.first = stage == kStageFirst;
-    w.met = in.get_flag();
+    w.met = in.get_flag(), events_[i].on = in.get_flag(), w.off = in.get_flag();
   }
 }
 

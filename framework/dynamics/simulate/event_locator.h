@@ -23,6 +23,8 @@ class EventLocator {
 
   /// Throws ModelError for an event without instant and condition, or with a link that cannot be switched.
   Event& add(Event);
+  /// Throws ModelError for a link or force that `who`, in words, cannot switch.
+  void check_switched(const Event&, const std::string& who) const;
   /// Starts the event added last in a run that has reached this state.
   void join(const State&);
   bool empty() const { return events_.empty(); }
@@ -41,6 +43,10 @@ class EventLocator {
   enum class Due { no, by_time, by_condition };
   /// Whether event i happens at t.
   Due due(std::size_t i, double t) const;
+  /// Whether an event by time happens at t.
+  bool any_due(double t) const;
+  /// Forgets the conditions met in a step that was taken back.
+  void forget_met();
   /// Event i has happened at t.
   void done(std::size_t i, double t);
   /// Names of the events that wait for a crossing in one sense whose far side the run starts on.
@@ -52,7 +58,7 @@ class EventLocator {
   // -- checkpoints
   void save(Snapshot&) const;
   /// Throws ModelError where the events have other names or another order.
-  void load(const Snapshot&);
+  void load(SnapshotReader&);
 
  private:
   struct Watched {
@@ -61,6 +67,7 @@ class EventLocator {
     double at = 0;                                           ///< where the present step meets it; infinity: nowhere
     bool over = false, met = false;
     bool first = true;  ///< no step was made yet since it is watched
+    bool off = false;   ///< it was off in the last step
   };
   double value_of(std::size_t event, const State&);
   Sampled point(std::size_t event, double t);

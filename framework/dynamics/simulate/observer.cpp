@@ -26,7 +26,7 @@ void Observer::finish(const Sample&) {}
 
 void Observer::save(Snapshot&) const {}
 
-void Observer::load(const Snapshot&) {}
+void Observer::load(SnapshotReader&) {}
 
 bool Observer::saves_all() const { return true; }
 

@@ -25,8 +25,11 @@ std::string Pace::watch(const PacedRun& run, double t, long n) {
         t);
   if (!std::isfinite(run.end)) return {};
   const double left = run.end - t;
-  n_slow = run.advised > 0 && left > kMostSteps * run.advised ? n_slow + 1 : 0;
-  if (n_slow > kSlow)
+  if (!(run.advised > 0 && left > kMostSteps * run.advised))
+    slow_from = n;
+  else if (slow_from < 0)
+    slow_from = n - 1;
+  if (n - slow_from > kSlow)
     throw StepError(
         fmt::format(
             "{}: at t = {:.9g} s it advises steps of {:.3g} s, by which the rest of the run would take {:.2g} of "
@@ -36,14 +39,15 @@ std::string Pace::watch(const PacedRun& run, double t, long n) {
                           : "; use another method (--integrator), a wider tolerance, or look for a singular position "
                             "(lockstep check)"),
         t);
-  if (++n_steps < kPaced) return {};
+  const long n_steps = n - from_n;
+  if (n_steps < kPaced) return {};
   const double pace = (t - from) / static_cast<double>(n_steps);
   if (left > 1.001 * kMostSteps * pace)  // of the steps made, however long those advised are; but for rounding
     throw StepError(fmt::format("{}: its last {} steps, up to t = {:.9g} s, were of {:.2g} s on average, by which the "
                                 "rest of the run would take {:.2g} of them",
                                 run.method, n_steps, t, pace, left / pace),
                     t);
-  from = t, n_steps = 0;
+  from = t, from_n = n;
   if (warned || left <= kLongRun * pace) return {};
   warned = true;
   return fmt::format(

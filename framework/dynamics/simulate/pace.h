@@ -19,14 +19,15 @@ struct PacedRun {
 struct LOCKSTEP_API Pace {
   static constexpr long kPaced = 10000;  ///< steps over which the pace is measured
 
-  void start(double t) { *this = {t, 0, 0, false}; }
-  /// After a step to t, the n-th of the run. Returns a warning, once, where the rest will take very many steps; ""
+  void start(double t) { *this = {t}; }
+  /// Before the next step of a run that has made n of them and stands at t; asked again before the same step, as when that
+  /// step failed, it answers the same. Returns a warning, once, where the rest will take very many steps; ""
   /// otherwise. Throws StepError where it has no end in sight, or max_steps are made.
   std::string watch(const PacedRun&, double t, long n);
 
-  double from = 0;   ///< when the present steps for the pace began, s
-  long n_steps = 0,  ///< since then
-      n_slow = 0;    ///< in a row that advised too short steps
+  double from = 0;     ///< when the present steps for the pace began, s
+  long from_n = 0,     ///< how many steps the run had made then,
+      slow_from = -1;  ///< and before it advised too short steps in a row; -1: not known
   bool warned = false;
 };
 

@@ -35,7 +35,7 @@ void StepInterval::make(State& state, double h) {
     watch_.check(from_, state, h, report_);
   } catch (const StepError& error) {
     state = from_;
-    if (method_.info().adaptive || method_.origin() != "built in" || names_thing(error.what())) throw;
+    if (info_.adaptive || method_.origin() != "built in" || names_thing(error.what())) throw;
     const std::string who = who_varies(dynamics_, from_, h);  // adaptive methods have said it
     if (who.empty()) throw;
     throw StepError(std::string(error.what()) + "; " + who, error);
@@ -60,8 +60,8 @@ const State& StepInterval::at(double t) {
   }
   inside_ = from_;
   if (t <= from_.t) return inside_;
-  before_.rewind();
-  method_.restore(before_);
+  SnapshotReader before(before_);
+  method_.restore(before);
   for (double left = t - from_.t; left > 0; left = t - inside_.t) {
     before_part_ = inside_;
     StepReport part = named(method_, inside_.t, [&] { return method_.step(dynamics_, inside_, left); });
@@ -77,7 +77,7 @@ void StepInterval::keep_method() {
 }
 
 void StepInterval::restore_method() {
-  if (!has_dense_) after_.rewind(), method_.restore(after_);
+  if (SnapshotReader after(after_); !has_dense_) method_.restore(after);
 }
 
 void StepInterval::cut(double t, State& state) {
@@ -103,11 +103,7 @@ bool StepInterval::read_acting(const State& state, VecX& out) try {
   return false;
 }
 
-// Methods with a scheme() evaluate each stage anew, and so do the explicit ones of the library that take joint coordinates.
-void StepInterval::note_acting(const State& state) {
-  const IntegratorInfo method = method_.info();
-  remembers_ = method_.scheme() == nullptr && (method.implicit || !method.joint) && read_acting(state, acted_);
-}
+void StepInterval::note_acting(const State& state) { remembers_ = keeps_accelerations() && read_acting(state, acted_); }
 
 bool StepInterval::acts_otherwise(const State& state) {
   return remembers_ && !(read_acting(state, acts_) && acts_.size() == acted_.size() && acts_ == acted_);
@@ -123,12 +119,12 @@ void StepInterval::save(Snapshot& out) const {
   out.put_part(method);
 }
 
-void StepInterval::load(const State& state, const Snapshot& in) {
+void StepInterval::load(const State& state, SnapshotReader& in) {
   report_.h = in.get(), report_.h_next = in.get(), report_.error = in.get();
   report_.rejected = static_cast<int>(in.get_count());
   report_.violation = in.get(), report_.violation_after = in.get();
   report_.manifold = in.get_flag(), report_.stiff = in.get_flag();
-  const Snapshot method = in.get_part();
+  SnapshotReader method = in.get_part();
   begin(state);
   named(method_, state.t, [&] { method_.restore(method); });
   if (!method.at_end())

@@ -9,7 +9,7 @@ namespace lockstep {
 class StepInterval {
  public:
   StepInterval(Dynamics& dynamics, Integrator& method)
-      : dynamics_(dynamics), method_(method), watch_(dynamics, method) {}
+      : dynamics_(dynamics), method_(method), info_(method.info()), watch_(dynamics, method) {}
 
   /// Starts a new run from this state.
   void start(const State&);
@@ -22,6 +22,10 @@ class StepInterval {
   /// After n steps: see StepWatch::check_again().
   void check_again(const State& at, long n, double& largest) { watch_.check_again(at, n, largest); }
 
+  const IntegratorInfo& method() const { return info_; }
+  /// Whether the method may keep accelerations from step to step. Those with a scheme() evaluate each stage anew, and so do
+  /// the explicit ones of the library that take joint coordinates.
+  bool keeps_accelerations() const { return method_.scheme() == nullptr && (info_.implicit || !info_.joint); }
   const State& from() const { return from_; }
   const StepReport& report() const { return report_; }
   bool has_dense() const { return has_dense_; }
@@ -45,13 +49,14 @@ class StepInterval {
   // -- checkpoints: the report of the last step, and the method
   void save(Snapshot&) const;
   /// In place of start() and begin(). Throws ModelError where the method reads less than it saved.
-  void load(const State&, const Snapshot&);
+  void load(const State&, SnapshotReader&);
 
  private:
   bool read_acting(const State&, VecX& out);
 
   Dynamics& dynamics_;
   Integrator& method_;
+  const IntegratorInfo info_;
   StepWatch watch_;
   State from_, inside_, before_part_, slots_;
   Snapshot before_, after_;  // the method's memory around the step

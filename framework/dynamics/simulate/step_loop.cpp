@@ -35,9 +35,10 @@ void check_options(const StepLoopOptions& options, const IntegratorInfo& info) {
 }
 
 // To the coordinates of the formulation, where the method takes them, else to the slots' own.
-void to_coordinates(Dynamics& dynamics, const Integrator& method, State& state, const State* near) {
-  if (method.info().joint) dynamics.to_formulation(state, near);
-  if (!takes(method, state.coordinates.get())) dynamics.to_slots(state);
+void to_coordinates(Dynamics& dynamics, const Integrator& method, const IntegratorInfo& info, State& state,
+                    const State* near) {
+  if (info.joint) dynamics.to_formulation(state, near);
+  if (!takes(method, info, state.coordinates.get())) dynamics.to_slots(state);
 }
 
 // Joint coordinates that were asked for by name must be possible.
@@ -104,6 +105,12 @@ void StepLoop::add_observer(Observer& observer) {
 }
 
 Event& StepLoop::add_event(Event event) {
+  if (begun_ && !event.value && event.at >= 0 && parts_->clock.is_past(event.at, state_.t))
+    throw ModelError(
+        {.thing = {.kind = "event", .name = event.name},
+         .problem = fmt::format("its instant of {:.9g} s is past, the run stands at {:.9g} s", event.at, state_.t),
+         .advice = "give the present time (state().t) or a later one",
+         .t = state_.t});
   Event& added = parts_->events.add(std::move(event));
   if (begun_) parts_->events.join(state_);
   return added;
@@ -114,29 +121,44 @@ const SimulationReport& StepLoop::run_until(double t) {
     throw ModelError(
         fmt::format("the end time of {} s must be finite and not before the present time of {} s", t, state_.t));
   exclusively("run_until", [&] {
-    if (phase_ == Phase::none) report_.stopped = false, report_.stopped_by.clear();
     try {
-      parts_->clock.set_end(t);
-      start();
-      while (!report_.stopped && state_.t < t) {
-        advance(t, 0);
-        if (between_steps) function_code("between_steps", between_steps, state_.t);
-      }
-      output_end();
-    } catch (const SolveError& e) {
-      warn_of_turns();
-      finish(Errors::dropped);
-      throw SolveError(fmt::format("{} (the last accepted state is at t = {:.9g} s)", e.what(), state_.t), e);
+      go_to(t, true);
     } catch (...) {
-      warn_of_turns();
       finish(Errors::dropped);
       throw;
     }
-    warn_of_turns();
-    parts_->interval.note_acting(state_);
     finish(Errors::thrown);
   });
   return report_;
+}
+
+const SimulationReport& StepLoop::advance(double h) {
+  const double t = state_.t + h;
+  if (!std::isfinite(t) || h < 0 || (h > 0 && t == state_.t))
+    throw ModelError(
+        fmt::format("an advance of {} s from t = {} s must be > 0 and not lost beside the time", h, state_.t));
+  exclusively("advance", [&] { go_to(t, false); });
+  return report_;
+}
+
+void StepLoop::go_to(double t, bool with_output) try {
+  if (phase_ == Phase::none) report_.stopped = false, report_.stopped_by.clear();
+  parts_->clock.set_end(t);
+  start();
+  while (!report_.stopped && state_.t < t) {
+    make_step(t, 0);
+    if (between_steps) function_code("between_steps", between_steps, state_.t);
+    if (parts_->events.any_due(state_.t)) settle_now();  // added meanwhile
+  }
+  if (with_output) output_end();
+  warn_of_turns();
+  parts_->interval.note_acting(state_);
+} catch (const SolveError& e) {
+  warn_of_turns();
+  throw SolveError(fmt::format("{} (the last accepted state is at t = {:.9g} s)", e.what(), state_.t), e);
+} catch (...) {
+  warn_of_turns();
+  throw;
 }
 
 StepReport StepLoop::step(double h) {
@@ -147,7 +169,7 @@ StepReport StepLoop::step(double h) {
     parts_->clock.set_end(kOpen);
     if (phase_ == Phase::none) report_.stopped = false, report_.stopped_by.clear();
     start();
-    if (!report_.stopped) advance(kOpen, h);
+    if (!report_.stopped) make_step(kOpen, h);
     parts_->interval.note_acting(state_);
   });
   return parts_->interval.report();
@@ -160,8 +182,22 @@ void StepLoop::start() {
   if (!begun_) return start_run();
   if (phase_ == Phase::none) parts_->told = 0;
   conclude();
-  if (stale_ || parts_->interval.acts_otherwise(state_)) begin_method();
+  if (stale_)
+    begin_method();
+  else if (inputs_were_set() || parts_->interval.acts_otherwise(state_))
+    begin_steps();
   stale_ = false;
+  if (parts_->events.any_due(state_.t)) settle_now();
+}
+
+bool StepLoop::inputs_were_set() {
+  std::vector<double>& seen = inputs_seen_;
+  const std::deque<ControlInput>& inputs = system().control_inputs();
+  const auto value = [](const ControlInput& input) { return input.value(); };
+  if (std::ranges::equal(inputs, seen, {}, value)) return false;
+  seen.resize(inputs.size());
+  std::ranges::transform(inputs, seen.begin(), value);
+  return parts_->interval.keeps_accelerations();
 }
 
 // A start that fails is made again, as if it had not been made.
@@ -190,7 +226,7 @@ void StepLoop::make_start() {
   if (!contacts.empty()) settle_contacts();
   started = told = 0;
   begun_ = true;
-  const IntegratorInfo method = method_->info();
+  const IntegratorInfo& method = interval.method();
   measures_turns_ = !method.adaptive || method.implicit, warned_of_turns_ = false;
   const Sample sample(dynamics_, state_, interval.report());
   for (; started < observers_.size(); ++started) {
@@ -198,8 +234,9 @@ void StepLoop::make_start() {
     observer_code(o, started, state_.t, [&] { o.start(sample); });
   }
   if (clock.output_due(state_.t)) output(sample);
-  to_coordinates(dynamics_, *method_, state_, &before_change);
+  to_coordinates(dynamics_, *method_, method, state_, &before_change);
   dynamics_.forget_rows(state_);  // only the start was asked for all of them
+  inputs_were_set();
   begin_method();
   stale_ = false;
   if (state_.coordinates && !state_.coordinates->has_rows() &&
@@ -226,11 +263,11 @@ void StepLoop::make_start() {
   if (changed) tell_jumped();
 }
 
-void StepLoop::advance(double limit, double largest) {
+void StepLoop::make_step(double limit, double largest) {
   auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause,
          detailed] = *parts_;
   const auto who = [&] {
-    const double tolerance = method_->info().adaptive ? options_.tolerance.relative : HUGE_VAL;
+    const double tolerance = clock.adaptive() ? options_.tolerance.relative : HUGE_VAL;
     return parts_->who_slows(dynamics_, state_, report_.steps, tolerance);
   };
   const auto with_culprit = [&](auto&& ask) {
@@ -242,8 +279,11 @@ void StepLoop::advance(double limit, double largest) {
   };
   const std::string slow = with_culprit([&] { return parts_->clock.watch_pace(state_.t, report_.steps); });
   if (!slow.empty()) warn(slow + who());
-  if (parts_->clock.paced() == 0) parts_->contacts.forget_engaged();
-  if (!dynamics_.has_current_coordinates(state_)) begin_method();  // the system was changed
+  if (parts_->clock.paced(report_.steps) == 0) parts_->contacts.forget_engaged();
+  if (!dynamics_.has_current_coordinates(state_))
+    begin_method();  // the system was changed
+  else if (inputs_were_set())
+    begin_steps();
   const bool passing = interval.report().manifold;  // a singular position, of which the method keeps what it knows
   if (!passing && state_.coordinates && state_.coordinates->take_off_turns(state_)) interval.begin(state_);
   const double t0 = state_.t;
@@ -265,6 +305,7 @@ void StepLoop::advance(double limit, double largest) {
     cause = touched ? "an impact" : jump ? "the jump of a law" : "";
   } catch (...) {
     keep_state(interval.from(), state_);
+    events.forget_met();
     throw;
   }
   ++report_.steps;
@@ -316,14 +357,14 @@ void StepLoop::conclude() {
       if (!ended.refusal.empty()) throw AssemblyError(ended.refusal);
       if (ended.jump) {
         make_consistent("the jump of a law");
-        if (method_->info().joint) to_coordinates(dynamics_, *method_, state_, &before_change);
+        if (interval.method().joint) to_coordinates(dynamics_, *method_, interval.method(), state_, &before_change);
       }
       if (ended.landed || ended.met || ended.touched) clock.set_anchor(state_.t);
       phase_ = Phase::events;
       [[fallthrough]];
     case Phase::events:
       ended.moved = ended.moved || ended.met || ended.touched || ended.jump;
-      if (!events.empty() && fire_events()) ended.moved = true;
+      if (fire_events()) ended.moved = true;
       phase_ = Phase::contacts;
       [[fallthrough]];
     case Phase::contacts:
@@ -356,16 +397,21 @@ void StepLoop::cross_jump(double t) {
 }
 
 void StepLoop::begin_method() {
+  begin_steps();
+  parts_->events.watch(state_);
+}
+
+// Where the state is that of the last step, and what acts is not.
+void StepLoop::begin_steps() {
   auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause,
          detailed] = *parts_;
-  to_coordinates(dynamics_, *method_, state_, &before_change);
+  to_coordinates(dynamics_, *method_, interval.method(), state_, &before_change);
   const double t = state_.t, horizon = clock.horizon(t);
   interval.begin(state_);
   double guess = 0;
   if (clock.adaptive() && horizon > 0)
     guess = named(*method_, t, [&] { return method_->first_step(dynamics_, state_, horizon); });
   clock.begin(t, guess);
-  events.watch(state_);
 }
 
 }  // namespace lockstep

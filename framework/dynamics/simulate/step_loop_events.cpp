@@ -1,6 +1,7 @@
 // What changes the state between two steps: events, and the links that come into force by them or by contact.
 #include <spdlog/fmt/fmt.h>
 
+#include <limits>
 #include <map>
 #include <string>
 
@@ -61,13 +62,44 @@ void check_change(const System& system, const Event& e, const State& before, con
 
 }  // namespace
 
+// What is due at the present time acts before the next step.
+void StepLoop::settle_now() {
+  parts_->ended = {}, parts_->cause.clear();
+  phase_ = Phase::before_jump;
+  conclude();
+}
+
+void StepLoop::activate(const std::string& name) { switch_now("activate", {.name = {}, .activate = {name}}); }
+void StepLoop::deactivate(const std::string& name) { switch_now("deactivate", {.name = {}, .deactivate = {name}}); }
+
+// All of the change or nothing, as of an event; a call that fails is not made again.
+void StepLoop::switch_now(const char* call, const Event& change) {
+  dynamics_.set_up();
+  parts_->events.check_switched(change, "a call");
+  exclusively(call, [&] {
+    parts_->clock.set_end(std::numeric_limits<double>::infinity());
+    start();
+    struct Guard {
+      const Event*& by_call;
+      Phase& phase;
+      ~Guard() {
+        by_call = nullptr;
+        if (phase >= Phase::before_jump && phase <= Phase::events) phase = Phase::none;
+      }
+    } guard{by_call_, phase_};
+    by_call_ = &change;
+    settle_now();
+    parts_->interval.note_acting(state_);
+  });
+}
+
 // Fires the events that are due at the present state; returns whether any changed it. All of an instant or none.
 bool StepLoop::fire_events() {
   EventLocator& events = parts_->events;
   const auto due = [&](std::size_t i) { return events.due(i, state_.t) != EventLocator::Due::no; };
   std::size_t first = 0;
   while (first < events.size() && !due(first)) ++first;
-  if (first == events.size()) return false;
+  if (first == events.size() && by_call_ == nullptr) return false;
   keep_state(state_, parts_->before_events);
   bool changed = false;
   try {
@@ -95,22 +127,24 @@ bool StepLoop::apply_events(std::size_t first) {
   const EventLocator& events = parts_->events;
   refuse_contradictions(events, first, state_.t);
   std::string names;
-  for (std::size_t i = first; i < events.size(); ++i) {
-    const Event& e = events[i];
-    if (events.due(i, state_.t) == EventLocator::Due::no) continue;
-    if (e.activate.empty() && e.deactivate.empty() && !e.change) continue;
+  const auto act = [&](const Event& e, const std::string& who, const std::string& next) {
+    if (e.activate.empty() && e.deactivate.empty() && !e.change) return;
     if (state_.coordinates) keep_state(state_, parts_->before_change), dynamics_.to_slots(state_);
-    apply(e);
-    names += (names.empty() ? "event '" : ", '") + e.name + "'";
-  }
+    apply(e, who);
+    names += names.empty() ? who : next;
+  };
+  for (std::size_t i = first; i < events.size(); ++i)
+    if (events.due(i, state_.t) != EventLocator::Due::no)
+      act(events[i], "event '" + events[i].name + "'", ", '" + events[i].name + "'");
+  if (by_call_ != nullptr) act(*by_call_, "a call", " and a call");
   if (names.empty()) return false;
   make_consistent(names);
   parts_->cause += (parts_->cause.empty() ? "" : " and ") + names;
   return true;
 }
 
-void StepLoop::apply(const Event& e) {
-  refuse_switch_of_decided(system(), state_.modes, e);
+void StepLoop::apply(const Event& e, const std::string& who) {
+  refuse_switch_of_decided(system(), state_.modes, e, who);
   std::vector<std::string> engaged;
   const auto put = [&](const std::string& name, bool on) {  // a unilateral link comes into force at contact
     if (const Force* force = force_named(system(), name)) {
@@ -132,13 +166,11 @@ void StepLoop::apply(const Event& e) {
     system().check_size(state_);
   }
   if (!state_.q.allFinite() || !state_.v.allFinite() || !state_.s.allFinite())
-    throw NonFiniteError(fmt::format("event '{}' made the state not finite at t = {:.9g} s", e.name, state_.t),
-                         state_.t);
+    throw NonFiniteError(fmt::format("{} made the state not finite at t = {:.9g} s", who, state_.t), state_.t);
   dynamics_.normalize(state_);
   engage_links(dynamics_, state_, engaged);
-  check_links(dynamics_, state_, engaged, "event '" + e.name + "'", options_.start_limit);
-  parts_->contacts.check_sides(state_, engaged,
-                               "event '" + e.name + "' at t = " + fmt::format("{:.9g}", state_.t) + " s");
+  check_links(dynamics_, state_, engaged, who, options_.start_limit);
+  parts_->contacts.check_sides(state_, engaged, who + " at t = " + fmt::format("{:.9g}", state_.t) + " s");
 }
 
 // Impacts are those of the bodies; where nothing comes of it, the state is what it was.

@@ -20,7 +20,7 @@ void save_report(const SimulationReport& r, Snapshot& out) {
   for (const std::string& text : r.warnings) out.put_text(text);
 }
 
-SimulationReport load_report(const Snapshot& in) {
+SimulationReport load_report(SnapshotReader& in) {
   SimulationReport r;
   for (long* n : {&r.steps, &r.rejected, &r.impacts, &r.manifold_steps}) *n = in.get_count();
   for (double* x : {&r.largest_violation, &r.stiff_since, &r.largest_turn}) *x = in.get();
@@ -68,6 +68,7 @@ std::string signature(const System& system, const Integrator& method, const Dyna
     text += "; marker " + marker.name + " on " + marker.body->name + numbers_of(marker.local);
   for (const auto& link : system.links()) text += "; link " + link->name() + " " + std::string(link->type());
   for (const auto& force : system.forces()) text += "; force " + force->name() + " " + std::string(force->type());
+  for (const ControlInput& input : system.control_inputs()) text += "; input " + input.name();
   for (const auto& own : system.auxiliaries()) text += "; state " + own->name();
   return text;
 }
@@ -111,6 +112,7 @@ void StepLoop::save(Snapshot& out) {
   out.put(counts_on ? 1 : 0);
   if (counts_on) dynamics_.save_state(before, out);
   save_report(report_, out);
+  for (const ControlInput& input : system().control_inputs()) out.put(input.value());
   out.put(stale_ ? 1 : 0), out.put(warned_of_turns_ ? 1 : 0);
   parts.clock.save(out), parts.events.save(out), parts.contacts.save(out), parts.interval.save(out);
   Snapshot learned;
@@ -124,7 +126,7 @@ void StepLoop::save(Snapshot& out) {
   }
 }
 
-void StepLoop::load(const Snapshot& in) {
+void StepLoop::load(SnapshotReader in) {
   exclusively("load", [&] {
     try {
       load_parts(in);
@@ -135,7 +137,7 @@ void StepLoop::load(const Snapshot& in) {
   });
 }
 
-void StepLoop::load_parts(const Snapshot& in) {
+void StepLoop::load_parts(SnapshotReader& in) {
   auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause,
          detailed] = *parts_;
   dynamics_.set_up();
@@ -145,15 +147,17 @@ void StepLoop::load_parts(const Snapshot& in) {
   before_change = {};
   if (in.get_flag()) dynamics_.load_state(before_change, in);
   report_ = load_report(in);
+  for (ControlInput& input : dynamics_.control_inputs()) input.set(in.get());
   stale_ = in.get_flag(), warned_of_turns_ = in.get_flag();
-  const IntegratorInfo method = method_->info();
+  const IntegratorInfo& method = interval.method();
   measures_turns_ = !method.adaptive || method.implicit;
   interval.start(state_);
+  inputs_were_set();
   clock.load(in), events.load(in), contacts.load(in), interval.load(state_, in);
   constexpr double kMostBehind = 1000;  // outputs; what lies behind is past between two steps
   if (options_.output > 0 && !(state_.t - clock.next_output() < kMostBehind * options_.output))
     throw ModelError("the saved outputs do not belong to the time of the saved state: the checkpoint is damaged");
-  const Snapshot learned = in.get_part();
+  SnapshotReader learned = in.get_part();
   ended = {}, cause.clear(), phase_ = Phase::none;
   started = told = 0;
   if (const long n = in.get_count(); n != static_cast<long>(observers_.size()))
@@ -162,12 +166,14 @@ void StepLoop::load_parts(const Snapshot& in) {
   const Sample sample(dynamics_, state_, interval.report());
   for (; started < observers_.size(); ++started) {
     Observer& o = *observers_[started];
-    const Snapshot own = in.get_part();
+    SnapshotReader own = in.get_part();
     observer_code(o, started, state_.t, [&] { o.start(sample), o.load(own); });
     if (!own.at_end())
       throw ModelError(fmt::format(
           "observer {}: load() reads less than save() wrote; it must read all of it, in the same order", started + 1));
   }
+  if (!in.at_end())
+    throw ModelError("the checkpoint holds more numbers than the run reads: it is of another run, or damaged");
   dynamics_.restore(state_, learned);  // after all that evaluates
   dynamics_.forget_rows(state_);       // steps that need them lay them out anew
   begun_ = true;

@@ -88,11 +88,11 @@ std::string below_rounding(const System& system, const State& state, double tole
 std::string StepLoop::Parts::who_slows(Dynamics& dynamics, const State& state, long n, double tolerance) const {
   constexpr long kEnough = 100;       // steps that tell what cuts them
   constexpr double kLongStep = 1e-3;  // of the time in which something turns by a radian, or moves by its size
-  const long paced = clock.paced() > 0 ? clock.paced() : Pace::kPaced;
+  const long paced = clock.paced(n) > 0 ? clock.paced(n) : Pace::kPaced;
   if (const std::string stops = paced < kEnough ? "" : contacts.who_engaged(paced); !stops.empty()) return "; " + stops;
   std::string words;
   const double rate = fastest_rate(dynamics, state);
-  if (clock.is_counted_out(n) && clock.recent_mean(state.t) * rate > kLongStep) return {};
+  if (clock.is_counted_out(n) && clock.recent_mean(state.t, n) * rate > kLongStep) return {};
   double mean = clock.too_long_by(state.t, n);
   if (!(mean * rate > kLongStep)) mean = 0;  // the steps are short, not the run long
   if (mean == 0) words = below_rounding(dynamics.system(), state, tolerance);
@@ -115,7 +115,7 @@ bool StepLoop::Parts::acts(double t) const {
 }
 
 void StepLoop::tell_before_jump(const Sample& sample) {
-  if (parts_->detailed.empty() || !parts_->acts(sample.state.t)) return;
+  if (parts_->detailed.empty() || !(by_call_ != nullptr || parts_->acts(sample.state.t))) return;
   tell([&](Observer& o) {
     if (auto* const detailed = dynamic_cast<DetailObserver*>(&o)) detailed->before_jump(sample);
   });

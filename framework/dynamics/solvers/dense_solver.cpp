@@ -74,7 +74,7 @@ class DenseFactorization final : public Factorization {
   SolveReport solve(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda) override;
   void complete(SolveReport& report) override { report.detector = watch_.singularity_indicator(); }
   void save(Snapshot& out) const override { watch_.save(out), out.put(usual_rank_); }
-  void restore(const Snapshot& in) override { watch_.restore(in), usual_rank_ = static_cast<int>(in.get_count()); }
+  void restore(SnapshotReader& in) override { watch_.restore(in), usual_rank_ = static_cast<int>(in.get_count()); }
 
  private:
   std::vector<double> L_;  // blocks as in Kkt::M

@@ -29,7 +29,7 @@ class SchurFactorization final : public Factorization {
   void save(Snapshot& out) const override {
     watch_.save(out), out.put(floors_known_ ? 1 : 0), out.put_all(pivot_floors_);
   }
-  void restore(const Snapshot& in) override {
+  void restore(SnapshotReader& in) override {
     watch_.restore(in), floors_known_ = in.get_flag();
     std::vector<double> floors;
     in.get_all(floors);

@@ -61,7 +61,7 @@ class SparseFactorization final : public Factorization {
   SolveReport solve(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda) override;
   void complete(SolveReport& report) override { report.detector = watch_.singularity_indicator(); }
   void save(Snapshot& out) const override { watch_.save(out), out.put_all(pivot_floors_); }
-  void restore(const Snapshot& in) override { watch_.restore(in), in.get_all(pivot_floors_); }
+  void restore(SnapshotReader& in) override { watch_.restore(in), in.get_all(pivot_floors_); }
 
  private:
   Sparse matrix_;  // upper triangle, already in the order of elimination

@@ -117,7 +117,7 @@ class PivotWatch {
     for (auto p = at; p != beyond_.end(); ++p) regular_ = std::min(regular_, p->relative);
   }
   void save(Snapshot& out) const { out.put(usual_); }  ///< how many small pivots are usual
-  void restore(const Snapshot& in) { usual_ = static_cast<int>(in.get_count()); }
+  void restore(SnapshotReader& in) { usual_ = static_cast<int>(in.get_count()); }
   void take_usual(const PivotWatch& from) { usual_ = from.usual_; }
   /// The smallest pivot relative to its diagonal.
   double smallest() const { return smallest_; }

@@ -116,7 +116,7 @@ void ClosureRows::save(Snapshot& out) const {
 }
 
 // Without a request for memory: the end of a look aside (Dynamics::Aside) must not fail.
-void ClosureRows::restore(const Snapshot& in) {
+void ClosureRows::restore(SnapshotReader& in) {
   const bool ours = in.get_count() == static_cast<long>(fronts_.sources.size());
   PivotWatch watch;
   watch.restore(in);

@@ -29,7 +29,7 @@ class LOCKSTEP_API ClosureRows {
 
   /// Writes what was learned of the pivots, and takes it back; of other rows nothing is taken.
   void save(Snapshot&) const;
-  void restore(const Snapshot&);
+  void restore(SnapshotReader&);
 
   const VecX& lambda() const { return lambda_; }  ///< one per row of the table
   /// Adds what the closures do to forces of the slots: f <- f - J' lambda.

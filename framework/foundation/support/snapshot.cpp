@@ -19,7 +19,7 @@ void Snapshot::put_bits(std::uint64_t bits) {
   put(static_cast<double>(bits & 0xffffffffu)), put(static_cast<double>(bits >> 32));
 }
 
-std::uint64_t Snapshot::get_bits() const {
+std::uint64_t SnapshotReader::get_bits() {
   std::uint64_t bits = 0;
   for (const int shift : {0, 32}) {
     const long half = get_count();
@@ -29,7 +29,7 @@ std::uint64_t Snapshot::get_bits() const {
   return bits;
 }
 
-std::string Snapshot::get_text() const {
+std::string SnapshotReader::get_text() {
   std::string text(get_size(), ' ');
   for (char& c : text) {
     const double x = get();
@@ -39,16 +39,20 @@ std::string Snapshot::get_text() const {
   return text;
 }
 
-Snapshot Snapshot::get_part() const {
+SnapshotReader SnapshotReader::get_part() {
   const std::size_t n = get_size();
-  Snapshot part;
-  const auto from = numbers_.begin() + static_cast<std::ptrdiff_t>(at_);
-  part.numbers_.assign(from, from + static_cast<std::ptrdiff_t>(n));
-  at_ += n;
+  const SnapshotReader part(left_.first(n));
+  left_ = left_.subspan(n);
   return part;
 }
 
-long Snapshot::get_count() const {
+Snapshot SnapshotReader::rest() const {
+  Snapshot rest;
+  rest.assign({left_.begin(), left_.end()});
+  return rest;
+}
+
+long SnapshotReader::get_count() {
   constexpr double kMost = 9007199254740992.0;  // 2^53
   const double n = get();
   if (!(n >= -kMost && n <= kMost)) ran_out();
@@ -56,13 +60,13 @@ long Snapshot::get_count() const {
 }
 
 // A size that the numbers left can hold, whatever was written.
-std::size_t Snapshot::get_size() const {
+std::size_t SnapshotReader::get_size() {
   const double n = get();
-  if (!(n >= 0 && n <= static_cast<double>(numbers_.size() - at_))) ran_out();
+  if (!(n >= 0 && n <= static_cast<double>(left_.size()))) ran_out();
   return static_cast<std::size_t>(n);
 }
 
-void Snapshot::ran_out() {
+void SnapshotReader::ran_out() {
   throw ModelError(
       "more is read from a snapshot than was saved; save() and restore() must name the same things in one order");
 }

@@ -204,7 +204,7 @@ class LOCKSTEP_API Factor {
   /// Writes what the solver has learned from matrices with the links in force of `e`; nothing where it has seen none.
   void save(const Evaluation& e, Snapshot&) const;
   /// Takes back what save() wrote at an evaluation of the same state.
-  void restore(const Evaluation& e, const Snapshot&);
+  void restore(const Evaluation& e, SnapshotReader&);
 
   /// What the solver has learned, and from matrices of which layout; null: none.
   struct Learned {
@@ -333,6 +333,9 @@ class LOCKSTEP_API Dynamics {
   const System& system() const { return system_; }  ///< the mechanism
   /// Sets the system up when its description changed.
   void set_up() { system_.setup(); }
+  /// As System::input().
+  ControlInput& input(const std::string& name) { return system_.input(name); }
+  std::deque<ControlInput>& control_inputs() { return system_.control_inputs(); }  ///< those of the system
   const DynamicsOptions& options() const { return options_; }  ///< as given
   const LinearSolver& solver() const { return *solver_; }      ///< as given
   WorkCount& work() { return work_; }                          ///< counters of work done so far
@@ -417,11 +420,11 @@ class LOCKSTEP_API Dynamics {
   /// rows are held afterwards if none were before (holds_rows).
   void save(const State&, Snapshot&);
   /// Takes back what save() wrote, at the same state.
-  void restore(const State&, const Snapshot&);
+  void restore(const State&, SnapshotReader&);
   /// Writes a state in any coordinates; they must be current (has_current_coordinates).
   void save_state(const State&, Snapshot&) const;
   /// Reads what save_state() wrote. Throws ModelError where it does not fit the system.
-  void load_state(State&, const Snapshot&);
+  void load_state(State&, SnapshotReader&);
 
   /// A look at states beside a run: while it lives the dynamics may be asked anything, and when it ends the counters of
   /// work and what the solver has learned are as before. So a run does not depend on who looks at it.

@@ -110,7 +110,8 @@ class LOCKSTEP_API Force {
   virtual void setup() = 0;
 
   // -- evaluation
-  /// Adds the wrenches on the slots to `out`. The same inputs always give the same wrenches.
+  /// Adds the wrenches on the slots to `out`. Within a step the same inputs give the same wrenches; between two calls of a
+  /// run what it reads beside them may change (ControlInput).
   virtual void apply(const Inputs&, WrenchSum& out) const = 0;
   /// Adds K = -df/d(dx, dth) and D = -df/d(v, w) to `out`; conventions of TangentSum. Only implicit methods ask for it.
   /// Default: central differences of apply() over the slots of the markers.
@@ -314,8 +315,10 @@ double FormulaForce<F>::quantity(int k, const Inputs& in) const {
 ///       out.force(tip.body->slot, -0.3 * M.v.norm() * M.v, M.x);
 ///     }));
 ///
-/// The functions must not change anything but `out`, and the same inputs must give the same result. `potential` (J) and
-/// `dissipation` (W, not negative) enter the energies; without them they are zero.
+/// Between two calls of a run a host may change what the functions read, best as a ControlInput (System::add_input), which
+/// checkpoints save: the next step begins with it, whatever the method. Within a step the same `in` must give the same
+/// result, and the functions change nothing but `out`. `potential` (J) and `dissipation` (W, not negative) enter the
+/// energies; without them they are zero.
 class LOCKSTEP_API FunctionForce final : public Force {
  public:
   using Apply = std::function<void(const Inputs&, WrenchSum&)>;  ///< adds wrenches to a sum

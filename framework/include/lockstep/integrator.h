@@ -77,7 +77,7 @@ class LOCKSTEP_API Integrator {
   /// nothing.
   virtual void save(Snapshot&) const;
   /// Takes back what save() wrote, in the same order, also in another object after begin(). Default: nothing.
-  virtual void restore(const Snapshot&);
+  virtual void restore(SnapshotReader&);
   /// Whether save() writes all that the next steps read, so that a checkpoint goes on to the last bit; false for methods
   /// of other libraries that keep their history to themselves. Default: true.
   virtual bool saves_all() const;

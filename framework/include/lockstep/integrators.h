@@ -41,7 +41,7 @@ class LOCKSTEP_API StiffnessWatch {
   /// Whether damped fast modes limited the last window of 15 steps.
   bool stiff() const { return stiff_; }
   void save(Snapshot& out) const;    ///< saves the sums of the present window and stiff()
-  void restore(const Snapshot& in);  ///< takes back what save() wrote
+  void restore(SnapshotReader& in);  ///< takes back what save() wrote
 
  private:
   double limit_;
@@ -77,7 +77,7 @@ class LOCKSTEP_API EmbeddedRungeKutta : public AdaptiveStepper {
   /// method with an estimate.
   const EmbeddedScheme* scheme() const override;
   void save(Snapshot&) const override;
-  void restore(const Snapshot&) override;
+  void restore(SnapshotReader&) override;
 
  protected:
   /// `scheme` lives as long as the program. Steps are fixed where it has no error estimate.
@@ -217,7 +217,7 @@ class LOCKSTEP_API GeneralizedAlpha final : public AdaptiveStepper {
   void begin(Dynamics&, const State&) override;
   bool dense(double t, State& out) const override { return output_.at(t, out); }
   void save(Snapshot& out) const override;
-  void restore(const Snapshot& in) override;
+  void restore(SnapshotReader& in) override;
 
   double rho_infinity() const { return rho_; }    ///< as given
   const VecX& lambda() const { return lambda_; }  ///< multipliers at the end of the last step, 1 per row; order 2
@@ -315,7 +315,7 @@ class LOCKSTEP_API PredictiveControl final : public StepControl {
   double accept(double h, double error, int iterations, bool after_rejection) override;
   double reject(double error, int iterations) const override;
   void save(Snapshot& out) const override { out.put(h_), out.put(error_); }
-  void restore(const Snapshot& in) override { h_ = in.get(), error_ = in.get(); }
+  void restore(SnapshotReader& in) override { h_ = in.get(), error_ = in.get(); }
 
   static constexpr int kMostIterations = 10;  ///< of Newton's method in one attempt
 
@@ -347,7 +347,7 @@ class LOCKSTEP_API Radau5 final : public AdaptiveStepper {
   /// Errors of several tolerances per step are accepted, so that the error of a run follows the tolerance.
   void set_tolerance(const Tolerance&) final;
   void save(Snapshot& out) const override;
-  void restore(const Snapshot& in) override;
+  void restore(SnapshotReader& in) override;
 
  private:
   static constexpr int kStages = 3;
@@ -406,7 +406,7 @@ class LOCKSTEP_API Rattle final : public Integrator {
   void begin(Dynamics&, const State&) override;
   StepReport step(Dynamics&, State&, double h) override;
   void save(Snapshot&) const override;
-  void restore(const Snapshot&) override;
+  void restore(SnapshotReader&) override;
 
  private:
   struct Turning {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <new>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -41,7 +42,7 @@ using Aligned = std::vector<T, AlignedAllocator<T>>;
 // Snapshot: numbers saved in order and restored in the same order; what an integrator or an observer keeps outside the
 // State.
 
-/// Numbers that are saved, and restored in the same order.
+/// Numbers that are saved, to be restored in the same order by a SnapshotReader.
 class LOCKSTEP_API Snapshot {
  public:
   void put(double x) { numbers_.push_back(x); }  ///< appends a number
@@ -54,16 +55,33 @@ class LOCKSTEP_API Snapshot {
   void put_text(std::string_view text);  ///< appends a text
   void put_part(const Snapshot& part);   ///< appends another snapshot as one item
   void put_bits(std::uint64_t bits);     ///< appends a word of 64 bits, as two numbers
+  void clear() { numbers_.clear(); }     ///< removes all numbers
+  const std::vector<double>& numbers() const { return numbers_; }  ///< all of them, in order
+  /// Takes these numbers, of another snapshot, in place of its own.
+  void assign(std::vector<double> numbers) { numbers_ = std::move(numbers); }
+
+ private:
+  std::vector<double> numbers_;
+};
+
+/// Reads a snapshot from its first number on. Any number of readers, in any threads, may read one snapshot, which must
+/// outlive them unchanged.
+class LOCKSTEP_API SnapshotReader {
+ public:
+  SnapshotReader(const Snapshot& of) : left_(of.numbers()) {}  // NOLINT: wherever one is read, a snapshot may be given
+  SnapshotReader(Snapshot&&) = delete;                         // it would outlive the numbers
   /// The next number. Throws ModelError where there is none: more is read than was saved.
-  double get() const {
-    if (at_ >= numbers_.size()) ran_out();
-    return numbers_[at_++];
+  double get() {
+    if (left_.empty()) ran_out();
+    const double x = left_.front();
+    left_ = left_.subspan(1);
+    return x;
   }
-  bool get_flag() const { return get() != 0; }  ///< the next number as yes (not 0) or no
-  long get_count() const;                       ///< the next number as a whole one; throws as get()
+  bool get_flag() { return get() != 0; }  ///< the next number as yes (not 0) or no
+  long get_count();                       ///< the next number as a whole one; throws as get()
   /// Reads a vector that put_all wrote; resizes v. Throws as get().
   template <class V>
-  void get_all(V& v) const {
+  void get_all(V& v) {
     using Number = std::remove_cvref_t<decltype(v[0])>;
     const std::size_t n = get_size();
     v.resize(static_cast<decltype(v.size())>(n));
@@ -74,21 +92,17 @@ class LOCKSTEP_API Snapshot {
         v[i] = get() != 0;
     }
   }
-  std::string get_text() const;                           ///< reads what put_text wrote; throws as get()
-  Snapshot get_part() const;                              ///< reads what put_part wrote; throws as get()
-  std::uint64_t get_bits() const;                         ///< reads what put_bits wrote; throws as get()
-  bool at_end() const { return at_ == numbers_.size(); }  ///< whether all that was saved has been read
-  void rewind() const { at_ = 0; }             ///< the next get() returns the first number again
-  void clear() { numbers_.clear(), at_ = 0; }  ///< removes all numbers
-  const std::vector<double>& numbers() const { return numbers_; }  ///< all of them, in order
-  /// Takes these numbers, of another snapshot, in place of its own.
-  void assign(std::vector<double> numbers) { numbers_ = std::move(numbers), at_ = 0; }
+  std::string get_text();                        ///< reads what put_text wrote; throws as get()
+  SnapshotReader get_part();                     ///< a reader of what put_part wrote; throws as get()
+  std::uint64_t get_bits();                      ///< reads what put_bits wrote; throws as get()
+  bool at_end() const { return left_.empty(); }  ///< whether all that was saved has been read
+  Snapshot rest() const;                         ///< a copy of what has not been read yet
 
  private:
-  std::size_t get_size() const;
+  explicit SnapshotReader(std::span<const double> numbers) : left_(numbers) {}
+  std::size_t get_size();
   [[noreturn]] static void ran_out();
-  std::vector<double> numbers_;
-  mutable std::size_t at_ = 0;
+  std::span<const double> left_;  // to be read
 };
 
 }  // namespace lockstep

@@ -29,7 +29,7 @@ struct Channel {
   std::function<void()> restart{};
   /// Write and read what track() keeps, for a checkpoint, where present.
   std::function<void(Snapshot&)> save{};
-  std::function<void(const Snapshot&)> load{};  ///< the counterpart of `save`
+  std::function<void(SnapshotReader&)> load{};  ///< the counterpart of `save`
 };
 
 /// Name, unit and one line of help of a channel.
@@ -137,6 +137,12 @@ class LOCKSTEP_API Recorder : public Observer {
   /// Reserves memory for n rows in all; beyond them the table grows geometrically.
   void reserve(std::size_t n) { table_.reserve(n); }
   const Table& table() const { return table_; }  ///< what is recorded so far
+  /// Gives each row to `tell` when it is made: one number per column, the time first, valid during the call. The table then
+  /// keeps no rows, unless `keep`. What it throws ends the call of the run as a UserCodeError, and the row is made and given
+  /// again when the run goes on. An empty function: rows go to the table again.
+  void on_row(std::function<void(std::span<const double>)> tell, bool keep = false) {
+    tell_ = std::move(tell), keeps_ = keep || !tell_;
+  }
 
   /// Begins a new table: removes the rows of an earlier run.
   void start(const Sample&) override;
@@ -144,7 +150,7 @@ class LOCKSTEP_API Recorder : public Observer {
   void jumped(const Sample&) override;
   void output(const Sample&) override;
   void save(Snapshot&) const override;
-  void load(const Snapshot&) override;
+  void load(SnapshotReader&) override;
   /// Removes the rows that were recorded so far, for whoever has taken them; columns and counted turns stay.
   void drop_rows() { table_.clear_rows(); }
 
@@ -153,6 +159,8 @@ class LOCKSTEP_API Recorder : public Observer {
   std::vector<Channel> channels_;  // of the columns after the first
   std::vector<Channel> followed_;
   std::vector<double> row_;
+  std::function<void(std::span<const double>)> tell_;
+  bool keeps_ = true;
 };
 
 // EnergyAudit: an observer that finds out whether a run conserved energy, and whether it kept to its constraints.
@@ -209,7 +217,7 @@ class LOCKSTEP_API EnergyAudit final : public Observer {
   void jumped(const Sample&) override;
   void output(const Sample&) override;
   void save(Snapshot&) const override;
-  void load(const Snapshot&) override;
+  void load(SnapshotReader&) override;
   Audit result() const;  ///< of the run so far
 
  private:

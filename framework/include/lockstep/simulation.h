@@ -1,7 +1,9 @@
 // Simulation: a run of a system or of a scene, with integrator and solver by name and a table of what is recorded.
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -90,12 +92,20 @@ class LOCKSTEP_API Simulation {
   /// or of another version, ModelError where it is of another simulation.
   void load(const std::string& file);
 
+  /// As StepLoop::input; does not begin the run.
+  ControlInput& input(const std::string& name);
+  /// As Recorder::on_row.
+  void on_row(std::function<void(std::span<const double>)> tell, bool keep = false);
+
   // -- after any of these no column can be added
   const State& state();                   ///< at the present time; before the run the assembled start
   void set_state(State);                  ///< sets another start, which is assembled when the options say so
   const AssemblyReport& assembly();       ///< what assembling the start changed
   Event& add_event(Event event);          ///< as StepLoop::add_event
   void add_observer(Observer& observer);  ///< not owned
+  const SimulationReport& advance(double h);  ///< as StepLoop::advance
+  void activate(const std::string& name);     ///< as StepLoop::activate
+  void deactivate(const std::string& name);   ///< as StepLoop::deactivate
   Recorder& recorder();                   ///< fills the table; reading it does not begin the run
   StepLoop& loop();                       ///< runs the mechanism
   Dynamics& dynamics();                   ///< by which the loop evaluates

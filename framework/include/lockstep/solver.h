@@ -106,7 +106,7 @@ class LOCKSTEP_API Factorization {
   virtual void save(Snapshot&) const {}
   /// Takes back what save() wrote, in another object for matrices of the same shape that has computed one. Default:
   /// nothing.
-  virtual void restore(const Snapshot&) {}
+  virtual void restore(SnapshotReader&) {}
 };
 
 /// A method, without numbers: makes factorizations of matrices of one shape, as many as the caller wants to hold.

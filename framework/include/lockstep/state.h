@@ -147,7 +147,7 @@ inline Motion slot_motion(const State& state, int slot) {
 /// Writes a state for a checkpoint, in whatever coordinates it is; the coordinates themselves are not written.
 LOCKSTEP_API void put_state(const State&, Snapshot&);
 /// Reads what put_state() wrote but for the coordinates, which stay. Throws ModelError where numbers are missing.
-LOCKSTEP_API void get_state(State&, const Snapshot&);
+LOCKSTEP_API void get_state(State&, SnapshotReader&);
 
 /// Moves q by h v, in the state's own coordinates; in the slots' own x += h v, e <- e exp(h w). h in s; v: 6 per slot,
 /// m/s (world) and rad/s (slot axes). Time stays.

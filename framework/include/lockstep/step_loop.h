@@ -23,7 +23,7 @@ class Sample {
   Sample(Dynamics& dynamics, const State& s, const StepReport& r) : state(s), report(r), dynamics_(dynamics) {}
   const State& state;                                          ///< the state
   const StepReport& report;                                    ///< what the last step did
-  /// What acted at this instant, to Observer::jumped: "event 'grab'", "an impact", "the jump of a law"; else "".
+  /// What acted at this instant, to Observer::jumped: "event 'grab'", "a call", "an impact", "the jump of a law"; else "".
   std::string_view cause{};
   const System& system() const { return dynamics_.system(); }  ///< the mechanism
   /// Accelerations, multipliers, rows and inputs at this state; solved at the first call. Throws what
@@ -81,7 +81,7 @@ class LOCKSTEP_API Observer {
   virtual void save(Snapshot&) const;
   /// Takes back what save() wrote, in the same order; start() was called before, at the state of the checkpoint.
   /// Default: nothing.
-  virtual void load(const Snapshot&);
+  virtual void load(SnapshotReader&);
   /// Whether save() writes all that it keeps from call to call; false: runs with it have no checkpoints. Default: true.
   virtual bool saves_all() const;
 };
@@ -110,6 +110,9 @@ struct Event {
   std::vector<std::string> activate{},           ///< names of links that come into force and forces that act from now
       deactivate{};                              ///< names of links that are released and forces that cease to act
   bool stop = false;                             ///< ends the run there
+  /// Whether it can happen. A host may set it between two calls of a run: what an event misses while it is off, it has
+  /// missed; by time for good.
+  bool on = true;
   /// Any other change, but for the time and what is in force; velocities are made consistent afterwards. If it throws,
   /// the state is as it was, and the event is due again when the run goes on.
   std::function<void(State&)> change{};
@@ -178,11 +181,20 @@ class LOCKSTEP_API StepLoop {
   Integrator& integrator() { return *method_; }                ///< as given
 
   void add_observer(Observer&);  ///< not owned; in a run that has begun it is started at once
-  /// Adds an event; the reference stays valid. An instant before the start never comes. Samples at the instant of an
-  /// event show the state just before it acts. Throws ModelError for an event without instant or condition, for a
-  /// tolerance that is not above zero, for a link that is unknown or merged, and a force that is not switched
-  /// (Force::set_switched).
+  /// Adds an event; the reference stays valid. An instant before the start never comes. In a run that has begun one at
+  /// the present time acts at the beginning of the next call, before its first step. Samples at the instant of an event show
+  /// the state just before it acts. Throws ModelError for an event without instant or condition, for an instant that is past
+  /// in a run that has begun, for a tolerance that is not above zero, for a link that is unknown or merged, and a force that
+  /// is not switched (Force::set_switched).
   Event& add_event(Event);
+  /// Brings this link into force, or has this force act, at once: with all that an event of the present time does to the
+  /// state, but by this call. Begins the run if it has not begun. Throws as add_event(), and AssemblyError for a link that
+  /// does not fit; the state is then as it was.
+  void activate(const std::string& name);
+  void deactivate(const std::string& name);  ///< releases this link, or has this force act no more; as activate()
+  /// A number that forces and laws read (System::add_input), to be set between two steps; keep the reference. Throws
+  /// ModelError with the closest name.
+  ControlInput& input(const std::string& name) { return dynamics_.input(name); }
   /// Called after every accepted step; returns false to end the run there.
   std::function<bool(const State&)> progress{};
 
@@ -194,6 +206,10 @@ class LOCKSTEP_API StepLoop {
   /// nowhere, too far, with other links in force), and what steps, events and observers throw; observers are finished
   /// first.
   const SimulationReport& run_until(double t);
+  /// Runs on by exactly h, s, to the present time plus h, in as many steps as that takes; the method keeps its own step from
+  /// call to call. As run_until(), but the end is no output by itself, and observers are not finished. Throws ModelError for
+  /// an h that is negative, or lost beside the time.
+  const SimulationReport& advance(double h);
   /// Makes one accepted step of at most h, s (0: the method's or the option's own). Throws what run_until() throws, but
   /// does not finish the observers.
   StepReport step(double h = 0);
@@ -205,10 +221,11 @@ class LOCKSTEP_API StepLoop {
   /// save all that it keeps (Integrator::saves_all, Observer::saves_all).
   void save(Snapshot&);
   /// Goes on from there, in place of set_state(): with the same system, method, options, events and observers the run
-  /// is then equal to the last bit to the one that was saved. Throws ModelError where one of them is seen to be another:
-  /// the method's name, the options, the number of events and observers; names and types of bodies, links and forces,
-  /// masses, places of markers, gravity. The parameters of links, forces, laws and events are not compared.
-  void load(const Snapshot&);
+  /// is then equal to the last bit to the one that was saved. One snapshot serves any number of runs, in any threads. Throws
+  /// ModelError where one of them is seen to be another: the method's name, the options, the number of events and
+  /// observers; names and types of bodies, links and forces, masses, places of markers, gravity. The parameters of links,
+  /// forces, laws and events are not compared.
+  void load(SnapshotReader);
   /// Adds a warning to the report and logs it (log.h).
   void warn(const std::string& text);
 
@@ -224,14 +241,21 @@ class LOCKSTEP_API StepLoop {
   void start();
   void start_run();
   void make_start();
+  /// Steps to t, and the output of the end if it is due.
+  void go_to(double t, bool with_output);
   /// One accepted step, not past `limit`, and all that depends on it.
-  void advance(double limit, double largest);
+  void make_step(double limit, double largest);
+  /// Whether an input was set since this was asked last.
+  bool inputs_were_set();
+  void switch_now(const char* call, const Event&);
+  void settle_now();
+  void begin_steps();
   void conclude();
   void begin_method();
   void cross_jump(double t);
   bool fire_events();
   bool apply_events(std::size_t first);
-  void apply(const Event&);
+  void apply(const Event&, const std::string& who);
   void settle_contacts();
   void make_consistent(const std::string& cause);
   template <class Call>
@@ -246,7 +270,7 @@ class LOCKSTEP_API StepLoop {
   void finish(Errors of_observers);
   void measure_turns(double h);
   void warn_of_turns();
-  void load_parts(const Snapshot&);
+  void load_parts(SnapshotReader&);
 
   Dynamics& dynamics_;
   std::unique_ptr<Integrator> method_;
@@ -258,6 +282,8 @@ class LOCKSTEP_API StepLoop {
   bool begun_ = false, running_ = false, stale_ = false;  // stale: the method's history is that of a failed step
   bool measures_turns_ = false, warned_of_turns_ = false;
   Phase phase_ = Phase::none;
+  const Event* by_call_ = nullptr;   // what a call switches
+  std::vector<double> inputs_seen_;  // values of the inputs
 };
 
 }  // namespace lockstep

@@ -130,6 +130,8 @@ LOCKSTEP_API double combined_error(double e5, double e3);
 
 /// Rates of the sizes that Dynamics::rates gives at a state, all zero.
 LOCKSTEP_API StateRate sized_like(const State&);
+/// The same into `out`; takes no memory where its sizes are these already.
+LOCKSTEP_API void size_like(const State&, StateRate& out);
 /// Copies t, q, v and s; memory and links, which do not change during a step, stay as they are in `out`.
 LOCKSTEP_API void copy_motion(const State& in, State& out);
 /// The same by exchange of the vectors: `in` is scratch afterwards.
@@ -200,7 +202,7 @@ class LOCKSTEP_API StepControl {
   /// Factor from an attempt that was rejected for this error (> 1, or not finite) to the next attempt.
   virtual double reject(double error, int iterations) const = 0;
   virtual void save(Snapshot&) const = 0;     ///< saves the history
-  virtual void restore(const Snapshot&) = 0;  ///< takes back what save() wrote
+  virtual void restore(SnapshotReader&) = 0;  ///< takes back what save() wrote
 };
 
 /// Proportional-integral control (Gustafsson 1991): exponents 0.7/p and 0.4/p, safety 0.9, factors 0.2 ... 5, no growth
@@ -212,7 +214,7 @@ class LOCKSTEP_API PiControl final : public StepControl {
   double accept(double h, double error, int iterations, bool after_rejection) override;
   double reject(double error, int iterations = 0) const override;
   void save(Snapshot& out) const override { out.put(before_); }
-  void restore(const Snapshot& in) override { before_ = in.get(); }
+  void restore(SnapshotReader& in) override { before_ = in.get(); }
 
  private:
   static constexpr double kFirst = 1e-4;
@@ -263,7 +265,7 @@ class LOCKSTEP_API AdaptiveStepper : public Integrator {
   void set_tolerance(const Tolerance& tolerance) override { norm_.set(tolerance); }
   double first_step(Dynamics&, const State&, double largest) override;
   void save(Snapshot&) const override;
-  void restore(const Snapshot&) override;
+  void restore(SnapshotReader&) override;
 
  protected:
   /// `order`: for the guess of the first step. `control` null: fixed steps.
@@ -296,6 +298,7 @@ class LOCKSTEP_API AdaptiveStepper : public Integrator {
 
   int order_;
   std::unique_ptr<StepControl> control_;
+  StateRate guess0_, guess1_;  // scratch of first_step()
 };
 
 
@@ -352,7 +355,7 @@ class LOCKSTEP_API NearSingular {
   double limit_from(double now) const;
   void add(double indicator, double angle);  ///< after a step: its smallest, and the turn of its fastest body, rad
   void save(Snapshot& out) const { out.put(largest_), out.put(turned_); }        ///< saves both sums
-  void restore(const Snapshot& in) { largest_ = in.get(), turned_ = in.get(); }  ///< takes back what save() wrote
+  void restore(SnapshotReader& in) { largest_ = in.get(), turned_ = in.get(); }  ///< takes back what save() wrote
 
  private:
   double largest_ = 0, turned_ = 0;
@@ -405,7 +408,7 @@ class LOCKSTEP_API SingularPassage {
     usual_.save(out);
   }
   /// Takes back what save() wrote.
-  void restore(const Snapshot& in) {
+  void restore(SnapshotReader& in) {
     near_ = in.get() != 0, ahead_ = in.get(), longest_plain_ = in.get(), probed_ = in.get() != 0;
     const long where = in.get_count();
     redundant_ = where == 1 ? Redundant::everywhere : where == 2 ? Redundant::on_constraints : Redundant::unknown;

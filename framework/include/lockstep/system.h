@@ -1,6 +1,7 @@
 // The system: bodies, markers, links and forces, and how they are connected.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -46,6 +47,32 @@ class LOCKSTEP_API StateEditor {
 
  private:
   State& state_;
+};
+
+// ControlInput: a number that a host sets between the steps of a run.
+
+/// A named number that a host sets while a mechanism runs, as a controller does, and that forces and laws read by
+/// reference. What is set between two steps acts from the next one on, whatever the method. It keeps its value from run to
+/// run; checkpoints save it and bring it back. Set it in the thread of the run, and outside of forces, links and laws.
+class LOCKSTEP_API ControlInput {
+ public:
+  /// As System::add_input().
+  ControlInput(std::string name, double value, std::string unit);
+  ControlInput(const ControlInput&) = delete;
+  ControlInput& operator=(const ControlInput&) = delete;
+  const std::string& name() const { return name_; }  ///< name in the system
+  const std::string& unit() const { return unit_; }  ///< as given; "" without one
+  double value() const { return value_; }            ///< as set last
+  /// Sets the value. Throws ParameterError, which names the input, for one that is not finite; the value then stays.
+  void set(double value) {
+    if (!std::isfinite(value)) refuse(value);
+    value_ = value;
+  }
+
+ private:
+  [[noreturn]] void refuse(double value) const;
+  std::string name_, unit_;
+  double value_ = 0;
 };
 
 // System: the description. It is const while anything is evaluated.
@@ -110,6 +137,9 @@ class LOCKSTEP_API System {
   Force& add(std::unique_ptr<Force>);
   /// Adds states that are integrated along. Throws ModelError for nullptr.
   Auxiliary& add(std::unique_ptr<Auxiliary>);
+  /// Adds a number that a host sets, for forces and laws that take the reference. `unit`: for readers. Throws ModelError for
+  /// a name that is empty or taken, ParameterError for a value that is not finite.
+  ControlInput& add_input(const std::string& name, double value = 0, const std::string& unit = {});
   /// A link of type L between two bodies, with new markers "<name>.P" and "<name>.S" at one pose in the world. `args`
   /// go to the constructor of L after the markers.
   template <class L, class... Args>
@@ -177,6 +207,7 @@ class LOCKSTEP_API System {
   Marker& marker(const std::string& name);                    ///< the marker of that name; throws ModelError
   Lock& link(const std::string& name);                        ///< the link of that name; throws ModelError
   Force& force(const std::string& name);                      ///< the force of that name; throws ModelError
+  ControlInput& input(const std::string& name);               ///< the input of that name; throws ModelError
   const Body& body(const std::string& name) const;            ///< the body of that name; throws ModelError
   const Marker& marker(const std::string& name) const;        ///< the marker of that name; throws ModelError
   const Lock& link(const std::string& name) const;            ///< the link of that name; throws ModelError
@@ -187,6 +218,9 @@ class LOCKSTEP_API System {
   const std::vector<std::unique_ptr<Lock>>& links() const { return links_; }  ///< all links, by number
   /// All forces, in the order in which they were added.
   const std::vector<std::unique_ptr<Force>>& forces() const { return forces_; }
+  /// All inputs that a host sets, in the order in which they were added.
+  std::deque<ControlInput>& control_inputs() { return inputs_; }
+  const std::deque<ControlInput>& control_inputs() const { return inputs_; }  ///< the same
   /// All auxiliaries, in the order in which they were added.
   const std::vector<std::unique_ptr<Auxiliary>>& auxiliaries() const { return auxiliaries_; }
 
@@ -241,6 +275,8 @@ class LOCKSTEP_API System {
   void accept(const Inputs&, State&) const;
   /// Instants in (t0, t1), s, where any law of links and forces jumps, increasing, each once.
   std::vector<double> breakpoints(double t0, double t1) const;
+  /// The same in place of what `times` holds, whose memory is used again.
+  void breakpoints(double t0, double t1, std::vector<double>& times) const;
 
   /// "row e1 of link 'C'" for a row of the table; for messages.
   std::string row_name(const RowTable& table, int row) const;
@@ -271,9 +307,10 @@ class LOCKSTEP_API System {
   std::vector<std::unique_ptr<Lock>> links_;
   std::vector<std::unique_ptr<Force>> forces_;
   std::vector<std::unique_ptr<Auxiliary>> auxiliaries_;
+  std::deque<ControlInput> inputs_;
   Body* ground_ = nullptr;
   // A thing whose name is taken, by the hash of the name, which the thing keeps itself.
-  enum class Kind : unsigned char { none, body, marker, link, force };
+  enum class Kind : unsigned char { none, body, marker, link, force, input };
   struct Named {
     std::uint32_t hash = 0, kind : 3 = 0, number : 29 = 0;  // kind none: an empty place; number among those of its kind
   };

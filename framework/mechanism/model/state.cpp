@@ -17,7 +17,7 @@ void put_state(const State& state, Snapshot& out) {
   out.put_all(state.modes), out.put_all(state.watched);
 }
 
-void get_state(State& state, const Snapshot& in) {
+void get_state(State& state, SnapshotReader& in) {
   state.t = in.get();
   for (VecX* x : {&state.q, &state.v, &state.s, &state.z}) in.get_all(*x);
   in.get_all(state.modes), in.get_all(state.watched);

@@ -274,13 +274,18 @@ void System::accept(const Inputs& in, State& state) const {
 
 std::vector<double> System::breakpoints(double t0, double t1) const {
   std::vector<double> times;
+  breakpoints(t0, t1, times);
+  return times;
+}
+
+void System::breakpoints(double t0, double t1, std::vector<double>& times) const {
+  times.clear();
   for (const auto& link : links_)
     if (const Driven* driven = link->driven()) named(*link, t0, [&] { driven->breakpoints(t0, t1, times); });
   for (const auto& force : forces_) named(*force, t0, [&] { force->breakpoints(t0, t1, times); });
   std::erase_if(times, [&](double t) { return !(t > t0 && t < t1); });
   std::sort(times.begin(), times.end());
   times.erase(std::unique(times.begin(), times.end()), times.end());
-  return times;
 }
 
 std::string System::row_name(const RowTable& table, int row) const {

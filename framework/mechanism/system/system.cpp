@@ -45,6 +45,8 @@ template <class Item>
 const std::string& name_of(const Item& item) {
   if constexpr (requires { item->name(); })
     return item->name();
+  else if constexpr (requires { item.name(); })
+    return item.name();
   else
     return item.name;
 }
@@ -143,7 +145,7 @@ std::size_t place_of(std::uint32_t hash, std::size_t places) {
 }  // namespace
 
 std::string_view System::word_of(Kind kind) {
-  constexpr std::array kWords{"thing", "body", "marker", "link", "force"};
+  constexpr std::array kWords{"thing", "body", "marker", "link", "force", "input"};
   return kWords[static_cast<std::size_t>(kind)];
 }
 
@@ -155,6 +157,8 @@ const std::string& System::name_of(const Named& n) const {
       return markers_[n.number].name;
     case Kind::link:
       return links_[n.number]->name();
+    case Kind::input:
+      return inputs_[n.number].name();
     default:
       return forces_[n.number]->name();
   }
@@ -273,6 +277,26 @@ Auxiliary& System::add(std::unique_ptr<Auxiliary> auxiliary) {
   return *auxiliaries_.emplace_back(std::move(auxiliary));
 }
 
+ControlInput::ControlInput(std::string name, double value, std::string unit)
+    : name_(std::move(name)), unit_(std::move(unit)) {
+  set(value);
+}
+
+void ControlInput::refuse(double value) const {
+  throw ParameterError({.kind = "input", .name = name_}, "value",
+                       "is " + text::brief(value) + "; must be a finite number, it stays " + text::brief(value_));
+}
+
+ControlInput& System::add_input(const std::string& name, double value, const std::string& unit) {
+  check_new_name("input", name);
+  ControlInput& added = inputs_.emplace_back(name, value, unit);
+  take_name(name, Kind::input, inputs_.size() - 1);
+  return added;
+}
+
+ControlInput& System::input(const std::string& name) {
+  return find("input", inputs_, number_of(Kind::input, name), name);
+}
 Body& System::body(const std::string& name) { return find("body", bodies_, number_of(Kind::body, name), name); }
 Marker& System::marker(const std::string& name) { return find("marker", markers_, number_of(Kind::marker, name), name); }
 Lock& System::link(const std::string& name) { return *find("link", links_, number_of(Kind::link, name), name); }

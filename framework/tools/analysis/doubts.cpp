@@ -29,7 +29,7 @@ void Doubts::save(Snapshot& out) const {
   out.put_all(uncertain_);
 }
 
-void Doubts::load(const Snapshot& in) {
+void Doubts::load(SnapshotReader& in) {
   beyond_ = in.get_count(), largest_ = in.get(), first_ = in.get();
   n_uncertain_ = in.get_count();
   in.get_all(uncertain_);

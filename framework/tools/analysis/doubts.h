@@ -23,7 +23,7 @@ class LOCKSTEP_API Doubts final : public Observer {
   void step(const Sample&) override;
   void output(const Sample&) override;
   void save(Snapshot&) const override;
-  void load(const Snapshot&) override;
+  void load(SnapshotReader&) override;
 
   long beyond() const { return beyond_; }            ///< steps whose error is above the tolerance
   double largest_error() const { return largest_; }  ///< of them, in tolerances

@@ -116,7 +116,7 @@ void SingularWatch::save(Snapshot& out) const {
   out.put_all(eye_ ? eye_->modes() : std::vector<bool>()), out.put_part(learned);
 }
 
-void SingularWatch::load(const Snapshot& in) {
+void SingularWatch::load(SnapshotReader& in) {
   for (Look* l : {&before_, &last_, &regular_}) {
     l->root = in.get(), l->turn = in.get();
     get_state(l->state, in);
@@ -132,7 +132,7 @@ void SingularWatch::load(const Snapshot& in) {
   // What the solver knew of other links in force than the present ones was forgotten at the next look.
   std::vector<bool> modes;
   in.get_all(modes);
-  const Snapshot learned = in.get_part();
+  SnapshotReader learned = in.get_part();
   if (!eye_) return;
   if (modes == eye_->modes())
     eye_->factor.restore(eye_->evaluation, learned);

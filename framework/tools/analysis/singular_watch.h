@@ -36,7 +36,7 @@ class LOCKSTEP_API SingularWatch final : public Observer {
   void step(const Sample&) override;
   void jumped(const Sample&) override;
   void save(Snapshot&) const override;
-  void load(const Snapshot&) override;
+  void load(SnapshotReader&) override;
 
   static constexpr std::size_t kKept = 64;  ///< positions that are kept
   /// The first of them, at most kKept.

@@ -135,8 +135,8 @@ void StepCheck::goes_back(ClosedMotion& motion) {
   method->save(snapshot);
   go(*method, dynamics, state, 4);
   const auto from_snapshot = [&](Integrator& by) {
-    snapshot.rewind();
-    by.restore(snapshot);
+    SnapshotReader in(snapshot);
+    by.restore(in);
     State again = kept;
     go(by, dynamics, again, 4);
     return again;

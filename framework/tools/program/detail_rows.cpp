@@ -52,7 +52,7 @@ void PictureRows::save(Snapshot& out) const {
   for (const bool jump : of_jump_) out.put(jump ? 1 : 0);
 }
 
-void PictureRows::load(const Snapshot& in) {
+void PictureRows::load(SnapshotReader& in) {
   own_->load(in);
   last_ = in.get(), acted_ = in.get();
   n_between_ = in.get_count(), n_steps_ = in.get_count();

@@ -24,7 +24,7 @@ class PictureRows final : public DetailObserver {
   void between(const Sample&) override;
   void before_jump(const Sample&) override;
   void save(Snapshot&) const override;
-  void load(const Snapshot&) override;
+  void load(SnapshotReader&) override;
 
   /// With the rows of the run, `main`, in the order of time.
   Table together(const Table& main) const;

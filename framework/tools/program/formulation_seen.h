@@ -15,7 +15,7 @@ class FormulationSeen final : public Observer {
   void save(Snapshot& out) const override {
     out.put(static_cast<double>(joint_)), out.put(static_cast<double>(slots_));
   }
-  void load(const Snapshot& in) override { joint_ = in.get_count(), slots_ = in.get_count(); }
+  void load(SnapshotReader& in) override { joint_ = in.get_count(), slots_ = in.get_count(); }
 
   /// That of most steps; of the state where there was none: "joint", "omega" or "quaternion".
   std::string name(const StepLoop& sim, Formulation asked) const {

@@ -128,7 +128,7 @@ void RowEnvelope::save(Snapshot& out) const {
   for (const ColumnRange& r : ranges_) out.put(r.last), out.put(r.least), out.put(r.most);
 }
 
-void RowEnvelope::load(const Snapshot& in) {
+void RowEnvelope::load(SnapshotReader& in) {
   for (long* n : {&per_pair_, &path_every_, &n_rows_, &n_open_}) *n = in.get_count();
   for (std::vector<double>* v : {&kept_, &path_, &least_, &most_of_, &last_}) in.get_all(*v);
   for (std::vector<long>* v : {&least_at_, &most_at_}) in.get_all(*v);

@@ -32,7 +32,7 @@ class RowEnvelope {
   SweepRun ranges() const;
 
   void save(Snapshot&) const;
-  void load(const Snapshot&);
+  void load(SnapshotReader&);
 
  private:
   void thin();

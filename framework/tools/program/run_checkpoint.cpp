@@ -14,7 +14,8 @@ namespace lockstep {
 namespace fs = std::filesystem;
 
 RunCheckpoint RunCheckpoint::read(const std::string& file) {
-  const Snapshot in = read_checkpoint(file);
+  const Snapshot saved = read_checkpoint(file);
+  SnapshotReader in(saved);
   if (const std::string kind = in.get_text(); kind != "run")
     throw UsageError(fmt::format("checkpoint '{}' is of a simulation in C++: Simulation::load goes on with it", file));
   RunCheckpoint c;
@@ -22,7 +23,7 @@ RunCheckpoint RunCheckpoint::read(const std::string& file) {
   c.folder = in.get_text(), c.csv = in.get_text();
   c.scene = in.get_bits(), c.plugins = in.get_bits();
   c.seconds = in.get();
-  c.run = in.get_part();
+  c.run = in.get_part().rest();
   return c;
 }
 

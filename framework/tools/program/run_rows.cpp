@@ -39,7 +39,7 @@ void RunRows::save(Snapshot& out) const {
   out.put(last_);
 }
 
-void RunRows::load(const Snapshot& in) {
+void RunRows::load(SnapshotReader& in) {
   const long length = in.get_count();
   const std::uint64_t hash = in.get_bits();
   rows_.load(in);

@@ -26,7 +26,7 @@ class RunRows final : public Observer {
   void finish(const Sample&) override;
   /// All rows must have been written (GrowingFile::sync).
   void save(Snapshot&) const override;
-  void load(const Snapshot&) override;
+  void load(SnapshotReader&) override;
 
  private:
   void take();

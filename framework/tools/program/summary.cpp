@@ -84,7 +84,7 @@ void Summary::save(Snapshot& out) const {
 }
 
 // start() has found the bodies.
-void Summary::load(const Snapshot& in) {
+void Summary::load(SnapshotReader& in) {
   for (Mover& m : movers_) {
     for (Vec3* x : {&m.x0, &m.last_x, &m.last_v, &m.last_w})
       for (int k = 0; k < 3; ++k) (*x)[k] = in.get();

@@ -15,7 +15,7 @@ class Summary final : public Observer {
   void step(const Sample&) override;
   void jumped(const Sample&) override;
   void save(Snapshot&) const override;
-  void load(const Snapshot&) override;
+  void load(SnapshotReader&) override;
 
   /// Lines of text, the bodies that moved most first.
   std::string text() const;

@@ -55,7 +55,8 @@ void SweepMark::check() const {
   if (!std::filesystem::exists(file_, none))
     throw FileError(fmt::format(
         "there is no sweep to go on with: '{}' is missing, as when all runs are made; leave out --resume", file_));
-  const Snapshot in = read_checkpoint(file_);
+  const Snapshot saved = read_checkpoint(file_);
+  SnapshotReader in(saved);
   const auto refuse = [&](const std::string& why) {
     throw FileError(
         fmt::format("the sweep of '{}' cannot be gone on with: {}; leave out --resume to begin anew", file_, why));

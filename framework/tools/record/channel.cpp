@@ -103,7 +103,7 @@ void add_angle(Entries& out, std::string name, std::string help, std::function<R
     c.jumped = c.track;
     c.restart = Restart{turns};
     c.save = [turns](Snapshot& to) { turns->counter.save(to); };
-    c.load = [turns](const Snapshot& in) { turns->counter.load(in); };
+    c.load = [turns](SnapshotReader& in) { turns->counter.load(in); };
   };
   out.push_back({std::move(name), "rad", std::move(help), make});
 }
@@ -130,6 +130,8 @@ auto find_named(const Items& items, std::string_view name) -> decltype(&*items.b
   for (const auto& item : items) {
     if constexpr (requires { item->name(); }) {
       if (item->name() == name) return &item;
+    } else if constexpr (requires { item.name(); }) {
+      if (item.name() == name) return &item;
     } else {
       if (item.name == name) return &item;
     }
@@ -158,6 +160,9 @@ std::optional<Object> find_object(const System& system, std::string_view name) {
     found.kind = "link", link_entries(system, **l, found.entries);
   } else if (const auto* f = find_named(system.forces(), name)) {
     found.kind = "force", of_force(**f, found.entries);
+  } else if (const ControlInput* i = find_named(system.control_inputs(), name)) {
+    found.kind = "input";
+    add(found.entries, "value", i->unit(), "as the host has set it", [i](const Sample&) { return i->value(); });
   } else {
     return {};
   }
@@ -233,6 +238,7 @@ std::vector<std::string> meant_by(const std::string& quantity, const std::vector
   for (const Body& b : system.bodies()) names.push_back(b.name);
   for (const auto& l : system.links()) names.push_back(l->name());
   for (const auto& f : system.forces()) names.push_back(f->name());
+  for (const ControlInput& i : system.control_inputs()) names.push_back(i.name());
   for (const Marker& m : system.markers()) names.push_back(m.name);
   const std::vector<std::string> total_names = names_of(totals);
   const std::string near = text::closest_name(channel, total_names);
@@ -292,6 +298,7 @@ std::vector<ChannelHelp> channel_help(const System& system) {
   for (const Marker& m : system.markers()) take_of(m.name);
   for (const auto& l : system.links()) take_of(l->name());
   for (const auto& f : system.forces()) take_of(f->name());
+  for (const ControlInput& i : system.control_inputs()) take_of(i.name());
   Entries totals;
   of_totals(totals), of_run(totals);
   take("", totals);

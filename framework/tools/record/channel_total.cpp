@@ -117,7 +117,7 @@ void make_balance(System& system, Channel& c) {
   c.value = [sum, start](const Sample& s) { return start->begun ? sum(s) - start->value : 0.0; };
   c.restart = [start] { start->begun = false; };
   c.save = [start](Snapshot& out) { out.put(start->begun ? 1 : 0), out.put(start->value); };
-  c.load = [start](const Snapshot& in) { start->begun = in.get_flag(), start->value = in.get(); };
+  c.load = [start](SnapshotReader& in) { start->begun = in.get_flag(), start->value = in.get(); };
 }
 
 void make_rejected(System&, Channel& c) {
@@ -126,7 +126,7 @@ void make_rejected(System&, Channel& c) {
   c.value = [count](const Sample&) { return *count; };
   c.restart = [count] { *count = 0; };
   c.save = [count](Snapshot& out) { out.put(*count); };
-  c.load = [count](const Snapshot& in) { *count = in.get(); };
+  c.load = [count](SnapshotReader& in) { *count = in.get(); };
 }
 
 }  // namespace

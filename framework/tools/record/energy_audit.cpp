@@ -165,7 +165,7 @@ void EnergyAudit::save(Snapshot& out) const {
   }
 }
 
-void EnergyAudit::load(const Snapshot& in) {
+void EnergyAudit::load(SnapshotReader& in) {
   Books& b = *books_;
   for (Books::Range* r : {&b.kinetic, &b.potential, &b.drives, &b.supplied, &b.dissipated})
     r->least = in.get(), r->most = in.get();

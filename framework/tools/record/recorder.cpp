@@ -76,7 +76,8 @@ void Recorder::output(const Sample& sample) try {
   row_[0] = sample.state.t;
   for (std::size_t k = 0; k < channels_.size(); ++k)
     row_[k + 1] = user_code("channel", channels_[k].name, sample.state.t, [&] { return channels_[k].value(sample); });
-  table_.add_row(row_);
+  if (tell_) function_code("on_row", tell_, sample.state.t, std::span<const double>(row_));
+  if (keeps_) table_.add_row(row_);
 } catch (...) {
   ask_again(*this);
   throw;
@@ -87,7 +88,7 @@ void Recorder::save(Snapshot& out) const {
   call(&Channel::save, channels_, followed_, out);
 }
 
-void Recorder::load(const Snapshot& in) {
+void Recorder::load(SnapshotReader& in) {
   load_rows(table_, in);
   call(&Channel::load, channels_, followed_, in);
 }

@@ -14,7 +14,7 @@ void save_rows(const Table& table, Snapshot& out) {
     for (const Column& c : table.columns()) out.put(c.values[i]);
 }
 
-void load_rows(Table& table, const Snapshot& in) {
+void load_rows(Table& table, SnapshotReader& in) {
   const long n = in.get_count();
   if (n != static_cast<long>(table.n_columns()))
     throw ModelError(

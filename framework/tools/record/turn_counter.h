@@ -33,7 +33,7 @@ class TurnCounter {
   double since(double t) const { return begun_ ? t - t_ : 0.0; }
   void restart() { begun_ = false; }
   void save(Snapshot& out) const { out.put(begun_ ? 1 : 0), out.put(angle_), out.put(t_), out.put(rate_); }
-  void load(const Snapshot& in) { begun_ = in.get_flag(), angle_ = in.get(), t_ = in.get(), rate_ = in.get(); }
+  void load(SnapshotReader& in) { begun_ = in.get_flag(), angle_ = in.get(), t_ = in.get(), rate_ = in.get(); }
 
   static double principal(double raw) {
     const double a = raw - kTwoPi * std::round(raw / kTwoPi);

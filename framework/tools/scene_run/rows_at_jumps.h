@@ -19,7 +19,7 @@ class LOCKSTEP_API RowsAtJumps final : public DetailObserver {
   void before_jump(const Sample&) override;
   void jumped(const Sample&) override;
   void save(Snapshot& out) const override { out.put(acted_); }
-  void load(const Snapshot& in) override { acted_ = in.get(); }
+  void load(SnapshotReader& in) override { acted_ = in.get(); }
 
  private:
   void add(const Sample&);

@@ -123,10 +123,11 @@ Snapshot checkpoint_from(std::string_view bytes, const std::string& file) {
   if (n > 0) std::memcpy(numbers.data(), bytes.data() + head, 8 * n);
   Snapshot snapshot;
   snapshot.assign(std::move(numbers));
-  if (const std::string version = snapshot.get_text(); version != kVersion)
+  SnapshotReader in(snapshot);
+  if (const std::string version = in.get_text(); version != kVersion)
     refuse(file, fmt::format("was written by lockstep {}; this is {}: go on with that version, or run anew", version,
                              kVersion));
-  return snapshot;
+  return in.rest();
 }
 
 Snapshot read_checkpoint(const std::string& file) {

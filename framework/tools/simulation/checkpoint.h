@@ -1,6 +1,6 @@
 // Checkpoints as files.
 //
-//   "lockstep checkpoint 2\n", the length n, n numbers as they are in memory, a hash of all of it
+//   "lockstep checkpoint 3\n", the length n, n numbers as they are in memory, a hash of all of it
 //
 // The number in the first line is that of the layout: which numbers follow one another, down to those of integrators,
 // solvers and observers. Whoever changes what one of them saves gives the layout another number.
@@ -18,7 +18,7 @@
 namespace lockstep {
 
 /// The number of the layout that is written and read. A test holds kept checkpoints against it.
-inline constexpr int kCheckpointLayout = 2;
+inline constexpr int kCheckpointLayout = 3;
 
 /// FNV-1a, 64 bits, byte by byte; `hash`: of what came before.
 LOCKSTEP_API std::uint64_t hash_of(std::string_view bytes, std::uint64_t hash = 0xcbf29ce484222325u);

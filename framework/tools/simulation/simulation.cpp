@@ -150,6 +150,13 @@ const AssemblyReport& Simulation::assembly() {
 }
 Event& Simulation::add_event(Event event) { return loop().add_event(std::move(event)); }
 void Simulation::add_observer(Observer& observer) { loop().add_observer(observer); }
+const SimulationReport& Simulation::advance(double h) { return loop().advance(h); }
+void Simulation::activate(const std::string& name) { loop().activate(name); }
+void Simulation::deactivate(const std::string& name) { loop().deactivate(name); }
+ControlInput& Simulation::input(const std::string& name) { return parts_->system.input(name); }
+void Simulation::on_row(std::function<void(std::span<const double>)> tell, bool keep) {
+  parts_->recorder->on_row(std::move(tell), keep);
+}
 Recorder& Simulation::recorder() { return *parts_->recorder; }
 StepLoop& Simulation::loop() { return parts_->begun(); }
 Dynamics& Simulation::dynamics() {
@@ -182,13 +189,14 @@ void Simulation::save(const std::string& file) {
 }
 
 void Simulation::load(const std::string& file) {
-  const Snapshot in = read_checkpoint(file);
+  const Snapshot saved = read_checkpoint(file);
+  SnapshotReader in(saved);
   if (const std::string kind = in.get_text(); kind != "simulation")
     throw ModelError(
         fmt::format("checkpoint '{}' is one of the program's (lockstep resume), not of a simulation", file));
-  if (const std::string saved = in.get_text(), own = fingerprint(parts_->settings); saved != own)
+  if (const std::string other = in.get_text(), own = fingerprint(parts_->settings); other != own)
     throw ModelError(
-        fmt::format("checkpoint '{}' is of a simulation with other options ({}); this one has {}", file, saved, own));
+        fmt::format("checkpoint '{}' is of a simulation with other options ({}); this one has {}", file, other, own));
   loop().load(in);
 }
 
