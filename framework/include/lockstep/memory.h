@@ -68,8 +68,9 @@ class LOCKSTEP_API Snapshot {
 /// outlive them unchanged.
 class LOCKSTEP_API SnapshotReader {
  public:
-  SnapshotReader(const Snapshot& of) : left_(of.numbers()) {}  // NOLINT: wherever one is read, a snapshot may be given
-  SnapshotReader(Snapshot&&) = delete;                         // it would outlive the numbers
+  /// From the first number on. Wherever one is read, a snapshot may be given.
+  SnapshotReader(const Snapshot& of) : left_(of.numbers()) {}  // NOLINT
+  SnapshotReader(Snapshot&&) = delete;                         ///< the numbers would be gone
   /// The next number. Throws ModelError where there is none: more is read than was saved.
   double get() {
     if (left_.empty()) ran_out();

@@ -145,7 +145,7 @@ std::size_t place_of(std::uint32_t hash, std::size_t places) {
 }  // namespace
 
 std::string_view System::word_of(Kind kind) {
-  constexpr std::array kWords{"thing", "body", "marker", "link", "force", "input"};
+  constexpr std::array kWords{"thing", "body", "marker", "link", "force", "control input"};
   return kWords[static_cast<std::size_t>(kind)];
 }
 
