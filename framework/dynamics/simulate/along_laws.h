@@ -15,11 +15,16 @@ inline bool takes(const Integrator& method, const IntegratorInfo& info, const Co
   return info.joint && (coordinates->n_v() > 0 || along_laws);
 }
 
+/// The same of any method.
+inline bool takes(const Integrator& method, const Coordinates* coordinates) {
+  return takes(method, method.info(), coordinates);
+}
+
 /// Whether a method takes the coordinates that the formulation gives a state.
 inline bool takes_formulation(const Integrator& method, Dynamics& dynamics, const State& state) {
   State there = state;
   dynamics.to_formulation(there);
-  return takes(method, method.info(), there.coordinates.get());
+  return takes(method, there.coordinates.get());
 }
 
 }  // namespace lockstep
