@@ -73,10 +73,10 @@ Dynamics::Dynamics(System& system, std::unique_ptr<LinearSolver> solver, Dynamic
   system_.setup();
 }
 
-// The evaluation is made at the first state.
-Evaluation& Dynamics::own(const State& state) {
+// The evaluation is made for the first state.
+Evaluation& Dynamics::own() {
   if (!evaluation_) {
-    evaluation_ = std::make_unique<Evaluation>(system_, state);
+    evaluation_ = std::make_unique<Evaluation>(system_);
     solution_.emplace(
         Solution{{evaluation_->inputs(), a_, lambda_, evaluation_->rows()}, *evaluation_, factor_, SolveReport{}});
   }
@@ -84,14 +84,20 @@ Evaluation& Dynamics::own(const State& state) {
 }
 
 Evaluation& Dynamics::gathered(const State& state) {
-  const bool first = !evaluation_;
-  Evaluation& e = own(state);
-  if (!first) e.at(state);
+  Evaluation& e = own();
+  e.at(state);
   return e;
 }
 
 const Evaluation& Dynamics::gather(const State& state) {
   const Evaluation& e = gathered(state);
+  e.check();
+  return e;
+}
+
+const Evaluation& Dynamics::gather_rows(const State& state) {
+  Evaluation& e = own();
+  e.rows_at(state);
   e.check();
   return e;
 }
@@ -155,7 +161,7 @@ const Solution& Dynamics::rate(const State& state, StateRate& out) {
 }
 
 double Dynamics::violation(const State& state) {
-  const Evaluation& e = gather(state);
+  const Evaluation& e = gather_rows(state);
   e.residuals(C_, Cd_);
   return e.norm(C_);
 }
@@ -170,7 +176,7 @@ double Dynamics::violation_of_closures(const State& state) {
 }
 
 double Dynamics::violation_v(const State& state) {
-  const Evaluation& e = gather(state);
+  const Evaluation& e = gather_rows(state);
   e.residuals(C_, Cd_);
   return e.norm(Cd_);
 }
@@ -180,7 +186,7 @@ ProjectReport Dynamics::project(State& state) { return project(state, 1e-2 * opt
 ProjectReport Dynamics::project(State& state, double goal) {
   check_state(system_, state);
   if (state.coordinates) return project_joint(state, goal);
-  Evaluation& e = own(state);
+  Evaluation& e = own();
   const ProjectReport report = projection_.project(e, factor_, state, goal);
   if (e.rows().n_rows > 0) ++work_.projections;
   return report;
@@ -200,7 +206,7 @@ ProjectReport Dynamics::project_joint(State& state, double goal) {
   state = t.before;
   State slots = t.before;  // stays as it is where this throws
   to_slots(slots);
-  const ProjectReport of_slots = projection_.project(own(slots), factor_, slots, goal);
+  const ProjectReport of_slots = projection_.project(own(), factor_, slots, goal);
   to_formulation(slots, &t.before);
   state = std::move(slots);
   return of_slots;
@@ -209,7 +215,7 @@ ProjectReport Dynamics::project_joint(State& state, double goal) {
 double Dynamics::project_velocity(State& state) {
   check_state(system_, state);
   const double goal = 1e-3 * options_.stabilization.tolerance;
-  if (!state.coordinates) return projection_.project_velocity(own(state), factor_, state, goal);
+  if (!state.coordinates) return projection_.project_velocity(own(), factor_, state, goal);
   if (!state.coordinates->has_rows()) return 0;
   Tree& t = tree(state.modes).of(state);
   t.before = state;
@@ -217,7 +223,7 @@ double Dynamics::project_velocity(State& state) {
   if (t.velocities_met) return left;
   State slots = state = t.before;
   to_slots(slots);
-  const double of_slots = projection_.project_velocity(own(slots), factor_, slots, goal);
+  const double of_slots = projection_.project_velocity(own(), factor_, slots, goal);
   to_formulation(slots, &t.before);
   state = std::move(slots);
   return of_slots;

@@ -45,7 +45,7 @@ const Inputs& StateInputs::at(const System& system, const State& state) {
   return in_;
 }
 
-Evaluation::Evaluation(System& system, const State& state) : system_(system) { at(state); }
+Evaluation::Evaluation(System& system, const State& state) : Evaluation(system) { at(state); }
 
 bool Evaluation::covers(const State& state) const {
   return layout_ && system_.ready() && system_.revision() == layout_->revision && state.modes == layout_->modes;
@@ -65,10 +65,14 @@ void Evaluation::lay_out(const State& state) {
 }
 
 void Evaluation::at(const State& state) {
+  rows_at(state);
+  system_.gather_forces(inputs(), f_);
+}
+
+void Evaluation::rows_at(const State& state) {
   lay_out(state);
-  const Inputs& in = inputs_.at(system_, state);
-  system_.gather_rows(in, rows_);
-  system_.gather_forces(in, f_);
+  system_.gather_rows(inputs_.at(system_, state), rows_);
+  f_.setZero();
 }
 
 void Evaluation::check() const { check_finite(system_, inputs(), rows_, f_); }

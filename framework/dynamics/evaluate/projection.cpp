@@ -24,7 +24,7 @@ bool Projection::positions(Evaluation& e, Factor& factor, State& state, double g
     x_max = std::max(x_max, state.q.segment<3>(k).lpNorm<Eigen::Infinity>());
   PositionRounds rounds(goal, tolerance_, e.system().length(), x_max);
   for (;;) {
-    e.at(state);
+    e.rows_at(state);
     e.check();
     e.residuals(C_, Cd_);
     const bool ends = rounds.ends(e.norm(C_));
@@ -42,7 +42,7 @@ bool Projection::positions(Evaluation& e, Factor& factor, State& state, double g
 }
 
 double Projection::project_velocity(Evaluation& e, Factor& factor, State& state, double goal) {
-  e.at(state);
+  e.rows_at(state);
   e.check();
   e.residuals(C_, Cd_);
   zero_.setZero(state.v.size());

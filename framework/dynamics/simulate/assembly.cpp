@@ -131,7 +131,7 @@ class Assembler {
       }
       const double left = gap.lpNorm<Eigen::Infinity>(), largest = wanted.lpNorm<Eigen::Infinity>();
       if (round > 0 && left <= 4 * std::numeric_limits<double>::epsilon() * largest) return;
-      const Evaluation& e = dynamics_.gather(state_);
+      const Evaluation& e = dynamics_.gather_rows(state_);
       const VecX none = VecX::Zero(e.rows().n_rows);
       Factor& factor = dynamics_.factor(e);
       for (int i = 0; i < m; ++i) {
@@ -162,7 +162,7 @@ class Assembler {
   }
 
   double residual() {
-    now_ = &dynamics_.gather(state_);
+    now_ = &dynamics_.gather_rows(state_);
     now_->residuals(C_, Cd_);
     return now_->norm(C_);
   }
@@ -242,7 +242,7 @@ NotGiven not_given(const System& system, const State& given, const State& assemb
 // take to where they begin.
 bool only_laws_move(Dynamics& dynamics, const State& given) {
   constexpr double kFits = 1e-6;  // m
-  const Evaluation& e = dynamics.gather(given);
+  const Evaluation& e = dynamics.gather_rows(given);
   VecX C, Cd;
   e.residuals(C, Cd);
   for (const RowEntry& entry : e.rows().entries) {

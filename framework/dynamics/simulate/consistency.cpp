@@ -76,7 +76,7 @@ double start_distance(const Evaluation& e, const VecX& C) {
 }
 
 void check_start(Dynamics& dynamics, const State& s, double limit) {
-  const Evaluation& at = dynamics.gather(s);
+  const Evaluation& at = dynamics.gather_rows(s);
   check_gradients(at);
   VecX C, Cd;
   at.residuals(C, Cd);
@@ -123,7 +123,7 @@ void engage_links(Dynamics& dynamics, State& state, const std::vector<std::strin
 
 void check_links(Dynamics& dynamics, const State& state, const std::vector<std::string>& links,
                  const std::string& cause, double limit) {
-  const Evaluation& at = dynamics.gather(state);
+  const Evaluation& at = dynamics.gather_rows(state);
   const RowTable& rows = at.rows();
   for (const std::string& name : links) {
     const int entry = rows.entry_of_link[static_cast<std::size_t>(dynamics.system().link(name).number())];
@@ -154,7 +154,7 @@ void make_consistent(Dynamics& dynamics, State& state, const std::string& cause,
     left = dynamics.project_velocity(state);
   }
   if (!(left <= limit)) {
-    const Evaluation& at = dynamics.gather(state);
+    const Evaluation& at = dynamics.gather_rows(state);
     VecX C, Cd;
     at.residuals(C, Cd);
     throw AssemblyError(fmt::format(
@@ -168,11 +168,11 @@ void make_consistent(Dynamics& dynamics, State& state, const std::string& cause,
 
 PositionJump::PositionJump(Dynamics& dynamics, const State& state) {
   VecX Cd;
-  dynamics.gather(state).residuals(before_, Cd);
+  dynamics.gather_rows(state).residuals(before_, Cd);
 }
 
 std::string PositionJump::refusal(Dynamics& dynamics, const State& state, double limit) const {
-  const Evaluation& at = dynamics.gather(state);
+  const Evaluation& at = dynamics.gather_rows(state);
   VecX C, Cd;
   at.residuals(C, Cd);
   C -= before_;

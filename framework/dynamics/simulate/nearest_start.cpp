@@ -109,7 +109,7 @@ class NearestStart {
 
   // What is to hold exactly, c = 0, with its rows E, and what is asked for, r = 0, with S; unknowns as lengths. The cost.
   double linearise() {
-    const Evaluation& e = dynamics_.gather(state_);
+    const Evaluation& e = dynamics_.gather_rows(state_);
     VecX C, Cd;
     e.residuals(C, Cd);
     std::vector<VecX> exact, soft;

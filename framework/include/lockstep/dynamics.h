@@ -34,12 +34,16 @@ class LOCKSTEP_API Evaluation {
   /// Gathers at this state; the system is set up if it was not. Throws what the code of links and forces throws, with
   /// the name of the link or force, and ModelError where the state does not fit the system.
   Evaluation(System&, const State&);
+  /// Before at() or rows_at() it has no rows.
+  explicit Evaluation(System& system) : system_(system) {}
   Evaluation(const Evaluation&) = delete;
   Evaluation& operator=(const Evaluation&) = delete;
 
   /// Gathers at another state. The rows are laid out anew when the description or the links in force changed; otherwise
   /// nothing is allocated.
   void at(const State&);
+  /// The same of the rows alone: no force is asked, and force() is zero.
+  void rows_at(const State&);
   /// Throws NonFiniteError where a number is not finite, with the name of the link or force that made it.
   void check() const;
 
@@ -356,6 +360,8 @@ class LOCKSTEP_API Dynamics {
   const Solution& evaluate(const State&);
   /// Rows and forces, unsolved; valid until the next evaluation or projection. Throws NonFiniteError.
   const Evaluation& gather(const State&);
+  /// Rows alone: no force is asked, as a state off the rows may be none of the forces' own. As gather() else.
+  const Evaluation& gather_rows(const State&);
   /// What links and forces see of this state, without rows; valid until the next call.
   const Inputs& inputs(const State&);
   /// Whether rows of all links are laid out, since somebody has gathered or evaluated them.
@@ -453,7 +459,7 @@ class LOCKSTEP_API Dynamics {
   Formulation kkt_formulation() const {
     return options_.formulation == Formulation::quaternion ? Formulation::quaternion : Formulation::omega;
   }
-  Evaluation& own(const State&);
+  Evaluation& own();
   Evaluation& gathered(const State&);
   Tree& tree(const std::vector<bool>& modes);
   void joint_rates(const State&, StateRate& out, SolveReport*);

@@ -123,7 +123,7 @@ class Curvature {
  private:
   VecX asked(const VecX& c) {
     moving_.v = motion_of(dynamics_.system(), part_.unknowns, N_ * c);
-    const Evaluation& e = dynamics_.gather(moving_);
+    const Evaluation& e = dynamics_.gather_rows(moving_);
     VecX Qhat(part_.n_rows);
     Eigen::Index row = 0;
     for (const int at : part_.entries) {
@@ -226,7 +226,7 @@ BranchPoint looked_at(Dynamics& dynamics, const State& given) {
   VecX lengths;
   MatX Jt;
   {
-    const Evaluation& e = dynamics.gather(state);
+    const Evaluation& e = dynamics.gather_rows(state);
     part = loop_part(dynamics.system(), e.rows());
     const bool fits = part.n_rows > 0 && part.n_rows <= kMostBranchRows && part.unknowns.size() <= kMostBranchUnknowns;
     if (!fits || is_driven(e, part)) return out;

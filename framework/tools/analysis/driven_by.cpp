@@ -119,7 +119,7 @@ DriveReport driven_by(Dynamics& dynamics, const State& state) {
   if (report.freedoms == 0 || system.n_velocities() > kMostCounted) return report;
 
   const std::vector<int> unknowns = unknowns_of(system);
-  const Evaluation& e = dynamics.gather(state);
+  const Evaluation& e = dynamics.gather_rows(state);
   const MatX N = free_motions(e, unknowns);
   const std::vector<FreeCoordinate> coordinates = free_coordinates(system, state);
   const MatX rates = rates_in(coordinates, dynamics, state, unknowns, N);

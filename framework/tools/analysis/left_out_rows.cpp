@@ -64,7 +64,7 @@ double LeftOutTrial::along(const OwnRow& row, const std::vector<OwnRow>& rows) {
     try {
       dynamics_.advance(at, kStep, way / size_of(way));
       dynamics_.project(at);
-      const Inputs& in = dynamics_.gather(at).inputs();
+      const Inputs& in = dynamics_.gather_rows(at).inputs();
       for (const OwnRow& r : rows) most = std::max(most, violation_of(r, in, room));
       way = allowed(at, momentum_of(system_, way));
     } catch (const Error&) {
@@ -77,7 +77,7 @@ double LeftOutTrial::along(const OwnRow& row, const std::vector<OwnRow>& rows) {
 
 // What a force moves, as the rows allow.
 VecX LeftOutTrial::allowed(const State& state, const VecX& force) {
-  const Evaluation& e = dynamics_.gather(state);
+  const Evaluation& e = dynamics_.gather_rows(state);
   Factor& factor = dynamics_.factor(e);
   VecX a, lambda;
   factor.solve(e, force, VecX::Zero(e.rows().n_rows), a, lambda);

@@ -23,7 +23,7 @@ void mark_links(const RowTable& table, const LoopRows& rows, const DependentRows
 }  // namespace
 
 MobilityReport mobility(Dynamics& dynamics, const State& state) {
-  const Evaluation& evaluation = dynamics.gather(state);
+  const Evaluation& evaluation = dynamics.gather_rows(state);
   const System& system = dynamics.system();
   const RowTable& table = evaluation.rows();
   MobilityReport report;

@@ -116,7 +116,7 @@ std::vector<NearDependency> decide_nearly_redundant(System& system, Dynamics& dy
   take_back(system);
   std::vector<NearDependency> told;
   if (!has_loops(system, state.modes)) return told;
-  const RowTable table = dynamics.gather(state).rows();
+  const RowTable table = dynamics.gather_rows(state).rows();
   std::vector<NearSet> all = nearly_dependent(system, table);
   if (all.empty()) return told;
   const NearlyRedundant choice = asked != NearlyRedundant::automatic ? asked

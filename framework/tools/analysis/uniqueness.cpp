@@ -172,7 +172,7 @@ bool UniquenessReport::unique(const std::string& channel) const {
 }
 
 UniquenessReport uniqueness(Dynamics& dynamics, const State& state) {
-  const Evaluation& e = dynamics.gather(state);
+  const Evaluation& e = dynamics.gather_rows(state);
   const System& system = dynamics.system();
   RowTable all;  // with rows that were left out: they would take a share
   const bool any_left_out =

@@ -15,13 +15,13 @@ bool fit_newton(Dynamics& dynamics, State& state) {
   VecX C, Cd, d, lambda;
   const VecX zero = VecX::Zero(state.v.size());
   const auto residual = [&] {
-    const Evaluation& e = dynamics.gather(state);
+    const Evaluation& e = dynamics.gather_rows(state);
     e.residuals(C, Cd);
     return e.norm(C);
   };
   double now = residual();
   for (int round = 0; round < kRounds && now > goal; ++round) {
-    const Evaluation& e = dynamics.gather(state);
+    const Evaluation& e = dynamics.gather_rows(state);
     dynamics.factor(e).solve(e, zero, VecX(-C), d, lambda);
     if (!d.allFinite()) return false;
     const State from = state;

@@ -19,7 +19,8 @@ constexpr double kOn = 1e-6;  // m, times the length: nearer than this a start i
 bool may_depend(System& system, const State& state) {
   constexpr double kSmall = 1e-2;
   const SchurSolver solver;
-  const Evaluation evaluation(system, state);
+  Evaluation evaluation(system);
+  evaluation.rows_at(state);
   WorkCount work;
   Factor factor(system, solver, Formulation::omega, work);
   factor.compute(evaluation);
