@@ -362,6 +362,8 @@ class LOCKSTEP_API Dynamics {
   const Evaluation& gather(const State&);
   /// Rows alone: no force is asked, as a state off the rows may be none of the forces' own. As gather() else.
   const Evaluation& gather_rows(const State&);
+  /// As System::InSpace of the mechanism.
+  System::InSpace look_in_space() { return System::InSpace(system_); }
   /// What links and forces see of this state, without rows; valid until the next call.
   const Inputs& inputs(const State&);
   /// Whether rows of all links are laid out, since somebody has gathered or evaluated them.

@@ -44,7 +44,7 @@ LOCKSTEP_API std::string to_string(Stability::Kind);
 /// Judges a state at rest: eigenvalues of K against M in the null space of the rows, K with the geometric stiffness of
 /// the links. One-sided links in force count as two-sided. `lambda`: 1 per row, at this evaluation. Zero is what
 /// lies within 1e-12 of the terms of u^T K u by their size, for each motion u by itself; without a potential, within
-/// 1e-14 of the norm of K too. It allocates, and is dense: up to 1200 unknowns.
+/// 1e-14 of the norm of K too. In a plane it judges within it. It allocates, and is dense: up to 1200 unknowns.
 LOCKSTEP_API Stability judge_rest(const Evaluation&, const VecX& lambda);
 
 /// How an equilibrium is looked for.
@@ -95,8 +95,9 @@ struct EquilibriumReport {
 /// velocities of bodies are zero (a marker that moves by a law keeps its rate, and is noted), integrated states keep their values. Newton's method on rows and forces with a line search,
 /// downhill: up to 400 unknowns in the free motions, against each stiffness by its size; beyond with the sparse matrix
 /// K + s M, s as large as it takes. Where that fails, dynamic relaxation. One-sided links come
-/// into force where they are touched and are released where they would pull. The state, in the slots' own coordinates,
-/// must fit its rows nearly (assemble()). Throws SolveError where nothing is found, naming what nothing holds, and what
+/// into force where they are touched and are released where they would pull. A system whose plane is known
+/// (System::InSpace) is looked at in space; it is planar again afterwards, unless what is found lies outside of the plane.
+/// The state, in the slots' own coordinates, must fit its rows nearly (assemble()). Throws SolveError where nothing is found, naming what nothing holds, and what
 /// an evaluation throws; the state is then unchanged.
 LOCKSTEP_API EquilibriumReport find_equilibrium(Dynamics&, State&, const EquilibriumOptions& options = {});
 

@@ -90,7 +90,7 @@ struct LinearMotion : MechanismMatrices {
   std::vector<std::string> notes{};  ///< what was held or left out, by name
 };
 
-/// Linearises about a state. A spin that is not given is zero where the mechanism rests, else that of all bodies if
+/// Linearises about a state, in space unless a plane was asked for (System::InSpace). A spin that is not given is zero where the mechanism rests, else that of all bodies if
 /// they turn alike, else the one with which the state is steady, bodies turning on about their axes of symmetry; steady
 /// is what has the same accelerations, seen from these axes, also a third of a turn later.
 ///

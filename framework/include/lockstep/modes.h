@@ -66,7 +66,7 @@ struct Modes {
   LOCKSTEP_API std::vector<std::complex<double>> eigenvalues() const;
 };
 
-/// Finds the modes about a state. Throws as linear_motion(); ModelError for a pose in which rows become dependent that
+/// Finds the modes about a state, in space as linear_motion(). Throws as linear_motion(); ModelError for a pose in which rows become dependent that
 /// are not so elsewhere, where a mechanism has no single linearisation (looked for up to dense_limit unknown velocities);
 /// SolveError where the lowest modes did not settle.
 LOCKSTEP_API Modes find_modes(Dynamics&, const State&, const ModesOptions& = {});

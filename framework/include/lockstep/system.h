@@ -171,9 +171,31 @@ class LOCKSTEP_API System {
   /// what leaves it.
   /// `known`: only while all links and forces say that they stay in it (stays_in_plane) and nothing has a lever arm along
   /// the normal, as find_plane() asks; what is added later and does not, brings the mechanism back into space.
-  void set_planar(Plane plane, bool known = false) { plane_ = plane, plane_is_known_ = known, ready_ = false; }
+  void set_planar(Plane plane, bool known = false) {
+    plane_ = plane, plane_is_known_ = known, ready_ = has_left_plane_ = false;
+  }
   bool plane_is_known() const { return plane_is_known_; }  ///< as set_planar() was told
   Plane plane() const { return plane_; }  ///< the plane that was set; motion in space without one
+
+  /// While it lives, a system whose plane is known is evaluated in space, so that motions out of the plane are seen. States
+  /// stay valid, since slots keep their axes; rows and multipliers are those in space. One whose plane was asked for
+  /// stays in it. The system must not be changed meanwhile.
+  class LOCKSTEP_API InSpace {
+   public:
+    explicit InSpace(System&);    ///< sets the system up; it must outlive this
+    ~InSpace() { end(); }         ///< as end()
+    InSpace(const InSpace&) = delete;
+    InSpace& operator=(const InSpace&) = delete;
+    Plane plane() const { return plane_; }  ///< to which the system goes back; none where it stays as it is
+    void end();                             ///< goes back to the plane
+    void stay();                            ///< leaves the plane for good, for states outside of it
+
+   private:
+    void set(Plane, long revision);
+    System& system_;
+    Plane plane_;
+    long revision_;
+  };
 
   /// Whether bodies that are held to one another by a fixed link without laws, which fits at the start, move as one
   /// slot; such a link has no rows. `keep`: fixed links that stay links, because their reactions are wanted.
@@ -324,7 +346,7 @@ class LOCKSTEP_API System {
 
   bool ready_ = false;
   Plane plane_;
-  bool plane_is_known_ = false;
+  bool plane_is_known_ = false, has_left_plane_ = false;
   bool merge_ = false;
   std::vector<const Lock*> kept_;
   std::vector<bool> merged_;          // by number of the link

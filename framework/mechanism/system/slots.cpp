@@ -51,7 +51,8 @@ void System::setup_slots() {
 void System::fill_slot(Slot& s) {
   const Body& first = *s.bodies.front();
   s.freedoms = s.bodies.size() == 1 ? first.freedoms : Freedoms::spatial;
-  s.home.q = plane_ ? Quat{} : first.home.q;
+  const bool of_world = plane_ || has_left_plane_;
+  s.home.q = of_world ? Quat{} : first.home.q;
   s.home.x.setZero();
   for (const Body* b : s.bodies) {
     s.mass += b->mass.mass;
@@ -61,7 +62,7 @@ void System::fill_slot(Slot& s) {
   if (s.bodies.size() == 1) s.home.x = first.home.x + rotation(first.home.q) * first.mass.center;
   const Mat3 to_slot = rotation(conjugate(s.home.q));
   for (Body* b : s.bodies) {
-    const bool own_axes = !plane_ && b == &first;
+    const bool own_axes = !of_world && b == &first;
     const Mat3 A = own_axes ? Mat3(Mat3::Identity()) : Mat3(to_slot * rotation(b->home.q));
     const Vec3 r = to_slot * (b->home.x - s.home.x) + A * b->mass.center;  // mass centre of the body in the slot
     b->in_slot = {Vec3(to_slot * (b->home.x - s.home.x)), own_axes ? Quat{} : conjugate(s.home.q) * b->home.q};

@@ -318,6 +318,30 @@ void System::setup() {
   if (refusal) throw ModelError(*refusal);
 }
 
+System::InSpace::InSpace(System& system) : system_(system) {
+  system.setup();
+  revision_ = system.revision_;
+  if (!system.plane_is_known_ || !system.plane_) return;
+  plane_ = system.plane_;
+  set({}, -2 - revision_);  // of no setup, and the same in every look
+}
+
+void System::InSpace::end() {
+  if (plane_) set(std::exchange(plane_, {}), revision_);
+}
+
+void System::InSpace::stay() {
+  if (!plane_) return;
+  plane_ = {}, system_.plane_is_known_ = false, system_.has_left_plane_ = true;
+  system_.revision_ = revision_ + 1;
+}
+
+void System::InSpace::set(Plane plane, long revision) {
+  system_.plane_ = plane, system_.revision_ = revision;
+  system_.n_velocities_ = 0;
+  for (const Slot& slot : system_.slots_) system_.n_velocities_ += BodyMass(slot, plane).width();
+}
+
 std::optional<ModelError> System::try_setup() {
   ready_ = false;
   check_markers(bodies_, links_, forces_);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <lockstep/error.h>
+#include "framework/tools/analysis/equilibrium_search.h"
 #include "framework/tools/analysis/wild_starts.h"
 
 namespace lockstep {
@@ -67,6 +68,7 @@ EquilibriaReport find_equilibria(Dynamics& dynamics, const State& start, const E
   EquilibriaReport report;
   State first = start;
   dynamics.to_slots(first);
+  System::InSpace look = dynamics.look_in_space();
   const auto take = [&](Equilibrium found) {
     const auto known = std::ranges::find_if(
         report.all, [&](const Equilibrium& e) { return same_equilibrium(system, e, found, options.same); });
@@ -97,6 +99,9 @@ EquilibriaReport find_equilibria(Dynamics& dynamics, const State& start, const E
     }
   }
   std::ranges::stable_sort(report.all, {}, [](const Equilibrium& e) { return e.report.stability.unstable.size(); });
+  std::vector<AtRest> found;
+  for (Equilibrium& e : report.all) found.push_back({e.state, e.report});
+  go_back_to_plane(dynamics, look, first, found);
   return report;
 }
 

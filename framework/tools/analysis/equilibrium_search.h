@@ -11,6 +11,16 @@
 
 namespace lockstep {
 
+/// A state at rest, and what was found of it.
+struct AtRest {
+  State& state;
+  EquilibriumReport& report;
+};
+
+/// Ends a look in space: where all of `found` lie in the plane, as `start` does, the system goes back to it, with their
+/// multipliers; else it stays in space.
+void go_back_to_plane(Dynamics&, System::InSpace& look, const State& start, const std::vector<AtRest>& found);
+
 /// A search from one state, which it moves. All must outlive it.
 class EquilibriumSearch {
  public:

@@ -355,6 +355,7 @@ std::string settle_axes(const Steadiness& steadiness, const System& system, cons
 LinearMotion linear_motion(Dynamics& dynamics, const State& given, const LinearMotionOptions& options) {
   State state = given;
   dynamics.to_slots(state);
+  const System::InSpace look = dynamics.look_in_space();
   const System& system = dynamics.system();
   refuse_own_states(system);
   LinearMotion out;

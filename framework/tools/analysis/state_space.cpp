@@ -332,6 +332,7 @@ StateSpace linearize(Dynamics& dynamics, const State& given, const std::vector<L
                      const std::vector<Channel>& channels, const LinearMotionOptions& options) {
   State state = given;
   dynamics.to_slots(state);
+  const System::InSpace look = dynamics.look_in_space();
   const Inputs0 put_back(inputs);
   const System& system = dynamics.system();
   const LinearMotion m = linear_motion(dynamics, state, options);

@@ -76,7 +76,7 @@ int linearize_command(const Arguments& args) {
     throw UsageError("--json and --csv: the numbers are printed or written, not both; give one of the two");
   const Loaded loaded = load(args);
   if (!args.csv.empty()) check_overwrites(args.csv, loaded.scene);
-  MechanismWithInputs built = build_with_inputs(in_space(loaded.scene), loaded.registry, args.inputs);
+  MechanismWithInputs built = build_with_inputs(loaded.scene, loaded.registry, args.inputs);
   std::vector<Channel> outputs;
   for (const std::string& name : args.outputs) outputs.push_back(make_channel(system_of(*built.mechanism), name));
   const MechanismAt at = state_at(std::move(built.mechanism), loaded.registry, instant_of(args));

@@ -59,6 +59,7 @@ int matrices_command(const Arguments& args) {
   namespace fs = std::filesystem;
   const Loaded loaded = load(args);
   const MechanismAt at = state_at(loaded, instant_of(args));
+  const System::InSpace look = at.dynamics->look_in_space();
   const MechanismMatrices m = matrices_at(*at.dynamics, at.state);
   std::vector<std::string> files;
   if (!args.out.empty()) {

@@ -274,8 +274,7 @@ int find_all(const Arguments& args, const Loaded& loaded) {
 }  // namespace
 
 int statics_command(const Arguments& args) {
-  Loaded loaded = load(args);
-  loaded.scene = in_space(loaded.scene);
+  const Loaded loaded = load(args);
   if (!args.record.empty()) check_overwrites(args.record, loaded.scene);
   if (args.json && !args.vary.empty())
     throw UsageError("--json: with --vary the rows are CSV; leave one of the two out");

@@ -90,7 +90,7 @@ void add_modes(CLI::App& verb, Arguments& a) {
 
 constexpr const char* kModesFooter =
     R"(The state must be an equilibrium or a steady rotation; what accelerates, and how much, is said where it is none. Modes are in
-space, also of a scene that moves in a plane, unless the scene has a key "planar" or --planar gives one.
+space, also of a scene that moves in a plane, unless its key "planar" or --planar names one.
 A shape is scaled so that its largest rotation, or translation over the length of the mechanism, is 1.
 
 With gravity along its arm the pendulum of the samples hangs.
