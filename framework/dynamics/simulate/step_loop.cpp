@@ -319,8 +319,10 @@ void StepLoop::make_step(double limit, double largest) {
   report_.rejected += step.rejected;
   if (step.manifold) ++report_.manifold_steps;
   if (step.stiff && !(report_.stiff_since <= state_.t) && may_damp(dynamics_, state_)) report_.stiff_since = state_.t;
+  const double largest_before = report_.largest_violation;
   if (!(step.violation_after <= report_.largest_violation)) report_.largest_violation = step.violation_after;
   interval.check_again(state_, report_.steps, report_.largest_violation);
+  warn_of_drift(largest_before);
   conclude();
 }
 

@@ -168,6 +168,15 @@ void StepLoop::warn_of_turns() {
                   report_.turned_most, report_.largest_turn, method_->info().name, kLongTurn, next));
 }
 
+void StepLoop::warn_of_drift(double largest_before) {
+  const double limit = options_.limits.of(system().length()).violation, now = report_.largest_violation;
+  if (now <= limit || !(largest_before <= limit)) return;
+  warn(
+      fmt::format("{}: the constraints are violated by {:.2g} m after the step to t = {:.9g} s (limit {:.2g} m), so the "
+                  "result is wrong: project the end of each step (stabilization project, Dynamics::project)",
+                  method_->info().name, now, state_.t, limit));
+}
+
 void StepLoop::warn(const std::string& text) {
   report_.warnings.push_back(text);
   log_warning(text);

@@ -122,6 +122,15 @@ struct Event {
 // StepLoop: runs a mechanism. Makes steps, ends them on jumps, events and output times, accepts them, calls observers.
 
 
+/// Limits beyond which the result of a run counts as wrong (EnergyAudit, recorder.h).
+struct AuditLimits {
+  double energy = 1e-3;  ///< imbalance, relative to the energy exchanged (Audit::scale)
+  double violation = 0;  ///< |C|, m; 0: a thousandth of System::length()
+
+  /// These limits with the violation filled in: as given, else a thousandth of `length`, m (System::length()).
+  AuditLimits of(double length) const { return {energy, violation > 0 ? violation : 1e-3 * length}; }
+};
+
 /// Steps, tolerances and outputs of a run.
 struct StepLoopOptions {
   double step = 0;        ///< fixed step, s; for adaptive methods the largest step (0: no limit)
@@ -132,15 +141,7 @@ struct StepLoopOptions {
   /// it is, a run ends that would by its steps take more than a thousand million of them.
   long max_steps = 0;
   double start_limit = 1e-6;  ///< a start that violates the constraints by more (m, m/s) is refused: assemble it first
-};
-
-/// Limits beyond which the result of a run counts as wrong (EnergyAudit, recorder.h).
-struct AuditLimits {
-  double energy = 1e-3;  ///< imbalance, relative to the energy exchanged (Audit::scale)
-  double violation = 0;  ///< |C|, m; 0: a thousandth of System::length()
-
-  /// These limits with the violation filled in: as given, else a thousandth of `length`, m (System::length()).
-  AuditLimits of(double length) const { return {energy, violation > 0 ? violation : 1e-3 * length}; }
+  AuditLimits limits{};       ///< a run that drifts off its constraints beyond `violation` warns of it, once
 };
 
 /// Counters, warnings and the end of a run.
@@ -271,6 +272,8 @@ class LOCKSTEP_API StepLoop {
   void measure_turns(double h);
   void warn_of_turns();
   void load_parts(SnapshotReader&);
+  void warn_of_drift(double largest_before);
+  void load_parts(const Snapshot&);
 
   Dynamics& dynamics_;
   std::unique_ptr<Integrator> method_;
