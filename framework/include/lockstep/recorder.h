@@ -200,9 +200,9 @@ struct Audit {
   double imbalance_share() const { return scale > 0 ? imbalance / scale : 0; }  ///< the imbalance, relative
   /// "conserved", "not conserved", "not judged".
   LOCKSTEP_API const char* verdict() const;
-  /// Whether the result of a run is off, by which exit code 9 is given: it drifted, or a method that controls its error
-  /// (`adaptive`) did not conserve energy. Methods of fixed steps promise no error.
-  bool is_wrong(bool adaptive) const { return drifted || (adaptive && energy == Energy::not_conserved); }
+  /// Whether the result of a run is off, by which exit code 9 is given, whatever the method: it drifted, or did not
+  /// conserve energy.
+  bool is_wrong() const { return drifted || energy == Energy::not_conserved; }
 };
 
 /// An observer that audits a run. Its channels integrate the work of drives and dampers along with the motion.

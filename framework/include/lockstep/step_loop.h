@@ -273,7 +273,6 @@ class LOCKSTEP_API StepLoop {
   void warn_of_turns();
   void load_parts(SnapshotReader&);
   void warn_of_drift(double largest_before);
-  void load_parts(const Snapshot&);
 
   Dynamics& dynamics_;
   std::unique_ptr<Integrator> method_;

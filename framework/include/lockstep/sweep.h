@@ -34,12 +34,15 @@ struct SweepRun {
   double imbalance = 0;  ///< of the energy, relative to what was exchanged (Audit::imbalance_share)
   bool drifted = false;  ///< the violation went beyond its limit
   double violation = 0;  ///< largest |C| after a step, m; in lanes at the outputs
-  bool wrong = false;    ///< it drifted, or a method that controls its error did not conserve energy
+  bool wrong = false;    ///< Audit::is_wrong()
   long passed = 0;       ///< singular positions that it passed with plain stages; 0 in lanes, which have none
   double first_passed = 0;  ///< when it passed the first of them, s
+  /// What else makes the result doubtful, as a run by itself says it: a tolerance that was not reached (not in lanes),
+  /// recorded reactions beside a singular position.
+  std::vector<std::string> doubts;
 
   /// What its row says of it: `status`, "failed: " and the reason, and where it is wrong "wrong" for "ok", and
-  /// "wrong: stopped by 'landed'"; then the singular positions that it passed.
+  /// "wrong: stopped by 'landed'"; then the singular positions that it passed, and "doubtful: " and each doubt.
   LOCKSTEP_API std::string outcome() const;
 };
 

@@ -1,5 +1,7 @@
 #include "framework/tools/analysis/doubts.h"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -53,6 +55,38 @@ void Doubts::output(const Sample& sample) {
   if (!(std::max(kGrowth * error, report.residual) > kUncertain * report.detector)) return;
   ++n_uncertain_;
   if (uncertain_.size() < kNamed) uncertain_.push_back(sample.state.t);
+}
+
+std::vector<std::string> Doubts::words(long steps) const {
+  constexpr double kMostRounding = 1e-7;  // relative error: beyond, it is not rounding that spoils a step
+  std::vector<std::string> all;
+  if (beyond_ > 0)
+    all.push_back(fmt::format(
+        "the tolerance of {:g} was not reached in {} of {} step{}, from t = {:.6g} s on: {} errors of up to {:.2g} "
+        "times it there; the run went on with what can be reached",
+        tolerance_, beyond_, steps, steps == 1 ? "" : "s", first_,
+        tolerance_ * largest_ > kMostRounding ? "a singular position leaves" : "rounding leaves", largest_));
+  if (const long n = n_uncertain_; n > 0)
+    all.push_back(fmt::format(
+        "the reactions at t = {}{} are uncertain by more than 1 %: {} in or beside a singular position, where they "
+        "magnify the errors of the motion; look at those before and after",
+        times_of(uncertain_, static_cast<std::size_t>(n)),
+        n > static_cast<long>(kNamed) ? fmt::format(" ({} instants)", n) : "", n == 1 ? "it lies" : "they lie"));
+  return all;
+}
+
+std::string times_of(const std::vector<double>& first, std::size_t n) {
+  std::string words;
+  const std::size_t shown = std::min(Doubts::kNamed, first.size());
+  for (std::size_t k = 0; k < shown; ++k) words += fmt::format("{}{:.6g}", k > 0 ? ", " : "", first[k]);
+  return words + (n > shown ? ", ... s" : " s");
+}
+
+bool records_reactions(const RunSettings& run) {
+  return std::ranges::any_of(run.record, [](const ChannelRequest& r) {
+    return r.channel.find("_on_p_") != std::string::npos || r.channel.find("_on_s_") != std::string::npos ||
+           r.channel.find(".lambda_") != std::string::npos;
+  });
 }
 
 }  // namespace lockstep

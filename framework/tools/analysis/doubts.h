@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <lockstep/export.h>
+#include <lockstep/scene.h>
 #include <lockstep/step_loop.h>
 
 namespace lockstep {
@@ -25,20 +26,23 @@ class LOCKSTEP_API Doubts final : public Observer {
   void save(Snapshot&) const override;
   void load(SnapshotReader&) override;
 
-  long beyond() const { return beyond_; }            ///< steps whose error is above the tolerance
-  double largest_error() const { return largest_; }  ///< of them, in tolerances
-  double first() const { return first_; }            ///< the end of the first of them, s
-  /// How many recorded instants lie beside a singular position, so that reactions may be off by more than a hundredth.
-  long n_uncertain() const { return n_uncertain_; }
-  /// The first of them, kNamed at most, s.
-  const std::vector<double>& uncertain() const { return uncertain_; }
+  /// In sentences, of a run of so many steps; none where nothing is doubtful.
+  std::vector<std::string> words(long steps) const;
 
  private:
   bool reactions_, loops_ = false;
   double tolerance_;
-  long beyond_ = 0, n_uncertain_ = 0;
-  double largest_ = 0, first_ = 0;
-  std::vector<double> uncertain_;
+  long beyond_ = 0,          // steps whose error is above the tolerance,
+      n_uncertain_ = 0;      // and instants beside a singular position: reactions may be off by more than a hundredth
+  double largest_ = 0,       // error of those steps, in tolerances,
+      first_ = 0;            // and the end of the first of them, s
+  std::vector<double> uncertain_;  // the first of those instants, kNamed at most, s
 };
+
+/// "0.51, 1.02, 1.53, ... s": the first of n instants.
+LOCKSTEP_API std::string times_of(const std::vector<double>& first, std::size_t n);
+
+/// Whether columns are recorded that depend on reactions.
+LOCKSTEP_API bool records_reactions(const RunSettings&);
 
 }  // namespace lockstep

@@ -428,7 +428,7 @@ class ProgramRun {
         return kExitDoubtful;
       }
     if (!uncertified_.empty()) tell(fmt::format("lockstep: --certify: {}\n", uncertified_));
-    if (end.audit.is_wrong(sim_.integrator().info().adaptive)) return kExitNotConserved;
+    if (end.audit.is_wrong()) return kExitNotConserved;
     return uncertified_.empty() ? kExitOk : kExitDoubtful;
   }
 

@@ -14,6 +14,7 @@
 #include "framework/dynamics/simulate/along_laws.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/analysis/branch_point.h"
+#include "framework/tools/analysis/doubts.h"
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/few_messages.h"
 #include "framework/tools/scene_run/scene_run.h"
@@ -54,7 +55,7 @@ bool laws_move(Dynamics& dynamics, const State& state, double until) try {
   constexpr int kInstants = 127;
   for (int k = 0; k <= kInstants; ++k) {
     at.t = until * k / kInstants;
-    const Evaluation& e = dynamics.gather(at);
+    const Evaluation& e = dynamics.gather_rows(at);
     e.residuals(C, Cd);
     if (!(e.norm(Cd) <= kMoves)) return true;
     if (!(e.norm(C) <= kOff)) return true;
@@ -128,13 +129,6 @@ void refuse_impossible_formulation(const RunSettings& run, const Loaded& loaded)
   if (!why.empty())
     throw ModelError("joint coordinates (formulation joint) are not possible: " + why +
                      "; take the formulation auto or omega");
-}
-
-bool records_reactions(const RunSettings& run) {
-  return std::ranges::any_of(run.record, [](const ChannelRequest& r) {
-    return r.channel.find("_on_p_") != std::string::npos || r.channel.find("_on_s_") != std::string::npos ||
-           r.channel.find(".lambda_") != std::string::npos;
-  });
 }
 
 void warn_of_branches(Dynamics& dynamics, StepLoop& sim) {

@@ -22,8 +22,6 @@ void refuse_impossible_formulation(const RunSettings&, const Loaded&);
 /// Warns of a mechanism without a freedom, where no law moves it, no event releases a link and no link is one-sided; not
 /// of one with more unknown velocities than `most`, of which it costs too much to know.
 void warn_of_no_freedom(const Mechanism&, Dynamics&, StepLoop&, int most);
-/// Whether a recorded column is a reaction.
-bool records_reactions(const RunSettings&);
 /// The recorded columns that hold reactions which are not unique at the start.
 std::vector<std::string> columns_not_unique(Dynamics&, const State& start, const RunSettings&);
 

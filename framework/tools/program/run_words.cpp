@@ -54,14 +54,6 @@ Json columns_of(const RowEnvelope& rows) {
   return all;
 }
 
-// "0.51, 1.02, 1.53, ... s": the first of n.
-std::string times_of(const std::vector<double>& first, std::size_t n) {
-  std::string words;
-  const std::size_t shown = std::min(Doubts::kNamed, first.size());
-  for (std::size_t k = 0; k < shown; ++k) words += fmt::format("{}{:.6g}", k > 0 ? ", " : "", first[k]);
-  return words + (n > shown ? ", ... s" : " s");
-}
-
 std::string passed_words(const std::vector<PassedPosition>& passed, long n, const IntegratorInfo& method,
                          bool projects) {
   std::vector<double> times;
@@ -83,28 +75,12 @@ std::string passed_words(const std::vector<PassedPosition>& passed, long n, cons
 }  // namespace
 
 std::vector<std::string> doubts_of(const EndedRun& ended) {
-  constexpr double kMostRounding = 1e-7;  // relative error: beyond, it is not rounding that spoils a step
-  std::vector<std::string> all;
   StepLoop& sim = ended.sim;
+  std::vector<std::string> all = ended.doubts.words(sim.report().steps);
   if (!ended.passed.empty())
-    all.push_back(passed_words(ended.passed, ended.n_passed, sim.integrator().info(),
-                               sim.dynamics().options().stabilization.kind == Stabilization::Kind::project));
-  if (const Doubts& d = ended.doubts; d.beyond() > 0)
-    all.push_back(fmt::format(
-        "the tolerance of {:g} was not reached in {} of {}, from t = {:.6g} s on: {} errors of up to {:.2g} "
-        "times it there; the run went on with what can be reached",
-        ended.settings.tolerance.relative, d.beyond(), counted(sim.report().steps, "step", "steps"), d.first(),
-        ended.settings.tolerance.relative * d.largest_error() > kMostRounding ? "a singular position leaves"
-                                                                              : "rounding leaves",
-        d.largest_error()));
-  if (const long n = ended.doubts.n_uncertain(); n > 0)
-    all.push_back(
-        fmt::format("the reactions at t = {}{} are uncertain by more than 1 %: {} lie{} in or beside a singular "
-                    "position, where they "
-                    "magnify the errors of the motion; look at those before and after",
-                    times_of(ended.doubts.uncertain(), static_cast<std::size_t>(n)),
-                    n > static_cast<long>(Doubts::kNamed) ? fmt::format(" ({} instants)", n) : "",
-                    n == 1 ? "it" : "they", n == 1 ? "s" : ""));
+    all.insert(all.begin(),
+               passed_words(ended.passed, ended.n_passed, sim.integrator().info(),
+                            sim.dynamics().options().stabilization.kind == Stabilization::Kind::project));
   return all;
 }
 
@@ -157,9 +133,7 @@ Json json_of(const EndedRun& ended, const RowEnvelope& rows) {
   const Audit& audit = ended.audit;
   const SimulationReport& r = sim.report();
   const WorkCount& work = sim.dynamics().work();
-  const char* status = ended.interrupted                                  ? "interrupted"
-                       : audit.is_wrong(sim.integrator().info().adaptive) ? "wrong"
-                                                                          : "ok";
+  const char* status = ended.interrupted ? "interrupted" : audit.is_wrong() ? "wrong" : "ok";
   Json method = {{"integrator", to_word(run.integrator)}};
   if (sim.integrator().info().adaptive)
     method["tolerance"] = run.tolerance.relative;

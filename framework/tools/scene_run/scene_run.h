@@ -61,7 +61,8 @@ inline StepLoopOptions loop_options(const RunSettings& run) {
           .tolerance = run.tolerance,
           .output = run.output,
           .output_times = run.times,
-          .max_steps = run.max_steps};
+          .max_steps = run.max_steps,
+          .limits = run.limits};
 }
 
 }  // namespace lockstep

@@ -9,6 +9,7 @@
 #include <lockstep/text.h>
 #include "framework/foundation/support/csv_cells.h"
 #include "framework/foundation/support/thrown.h"
+#include "framework/tools/analysis/doubts.h"
 #include "framework/tools/analysis/singular_watch.h"
 #include "framework/tools/precision/work_precision.h"
 #include "framework/tools/scene_run/rows_at_jumps.h"
@@ -75,6 +76,8 @@ void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepR
   sim.add_observer(recorder);
   if (at_jumps != nullptr) sim.add_observer(*at_jumps);
   sim.add_observer(audit);
+  Doubts doubts(records_reactions(m.run), sim.integrator().info().adaptive ? m.run.tolerance.relative : 0.0);
+  sim.add_observer(doubts);
   SingularWatch singular(system_of(m));
   if (SingularWatch::is_needed(dynamics, start, sim.integrator().info())) sim.add_observer(singular);
   if (besides != nullptr) sim.add_observer(*besides);
@@ -94,7 +97,8 @@ void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepR
   result.steps = report.steps;
   if (!singular.passed().empty())
     result.passed = singular.n_passed(), result.first_passed = singular.passed().front().t;
-  judge(audit.result(), sim.integrator().info().adaptive, result);
+  result.doubts = doubts.words(report.steps);
+  judge(audit.result(), result);
   if (report.stopped && !result.broken_off) result.status = "stopped by '" + report.stopped_by + "'";
 }
 
@@ -112,19 +116,22 @@ std::string titled(const std::string& name, const std::string& unit) {
 std::string SweepRun::outcome() const {
   if (failed) return "failed: " + status;
   const std::string judged = !wrong ? status : status == "ok" ? "wrong" : "wrong: " + status;
-  if (passed == 0) return judged;
-  return judged + "; passed " + std::to_string(passed) + " singular position" + (passed == 1 ? "" : "s") +
-         " with plain stages, from t = " + text::brief(first_passed) + " s on";
+  std::string all = judged;
+  if (passed > 0)
+    all += "; passed " + std::to_string(passed) + " singular position" + (passed == 1 ? "" : "s") +
+           " with plain stages, from t = " + text::brief(first_passed) + " s on";
+  for (const std::string& doubt : doubts) all += "; doubtful: " + doubt;
+  return all;
 }
 
 bool wrong_by(std::string_view outcome) {
   return outcome == "wrong" || outcome.starts_with("wrong: ") || outcome.starts_with("wrong; ");
 }
 
-void judge(const Audit& audit, bool adaptive, SweepRun& run) {
+void judge(const Audit& audit, SweepRun& run) {
   run.energy = audit.verdict(), run.imbalance = audit.imbalance_share();
   run.drifted = audit.drifted, run.violation = audit.violation;
-  run.wrong = audit.is_wrong(adaptive);
+  run.wrong = audit.is_wrong();
 }
 
 SweepRun recorded_run(const Table& table) {

@@ -7,6 +7,7 @@
 #include <lockstep/error.h>
 #include "framework/description/scene/run_outputs.h"
 #include "framework/dynamics/tree/rows_in_plane.h"
+#include "framework/tools/analysis/doubts.h"
 #include "framework/tools/precision/work_precision.h"
 #include "framework/tools/scene_run/scene_run.h"
 #include "framework/tools/sweep/watched_run.h"
@@ -21,6 +22,7 @@ struct Lane {
   Mechanism mechanism;
   std::unique_ptr<Recorder> recorder{};
   std::unique_ptr<EnergyAudit> audit{};  // none where laws do work, which lanes do not integrate
+  std::unique_ptr<Doubts> doubts{};
   bool follows_steps = false;            // columns or the audit look at every step
   std::unique_ptr<Dynamics> dynamics{};
   State start{};
@@ -92,7 +94,9 @@ void prepare(Lane& lane, const Registry& registry) {
   lane.dynamics = std::make_unique<Dynamics>(system_of(m), make_solver(m.run, registry),
                                              DynamicsOptions{m.run.formulation, m.run.stabilization});
   lane.start = assembled_start(*lane.dynamics, m);
+  lane.doubts = std::make_unique<Doubts>(records_reactions(m.run), m.run.tolerance.relative);
   const Sample first(*lane.dynamics, lane.start, kNoReport);
+  lane.doubts->start(first);
   lane.recorder->start(first);
   if (lane.audit) lane.audit->start(first);
 }
@@ -116,6 +120,7 @@ std::vector<CopyReport> run_together(std::vector<std::unique_ptr<Lane>>& lanes, 
     Lane& lane = *lanes[static_cast<std::size_t>(copy)];
     const Sample sample(*lane.dynamics, state, kNoReport);
     lane.recorder->output(sample);
+    lane.doubts->output(sample);
     if (lane.audit) lane.audit->output(sample);
     if (const double now = lane.dynamics->violation(state); !(now <= lane.violation)) lane.violation = now;
   };
@@ -133,7 +138,7 @@ std::vector<CopyReport> run_together(std::vector<std::unique_ptr<Lane>>& lanes, 
 
 // Energy and drift; in lanes the latter is seen at outputs.
 void judge(const Lane& lane, SweepRun& run) {
-  if (lane.audit) judge(lane.audit->result(), true, run);
+  if (lane.audit) judge(lane.audit->result(), run);
   run.violation = lane.violation;
   run.drifted = !(run.violation <= lane.mechanism.run.limits.of(lane.mechanism.system.length()).violation);
   run.wrong = run.wrong || run.drifted;
@@ -191,6 +196,7 @@ std::vector<SweepRun> sweep_lanes(std::span<const Scene> scenes, const Registry&
     SweepRun run = recorded_run(lanes[i]->recorder->table());
     run.steps = reports[i].steps, run.cpu = cpu;
     judge(*lanes[i], run);
+    run.doubts = lanes[i]->doubts->words(run.steps);
     runs.push_back(std::move(run));
     if (history != nullptr) *history = lanes[i]->recorder->table();
   }

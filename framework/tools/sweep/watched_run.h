@@ -14,8 +14,8 @@ struct RunWatch {
   std::function<void(const Mechanism&, const Table&)> ended{};
 };
 
-/// Writes what an audit found to the result of a run; `adaptive`: by a method that controls its error.
-void judge(const Audit&, bool adaptive, SweepRun&);
+/// Writes what an audit found to the result of a run.
+void judge(const Audit&, SweepRun&);
 
 /// As sweep_run.
 LOCKSTEP_API SweepRun watched_run(const Scene&, const Registry&, const Table& like,
