@@ -75,14 +75,39 @@ std::vector<Quantity> CoordinateForce::quantities() const {
           {"power", "W"}};
 }
 
+namespace {
+
+// With its rate in time, by which a formula decides where what it compares is equal: t > 0.25 holds at 0.25 s.
+Time with_rate(double x, double rate) { return {x, rate, 0.0}; }
+double without_rate(const Time& x) { return x.v; }
+template <int N>
+Jet<N> with_rate(const Jet<N, double, NoMotion>& x, double rate) {
+  Jet<N> y(x.v);
+  y.d = rate, y.g = x.g;
+  return y;
+}
+template <int N>
+Jet<N, double, NoMotion> without_rate(const Jet<N>& x) {
+  Jet<N, double, NoMotion> y(x.v);
+  y.g = x.g;
+  return y;
+}
+
+}  // namespace
+
 template <class T, class Load>
 void CoordinateForce::act(const Ends<T>& at, Load& load) const {
   using std::atan2;
   const int k = axis_index(axis_) % 3;
   const Vec3T<T> a_S = at.S.axis(k);
   const auto effort = [&](const T& q, const T& rate) {
-    const std::array<T, 3> v = {q, rate, T(at.t)};
-    return f_(std::span<const T>(v));
+    if (!f_.has_switches()) {
+      const std::array<T, 3> v = {q, rate, T(at.t)};
+      return f_(std::span<const T>(v));
+    }
+    using Moving = decltype(with_rate(q, 0));
+    const std::array<Moving, 3> v = {with_rate(q, value_of(rate)), with_rate(rate, 0), with_rate(T(at.t), 1)};
+    return T(without_rate(f_(std::span<const Moving>(v))));
   };
   if (!is_rotation(axis_)) {
     const T q = a_S.dot(Vec3T<T>(at.P.x() - at.S.x())), rate = a_S.dot(rate_from_s(Effort::force, at)),
