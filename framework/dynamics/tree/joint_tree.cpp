@@ -307,9 +307,36 @@ void JointTree::add_node(const System& system, int slot, int parent, int link) {
     node.axis = sign * (near.A0 * node.hinge);
     node.K1 = near.q0 * Quat::from(0.0, Vec3(sign * node.hinge)) * conjugate(far.q0);
   }
+  match_sign(system, node);
   n_q_ += node.n_q(), n_v_ += node.n_v();
   node_of_[static_cast<std::size_t>(slot)] = static_cast<int>(nodes_.size());
   nodes_.push_back(std::move(node));
+}
+
+// The axes of near have two quaternions: taken is the one by which the slot has that of its pose at the start, not its
+// negative.
+void JointTree::match_sign(const System& system, TreeNode& node) const {
+  Quat near = node.near_q, far = node.far_q, law;
+  if (node.has_laws()) try {
+      const VecX s = node.n_s > 0 ? system.start().s : VecX();
+      if (node.moving) {
+        const JointLaws now = joint_laws_at(node, 0, s);
+        near = now.near.q, far = now.far.q, law = now.D.q;
+      } else {
+        Imposed now;
+        laws_at(node, 0, s, now), law = now.q;
+      }
+    } catch (const Error&) {  // not defined at the start, where its link is not in force
+      return;
+    }
+  const Quat parent = node.parent < 0 ? Quat{} : system.slot(nodes_[static_cast<std::size_t>(node.parent)].slot).home.q,
+             r = conjugate(near) * (conjugate(parent) * system.slot(node.slot).home.q) * far;
+  if ((conjugate(law) * (node.reversed ? conjugate(r) : r)).w >= 0) return;
+  node.near_q = -node.near_q, node.K0 = -node.K0, node.K1 = -node.K1;
+  if (!node.moving) return;
+  MovingMarkers markers = *node.moving;
+  markers.near.q0 = -markers.near.q0;
+  node.moving = std::make_shared<const MovingMarkers>(std::move(markers));
 }
 
 }  // namespace lockstep

@@ -100,7 +100,7 @@ class LOCKSTEP_API JointTree final : public Coordinates {
   void variations(const State&, std::span<const Motion> at, const StateRate& d, VecX& dx, VecX& dv) const override;
 
   /// Reads off the coordinates of a state in the slots' own; what violates the joints is lost. Angles lie within half
-  /// a turn of those of `near`, or of zero without one.
+  /// a turn of those of `near`, or without one, within a turn of zero, as the quaternions' signs have it.
   void read_off(const State& slots, const State* near, State& out) const;
 
   const std::vector<TreeNode>& nodes() const { return nodes_; }  ///< parents before their children
@@ -133,6 +133,7 @@ class LOCKSTEP_API JointTree final : public Coordinates {
   bool turns_about_normal(const Marker&) const;
   std::string add_parts(const System&, int slot, double sign, CountedTurn&) const;
   void add_node(const System&, int slot, int parent, int link);
+  void match_sign(const System& system, TreeNode& node) const;
   // Numbers of the motions of a node, and of the node `node` (-1: the ground), where the ground's is the first.
   static std::size_t motion_of(const TreeNode& node) { return static_cast<std::size_t>(node.slot + 1); }
   std::size_t motion_of(int node) const { return node < 0 ? 0 : motion_of(nodes_[static_cast<std::size_t>(node)]); }

@@ -152,12 +152,13 @@ void JointTree::variations(const State& y, std::span<const Motion> at, const Sta
 
 namespace {
 
-// Writes the coordinates of a turn r, with the rates of its axes; an angle within half a turn of that of `near`.
+// Writes the coordinates of a turn r, with the rates of its axes; an angle within half a turn of that of `near`, or without
+// one as the sign of r has it.
 void write_turn(const TreeNode& node, const Quat& r, const Vec3& rates, const State* near, State& out) {
   const int at_q = node.first_q + node.n_slides, at_v = node.first_v + node.n_slides;
   if (node.turn == TreeTurn::hinge) {
-    const double angle = 2.0 * std::atan2(r.vec().dot(node.hinge), r.w), about = near ? near->q[at_q] : 0.0;
-    out.q[at_q] = angle + kTwoPi * std::round((about - angle) / kTwoPi);
+    const double angle = 2.0 * std::atan2(r.vec().dot(node.hinge), r.w);
+    out.q[at_q] = near ? angle + kTwoPi * std::round((near->q[at_q] - angle) / kTwoPi) : angle;
     out.v[at_v] = rates[0];
   } else if (node.turn == TreeTurn::ball) {
     out.q.segment<4>(at_q) = r.coefficients();
