@@ -406,15 +406,28 @@ void check_channels(const Arguments& args, const Loaded& loaded, const System& s
     results.push_back({{"scene", loaded.scene.file}, {"channels", std::move(channels)}});
 }
 
-void check_scene(const Arguments& args, nlohmann::ordered_json& results) {
+int refused(const Error& error) {
+  fmt::print(stderr, "{} {}\n", error_mark(), error.what());
+  return exit_code_of(error);
+}
+
+// The exit code of a run of it, as far as its start: the findings stand before what that refuses.
+int check_scene(const Arguments& args, nlohmann::ordered_json& results) {
   const Loaded loaded = load(args);
   Mechanism m = build_mechanism(loaded.scene, loaded.registry);
-  if (args.channels) return check_channels(args, loaded, m.system, results);
+  if (args.channels) return check_channels(args, loaded, m.system, results), kExitOk;
   const Findings found = found_in(args, loaded, m);
   if (args.json)
     results.push_back(findings_json(loaded, m, found));
   else
     print_findings(loaded, m, found);
+  if (!found.moves.refused) return kExitOk;
+  try {
+    std::rethrow_exception(found.moves.refused);
+  } catch (const Error& error) {
+    if (args.json) results.back()["error"] = error.what();
+    return refused(error);
+  }
 }
 
 // Each is checked, whatever the others are; the first that fails decides the exit code.
@@ -423,13 +436,14 @@ int check_scenes(const Arguments& args, nlohmann::ordered_json& results) {
   Arguments one = args;
   const auto check = [&](const std::string& scene) {
     one.scene = scene;
+    int of_one = kExitOk;
     try {
-      check_scene(one, results);
+      of_one = check_scene(one, results);
     } catch (const Error& error) {
-      fmt::print(stderr, "{} {}\n", error_mark(), error.what());
+      of_one = refused(error);
       results.push_back({{"scene", scene}, {"error", error.what()}});
-      if (code == kExitOk) code = exit_code_of(error);
     }
+    if (code == kExitOk) code = of_one;
   };
   check(args.scene);
   for (const std::string& scene : args.more_scenes) {
@@ -449,7 +463,7 @@ int check_command(const Arguments& args) {
   if (several)
     code = check_scenes(args, results);
   else
-    check_scene(args, results);
+    code = check_scene(args, results);
   if (args.json) print_document(several ? results : results.front());
   return code;
 }

@@ -15,12 +15,13 @@ namespace {
 constexpr int kMostMotions = 12;        // told in words
 constexpr double kNearPosition = 1e-2;  // singular value of rows of length 1
 
-State counted_start(Dynamics& dynamics, Mechanism& m, const State& typed, NearRows& near) {
+State counted_start(Dynamics& dynamics, Mechanism& m, const State& typed, MobilityFindings& found) {
+  NearRows& near = found.near;
   State start = decided_start(dynamics, m, &near);
   try {
     if (m.run.assemble) assemble(dynamics, start, m.start_speeds, m.assembly);
   } catch (const Error&) {
-    start = typed;
+    found.refused = std::current_exception(), start = typed;
   }
   if (!near.looked) near = {true, nearly_redundant_at(dynamics, m, start)};
   return start;
@@ -42,7 +43,7 @@ nlohmann::ordered_json position_json(Dynamics& dynamics, const State& state, con
 
 MobilityFindings mobility_of(Dynamics& dynamics, Mechanism& m, const State& typed) {
   MobilityFindings found;
-  const State counted = counted_start(dynamics, m, typed, found.near);
+  const State counted = counted_start(dynamics, m, typed, found);
   found.mobility = mobility(dynamics, counted);
   found.reactions = uniqueness(dynamics, counted);
   found.position = branch_point(dynamics, counted);

@@ -1,6 +1,7 @@
 // What is counted and found of the mobility of a scene, for the verbs `mobility` and `check`.
 #pragma once
 
+#include <exception>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -22,9 +23,10 @@ struct MobilityFindings {
   nlohmann::ordered_json position_json;
   std::string position_words;  ///< "" in a regular one
   DriveReport moves;
+  std::exception_ptr refused;  ///< why a run would not start; null where it would
 };
 /// Counted where a run begins: a start typed with eight digits leaves none of a loop's freedoms. One that cannot be
-/// assembled is taken as it is typed; a run then says why.
+/// assembled is taken as it is typed, and `refused`.
 MobilityFindings mobility_of(Dynamics&, Mechanism&, const State& typed);
 
 /// Lines: bodies, unknowns, rows, freedoms; free motions in words; whether a singular position is near.
