@@ -77,6 +77,18 @@ void refuse_columns_of_masses(const Mechanism& m, const std::vector<std::string>
                    (without.size() == 1 ? " has none" : " have none") + "; give them, or leave the column out");
 }
 
+/// Here nothing is integrated: a column of a work is refused.
+void refuse_integrated_columns(Mechanism& m) {
+  for (const ChannelRequest& request : m.run.record) {
+    const std::size_t before = m.system.auxiliaries().size();
+    make_channel(m.system, request.channel);
+    for (std::size_t k = before; k < m.system.auxiliaries().size(); ++k)
+      refuse(request.where, "run.record",
+             "\"" + request.channel + "\" needs '" + m.system.auxiliaries()[k]->name() +
+                 "', which is integrated over time: take lockstep run for it, or leave the column out");
+  }
+}
+
 /// Columns of all drives and reactions, beside those that the scene records.
 void record_reactions(Mechanism& m) {
   const auto add = [&](const std::string& channel) {
@@ -182,6 +194,7 @@ int follow(const Arguments& args, bool inverse) {
   record_places(m);
   if (!without.empty()) refuse_columns_of_masses(m, without);
   if (inverse) record_reactions(m);
+  refuse_integrated_columns(m);
   const std::string csv = csv_path(args.record, args.scene);
   check_overwrites(csv, loaded.scene);
   GrowingFile file(csv);
