@@ -171,10 +171,10 @@ void StepLoop::warn_of_turns() {
 void StepLoop::warn_of_drift(double largest_before) {
   const double limit = options_.limits.of(system().length()).violation, now = report_.largest_violation;
   if (now <= limit || !(largest_before <= limit)) return;
-  warn(
-      fmt::format("{}: the constraints are violated by {:.2g} m after the step to t = {:.9g} s (limit {:.2g} m), so the "
-                  "result is wrong: project the end of each step (stabilization project, Dynamics::project)",
-                  method_->info().name, now, state_.t, limit));
+  warn(fmt::format(
+      "{}: the constraints are violated by {:.2g} m after the step to t = {:.9g} s (limit {:.2g} m), so the "
+      "result is wrong: project the end of each step (stabilization project, Dynamics::project)",
+      method_->info().name, now, state_.t, limit));
 }
 
 void StepLoop::warn(const std::string& text) {

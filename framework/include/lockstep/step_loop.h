@@ -121,7 +121,6 @@ struct Event {
 
 // StepLoop: runs a mechanism. Makes steps, ends them on jumps, events and output times, accepts them, calls observers.
 
-
 /// Limits beyond which the result of a run counts as wrong (EnergyAudit, recorder.h).
 struct AuditLimits {
   double energy = 1e-3;  ///< imbalance, relative to the energy exchanged (Audit::scale)

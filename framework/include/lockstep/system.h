@@ -182,8 +182,8 @@ class LOCKSTEP_API System {
   /// stays in it. The system must not be changed meanwhile.
   class LOCKSTEP_API InSpace {
    public:
-    explicit InSpace(System&);    ///< sets the system up; it must outlive this
-    ~InSpace() { end(); }         ///< as end()
+    explicit InSpace(System&);  ///< sets the system up; it must outlive this
+    ~InSpace() { end(); }       ///< as end()
     InSpace(const InSpace&) = delete;
     InSpace& operator=(const InSpace&) = delete;
     Plane plane() const { return plane_; }  ///< to which the system goes back; none where it stays as it is

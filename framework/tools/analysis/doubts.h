@@ -32,10 +32,10 @@ class LOCKSTEP_API Doubts final : public Observer {
  private:
   bool reactions_, loops_ = false;
   double tolerance_;
-  long beyond_ = 0,          // steps whose error is above the tolerance,
-      n_uncertain_ = 0;      // and instants beside a singular position: reactions may be off by more than a hundredth
-  double largest_ = 0,       // error of those steps, in tolerances,
-      first_ = 0;            // and the end of the first of them, s
+  long beyond_ = 0,      // steps whose error is above the tolerance,
+      n_uncertain_ = 0;  // and instants beside a singular position: reactions may be off by more than a hundredth
+  double largest_ = 0,   // error of those steps, in tolerances,
+      first_ = 0;        // and the end of the first of them, s
   std::vector<double> uncertain_;  // the first of those instants, kNamed at most, s
 };
 

@@ -277,8 +277,8 @@ bool put_into(Plane plane, const System& system, const State& from, State& state
 VecX multipliers_of(const RowTable& rows, const RowTable& in_space, const VecX& lambda) {
   VecX own(rows.n_rows);
   for (const RowEntry& e : rows.entries) {
-    const RowEntry& all = in_space.entries[static_cast<std::size_t>(
-        in_space.entry_of_link[static_cast<std::size_t>(e.link)])];
+    const RowEntry& all =
+        in_space.entries[static_cast<std::size_t>(in_space.entry_of_link[static_cast<std::size_t>(e.link)])];
     for (std::size_t k = 0; k < static_cast<std::size_t>(e.m); ++k)
       own[e.first_row + static_cast<int>(k)] =
           lambda[all.first_row + (std::ranges::find(all.own, e.own[k]) - all.own.begin())];
@@ -297,7 +297,8 @@ void go_back_to_plane(Dynamics& dynamics, System::InSpace& look, const State& st
   }
   look.end();
   for (std::size_t i = 0; i < found.size(); ++i)
-    found[i].report.lambda = multipliers_of(dynamics.gather_rows(found[i].state).rows(), rows[i], found[i].report.lambda);
+    found[i].report.lambda =
+        multipliers_of(dynamics.gather_rows(found[i].state).rows(), rows[i], found[i].report.lambda);
 }
 
 EquilibriumReport find_equilibrium(Dynamics& dynamics, State& state, const EquilibriumOptions& options) {

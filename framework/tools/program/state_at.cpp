@@ -49,8 +49,7 @@ MechanismAt state_at(std::unique_ptr<Mechanism> mechanism, const Registry& regis
 }
 
 MechanismAt state_at(const Loaded& loaded, double t) {
-  return state_at(std::make_unique<Mechanism>(build_mechanism(loaded.scene, loaded.registry)),
-                  loaded.registry, t);
+  return state_at(std::make_unique<Mechanism>(build_mechanism(loaded.scene, loaded.registry)), loaded.registry, t);
 }
 
 Vec3 read_vector(const std::string& option, const std::string& text) {
