@@ -104,18 +104,6 @@ TEST_CASE("a tolerance below what can be reached is told, and the run goes on", 
   CHECK(contains(result["doubts"][0].get<std::string>(), "the tolerance of 1e-12 was not reached"));
 }
 
-TEST_CASE("a tolerance below rounding is told", "[runner]") {
-  const std::string run = "run '" + std::string(paths::kScenes) +
-                          "/pendulum.json' --until 0.01 --no-picture --record below.csv --tolerance ";
-  const Called below = call(run + "1e-17");
-  INFO(below.text);
-  CHECK(below.exit == 0);
-  CHECK(contains(below.text, "tolerance: 1e-17 is less than rounding leaves of numbers of 16 digits"));
-  const Called reached = call(run + "1e-12");
-  INFO(reached.text);
-  CHECK_FALSE(contains(reached.text, "rounding leaves"));
-}
-
 // The other hinges of a loop turn along when its crank begins a turn and 20 degrees away; those of an open chain do not.
 TEST_CASE("a recorded angle whose turns nothing counts before the run is told", "[runner]") {
   const auto scene = [](const std::string& name, const std::string& angle, const std::string& on_B, bool closed) {

@@ -445,7 +445,7 @@ TEST_CASE("settings that cannot be meant are refused or said", "[runner]") {
   };
   check_refused(run(R"("output": 1e-12)"), 3, {"1e+12 rows; at most 1e+08"});
   check_refused(run(R"("output": 0.1)", "", "--tolerance 700"), 2,
-                {"--tolerance: 700 allows errors", "take 1 or less"});
+                {"--tolerance", "700 allows errors", "take 1 or less"});
   const Called turned =
       call("run '" + scene_file("turned", R"("bodies": [{"name": "a", "sphere": {"mass": 1, "radius": 1},
     "orientation": [0.74, 0.74, 0, 0]}], "run": {"until": 1})") +

@@ -83,7 +83,7 @@ TEST_CASE("A simulation refuses what it cannot make, with the next move", "[simu
   CHECK(says(message_of<Error>([&] { Simulation bad(system, {.integrator = "dop853:stage=auto"}); }), {"did you mean \"stages\""}));
   CHECK(says(message_of<Error>([&] { Simulation bad(system, {.solver = "shur"}); }), {"did you mean \"schur\""}));
   CHECK(says(message_of<Error>([&] { Simulation bad(system, {.integrator = "rk4"}); }), {"no step is given"}));
-  CHECK(says(message_of<Error>([&] { Simulation bad(system, {.tolerance = 0}); }), {"give a positive tolerance"}));
+  CHECK(says(message_of<Error>([&] { Simulation bad(system, {.tolerance = 0}); }), {"it must be greater than 0"}));
   Simulation run(system, {.integrator = "rk4", .step = 1e-3});
   run.run_until(0.01);
   CHECK(run.loop().report().steps == 10);

@@ -7,6 +7,7 @@
 #include <lockstep/text.h>
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/run_outputs.h"
+#include "framework/dynamics/integrate/tolerance.h"
 #include "framework/mechanism/params/refusals.h"
 
 namespace lockstep {
@@ -189,12 +190,8 @@ void read_clock(const Params& p, RunSettings& run, Refusals& wrong) {
 
 void read_limits(const Params& p, RunSettings& run, Refusals& wrong) {
   wrong.attempt([&] {
-    run.tolerance.relative = positive(p, "tolerance", "tolerance");
-    if (run.tolerance.relative > 100)
-      p.refuse("tolerance", text::brief(run.tolerance.relative) +
-                                " allows errors many times larger than the motion; take 1 or less, as 1e-6");
+    placed(p.value("tolerance").where, "run.tolerance", [&] { run.tolerance = tolerance_of(p.number("tolerance")); });
   });
-  run.tolerance.atol_x = 1e-2 * run.tolerance.relative;
   wrong.attempt([&] { run.limits.energy = positive(p, "energy_limit", "limit"); });
   wrong.attempt([&] {
     if (p.has("violation_limit")) run.limits.violation = positive(p, "violation_limit", "limit");

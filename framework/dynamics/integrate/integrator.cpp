@@ -1,7 +1,11 @@
 #include <lockstep/integrator.h>
 
+#include <cmath>
+#include <limits>
 #include <typeinfo>
 
+#include <lockstep/text.h>
+#include "framework/dynamics/integrate/tolerance.h"
 #include "framework/foundation/support/thrown.h"
 
 namespace lockstep {
@@ -11,6 +15,29 @@ Integrator::~Integrator() = default;
 bool Integrator::dense(double, State&) const { return false; }
 
 void Integrator::set_tolerance(const Tolerance&) {}
+
+void check_tolerance(const Tolerance& t) {
+  const auto bad = [](double x) { return !std::isfinite(x) || x < 0; };
+  if (bad(t.relative) || t.relative + t.atol_x == 0)
+    throw ModelError("the tolerance is " + text::brief(t.relative) + "; it must be greater than 0, such as 1e-8");
+  if (bad(t.atol_x))
+    throw ModelError("the absolute tolerance is " + text::brief(t.atol_x) + " m; it must be greater than 0");
+  if (t.relative > 100)
+    throw ModelError("the tolerance of " + text::brief(t.relative) +
+                     " allows errors many times larger than the motion; take 1 or less, as 1e-6");
+  constexpr double kRounding = std::numeric_limits<double>::epsilon();
+  if (t.relative > 0 && t.relative < kRounding)
+    throw ModelError("the tolerance of " + text::brief(t.relative) +
+                     " is less than rounding leaves of numbers of 16 "
+                     "digits (" +
+                     text::brief(kRounding) + "), and no step meets it; take 1e-13 or more");
+}
+
+Tolerance tolerance_of(double relative) {
+  const Tolerance t{relative, 1e-2 * relative};
+  check_tolerance(t);
+  return t;
+}
 
 double Integrator::first_step(Dynamics&, const State&, double) { return 0; }
 

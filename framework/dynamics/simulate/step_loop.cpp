@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include <lockstep/error.h>
+#include "framework/dynamics/integrate/tolerance.h"
 #include "framework/dynamics/simulate/along_laws.h"
 #include "framework/dynamics/simulate/consistency.h"
 #include "framework/dynamics/simulate/damping.h"
@@ -22,10 +23,7 @@ void check_options(const StepLoopOptions& options, const IntegratorInfo& info) {
   if (bad(options.step))
     throw ModelError(fmt::format("the step of {} s must be a number of seconds > 0", options.step));
   if (bad(options.output)) throw ModelError(fmt::format("the output interval of {} s must be > 0", options.output));
-  if (bad(options.tolerance.relative) || bad(options.tolerance.atol_x) ||
-      options.tolerance.relative + options.tolerance.atol_x == 0)
-    throw ModelError(fmt::format("the tolerance (relative {}, absolute {} m) must be > 0", options.tolerance.relative,
-                                 options.tolerance.atol_x));
+  check_tolerance(options.tolerance);
   const std::vector<double>& times = options.output_times;
   if (!std::is_sorted(times.begin(), times.end()) ||
       !std::all_of(times.begin(), times.end(), [](double t) { return std::isfinite(t); }))

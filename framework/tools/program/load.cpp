@@ -8,6 +8,7 @@
 #include <lockstep/text.h>
 #include "framework/description/scene/read.h"
 #include "framework/description/scene/reading.h"
+#include "framework/dynamics/integrate/tolerance.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/method_specs.h"
@@ -53,11 +54,12 @@ void put_settings(RunSettings& run, const Arguments& args, const Registry& regis
   if (!args.step.empty()) run.step = positive_number("--step", args.step, Unit::time);
   if (!args.until.empty()) run.until = instant("--until", args.until);
   if (!args.tolerance.empty()) {
-    run.tolerance.relative = positive_number("--tolerance", args.tolerance, Unit::none);
-    if (run.tolerance.relative > 100)
-      throw UsageError("--tolerance: " + text::brief(run.tolerance.relative) +
-                       " allows errors many times larger than the motion; take 1 or less, as 1e-6");
-    run.tolerance.atol_x = 1e-2 * run.tolerance.relative;
+    const double relative = positive_number("--tolerance", args.tolerance, Unit::none);
+    try {
+      run.tolerance = tolerance_of(relative);
+    } catch (const ModelError& error) {
+      throw UsageError(std::string("--tolerance: ") + error.what());
+    }
   }
   if (!args.formulation.empty())
     run.formulation = formulation_from(args.formulation);

@@ -96,12 +96,6 @@ void warn_of_settings(const Scene& scene, const Mechanism& m, const Arguments& a
   const bool in_scene = args.integrator.empty() && settings != nullptr && settings->find("tolerance") != nullptr;
   if ((in_scene || !args.tolerance.empty()) && !sim.integrator().info().adaptive)
     say(fmt::format("tolerance: \"{}\" takes fixed steps and has no use for it", run.integrator.type));
-  constexpr double kRounding = 1e-15;
-  if (sim.integrator().info().adaptive && run.tolerance.relative < kRounding)
-    say(
-        fmt::format("tolerance: {:g} is less than rounding leaves of numbers of 16 digits: steps grow shorter, and the "
-                    "motion no better; take 1e-13 or more",
-                    run.tolerance.relative));
 }
 
 std::string why_not_joint(const RunSettings& run, Dynamics& dynamics, const State& start, const Registry& registry) {

@@ -6,6 +6,7 @@
 #include <lockstep/log.h>
 #include <lockstep/registry.h>
 #include <lockstep/text.h>
+#include "framework/dynamics/integrate/tolerance.h"
 #include "framework/dynamics/simulate/start_turns.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/record/start_of_angle.h"
@@ -19,12 +20,10 @@ namespace {
 // The options of a system's run as the settings that a scene gives. The default solver needs six velocities per body; one
 // that is named means the formulation omega.
 RunSettings settings_of(const SimulationOptions& options, const Registry& registry) {
-  if (!(options.tolerance > 0) || !(options.absolute_tolerance >= 0))
-    throw ModelError("simulation: tolerance " + text::brief(options.tolerance) + ", absolute_tolerance " +
-                     text::brief(options.absolute_tolerance) + "; give a positive tolerance, such as 1e-8");
   RunSettings run;
-  run.tolerance.relative = options.tolerance;
-  run.tolerance.atol_x = options.absolute_tolerance > 0 ? options.absolute_tolerance : 0.01 * options.tolerance;
+  run.tolerance = tolerance_of(options.tolerance);
+  if (options.absolute_tolerance != 0) run.tolerance.atol_x = options.absolute_tolerance;
+  check_tolerance(run.tolerance);
   run.integrator = read_method_spec(options.integrator, types_of(registry.integrators));
   run.formulation = options.dynamics.formulation, run.stabilization = options.dynamics.stabilization;
   const bool quaternion = run.formulation == Formulation::quaternion;
@@ -77,7 +76,8 @@ StepLoop& Simulation::Parts::begun() {
                                                          .tolerance = settings.tolerance,
                                                          .output = settings.output,
                                                          .output_times = settings.times,
-                                                         .max_steps = settings.max_steps});
+                                                         .max_steps = settings.max_steps,
+                                                         .limits = settings.limits});
   runs->add_observer(*recorder);
   runs->set_state(begin(*evaluates, *runs, assembly));
   dynamics = std::move(evaluates), loop = std::move(runs);
