@@ -264,6 +264,9 @@ SceneTable link() {
       {"move", Form::translation_law, Unit::length, kOptional, "where P is held, S axes, on the rows x y z"},
       {"turn", Form::rotation_law, Unit::angle, kOptional, "how far P is held turned against S"},
       {"active", Form::boolean, Unit::none, true, "whether it holds from the start"},
+      {"hold", Form::boolean, Unit::none, false,
+       "whether it closes where its bodies stand: what its mask holds then is P as it stands against S at that "
+       "instant"},
       any("start", "how its free coordinates begin"),
       any("unilateral", "its one row may push but not pull: C >= 0 instead of C = 0"),
       any("stops", "ends of the travel of its free coordinates; links named \"A.stop_rz_low\", ..."),

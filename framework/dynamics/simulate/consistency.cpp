@@ -126,7 +126,8 @@ void check_links(Dynamics& dynamics, const State& state, const std::vector<std::
   const Evaluation& at = dynamics.gather_rows(state);
   const RowTable& rows = at.rows();
   for (const std::string& name : links) {
-    const int entry = rows.entry_of_link[static_cast<std::size_t>(dynamics.system().link(name).number())];
+    const Lock& link = dynamics.system().link(name);
+    const int entry = rows.entry_of_link[static_cast<std::size_t>(link.number())];
     if (entry < 0) continue;
     const RowEntry& e = rows.entries[static_cast<std::size_t>(entry)];
     VecX c = VecX::Zero(rows.n_rows);
@@ -135,8 +136,9 @@ void check_links(Dynamics& dynamics, const State& state, const std::vector<std::
     if (!(violation <= limit))
       throw AssemblyError(
           fmt::format("{} activates link '{}' at t = {:.9g} s, where it is {:.3g} m apart (limit {:.3g} m); "
-                      "activate it when its markers meet",
-                      cause, name, state.t, violation, limit));
+                      "activate it when its markers meet{}",
+                      cause, name, state.t, violation, limit,
+                      link.jointed() != nullptr ? ", or let it \"hold\" where its bodies stand" : ""));
   }
 }
 
@@ -180,7 +182,7 @@ std::string PositionJump::refusal(Dynamics& dynamics, const State& state, double
   if (jump <= limit) return "";
   return fmt::format(
       "a law jumps in position at t = {:.9g} s: {} by {:.3g} m (limit {:.3g} m), which no motion follows; "
-      "let it pass from one value to the other in a time (types ramp, cycloidal, spline)",
+      "let it pass from one value to the other in a time (types ramp, cycloid, spline)",
       state.t, largest_row(at, norms(at, C)), jump, limit);
 }
 

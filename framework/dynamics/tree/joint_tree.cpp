@@ -139,6 +139,7 @@ std::string refusal(const Lock& link, Plane plane) {
   const Jointed* joint = link.jointed();
   if (!joint) return who("is not a lock of a mask");
   if (link.unilateral()) return who("is one-sided");
+  if (joint->imposed().hold) return who("holds where its bodies stood");
   if (plane)
     for (const auto& [p, s] : link.pairs())
       if (is_moving(*p) || is_moving(*s)) return who("has a marker that moves on its body");

@@ -208,6 +208,7 @@ class LOCKSTEP_API MarkerLock : public Lock,
   void turn(LawPtr<RotationLaw> law) override;
   void drive(Axis axis, LawPtr<MotionLaw> law) override;
   void drive_speed(Axis axis, LawPtr<MotionLaw> law) override;
+  void hold() override;
 
   bool turned() const override { return imposed().turn != nullptr; }
   bool has_laws() const override { return (laws_ & with::all_laws) != 0; }
@@ -244,7 +245,7 @@ class LOCKSTEP_API MarkerLock : public Lock,
   void breakpoints(double t0, double t1, std::vector<double>& out) const override;
   std::string diagnose(double t) const override;
 
-  int n_states() const override { return lawful_ ? lawful_->n_speeds : 0; }
+  int n_states() const override { return lawful_ ? lawful_->n_states : 0; }
   void start_states(std::span<double> s) const override;
   void state_rates(const Inputs&, std::span<double> sd) const override;
   void engage(const Inputs&, std::span<double> s) const override;
@@ -267,6 +268,7 @@ class LOCKSTEP_API MarkerLock : public Lock,
  private:
   void add_drive(Drive drive);
   double coordinate(const Drive&, Pose rel, double t) const;  // of P against S, where q_D has turned it
+  void take_states(const Pose& rel, double t, std::span<double> s) const;  // those of P at this pose against S
   void refuse_when_set_up(const std::string& what) const;
   std::span<const double> own_states(const Inputs& in) const {
     const int n = n_states();
@@ -287,8 +289,8 @@ class LOCKSTEP_API MarkerLock : public Lock,
   /// What laws need: of the lock itself, and of its markers. A lock without any has none of it.
   struct Lawful {
     ImposedMotion imposed;
-    int n_speeds = 0;
-    std::vector<double> speed_start;
+    int n_states = 0;  ///< coordinates of drives of speed, or the pose that is held
+    std::vector<double> states_start;
     MarkerFrame P, S;  ///< made by setup(), as the markers move on their slots
   };
   Lawful& lawful();

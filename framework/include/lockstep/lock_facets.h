@@ -69,8 +69,9 @@ struct LOCKSTEP_API ImposedMotion {
   LawPtr<TranslationLaw> move{};  ///< p(t), or null
   LawPtr<RotationLaw> turn{};     ///< q_D(t), or null
   std::vector<Drive> drives{};    ///< on free axes
+  bool hold = false;              ///< P is held where it stood against S at closing; its pose is the link's states
 
-  bool empty() const { return !move && !turn && drives.empty(); }  ///< whether there is none
+  bool empty() const { return !move && !turn && drives.empty() && !hold; }  ///< whether there is none
   /// p and its rates: by `move` and the drives along axes. `s`: the integrated states of the link.
   ImposedTranslation translation(double t, std::span<const double> s) const;
   /// q_D and its rates: by `turn` and the drive about an axis.
@@ -96,6 +97,10 @@ class LOCKSTEP_API Jointed {
   virtual void drive(Axis axis, LawPtr<MotionLaw> law) = 0;
   /// The same with a law of the speed, m/s or rad/s. The coordinate begins at its value at the start and is integrated.
   virtual void drive_speed(Axis axis, LawPtr<MotionLaw> law) = 0;
+  /// Closes where the bodies stand: each time an event puts the link in force, P is held against S as it stands then on
+  /// the rows of the mask. A link that is in force at the start holds the pose of its bodies' homes. It takes no other
+  /// laws; setup throws ModelError where it has some.
+  virtual void hold() = 0;
 
  protected:
   ~Jointed() = default;

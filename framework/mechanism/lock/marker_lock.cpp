@@ -9,6 +9,11 @@
 #include <lockstep/body.h>
 
 namespace lockstep {
+namespace {
+
+constexpr int kPoseNumbers = 7;  // origin and quaternion of a pose that is held
+
+}  // namespace
 
 MarkerLock::MarkerLock(std::string name, Marker& p, Marker& s, Mask mask)
     : Lock(std::move(name)), p_(&p), s_(&s), mask_(mask), rows_(mask) {
@@ -68,7 +73,15 @@ void MarkerLock::drive(Axis axis, LawPtr<MotionLaw> law) { add_drive({axis, std:
 
 void MarkerLock::drive_speed(Axis axis, LawPtr<MotionLaw> law) {
   add_drive({axis, std::move(law), true, n_states()});
-  ++lawful().n_speeds;
+  ++lawful().n_states;
+}
+
+void MarkerLock::hold() {
+  refuse_when_set_up("\"hold\"");
+  if (mask_ == Mask::none)
+    throw ModelError("link '" + name() + "': its mask is empty, so that nothing can hold where its bodies stand");
+  lawful().imposed.hold = true;
+  lawful().n_states = kPoseNumbers;
 }
 
 void MarkerLock::add_drive(Drive drive) {
@@ -146,6 +159,12 @@ RowPlan MarkerLock::plan_rows() {
   if (imposed.move) laws_ |= with::p;
   if (imposed.turn) laws_ |= with::qD;
   for (const Drive& d : imposed.drives) laws_ |= is_rotation(d.axis) ? with::qD : with::p;
+  if (imposed.hold && (imposed.move || imposed.turn || !imposed.drives.empty() || unilateral() != nullptr))
+    throw ModelError(
+        "link '" + name() +
+        "': it holds where its bodies stand, and a law moves it or it is one-sided; remove one of the two");
+  if (imposed.hold && overlaps(mask_, Mask::xyz)) laws_ |= with::p;
+  if (imposed.hold && overlaps(mask_, Mask::e123)) laws_ |= with::qD;
   if (P.parallel() && S.parallel()) laws_ |= with::parallel;
   const auto grounded = static_cast<unsigned char>((side1_ < 0 ? 1 : 0) | (side2_ < 0 ? 2 : 0));
   plan.pattern = {laws_, rows_, mask_, grounded};
@@ -158,9 +177,8 @@ RowPlan MarkerLock::plan_rows() {
   }
   Lawful& own = lawful();
   own.P = P, own.S = S;
-  own.speed_start.assign(static_cast<std::size_t>(own.n_speeds), 0.0);
-  for (const Drive& d : own.imposed.drives)
-    if (d.speed) own.speed_start[static_cast<std::size_t>(d.state)] = coordinate(d, pose_at_start(*p_, *s_, P, S), 0.0);
+  own.states_start.assign(static_cast<std::size_t>(own.n_states), 0.0);
+  if (own.n_states > 0) take_states(pose_at_start(*p_, *s_, P, S), 0.0, own.states_start);
   return plan;
 }
 
@@ -177,16 +195,24 @@ void MarkerLock::engage(const Inputs& in, std::span<double> s) const {
     const Motion& O = in.slot(slot);
     return Pose{O.x, O.e} * Pose{m.u, m.q};
   };
-  const Pose rel = inverse(pose_of(slot2_, S_at(in.t))) * pose_of(slot1_, P_at(in.t));
+  take_states(inverse(pose_of(slot2_, S_at(in.t))) * pose_of(slot1_, P_at(in.t)), in.t, s);
+}
+
+void MarkerLock::take_states(const Pose& rel, double t, std::span<double> s) const {
   for (const Drive& d : imposed().drives)
-    if (d.speed) s[static_cast<std::size_t>(d.state)] = coordinate(d, rel, in.t);
+    if (d.speed) s[static_cast<std::size_t>(d.state)] = coordinate(d, rel, t);
+  if (!imposed().hold) return;
+  const Vec4 q = rel.q.coefficients();
+  std::copy(rel.x.begin(), rel.x.end(), s.begin());
+  std::copy(q.begin(), q.end(), s.begin() + 3);
 }
 
 void MarkerLock::start_states(std::span<double> s) const {
-  if (lawful_) std::copy(lawful_->speed_start.begin(), lawful_->speed_start.end(), s.begin());
+  if (lawful_) std::copy(lawful_->states_start.begin(), lawful_->states_start.end(), s.begin());
 }
 
 void MarkerLock::state_rates(const Inputs& in, std::span<double> sd) const {
+  if (imposed().hold) std::fill(sd.begin(), sd.end(), 0.0);
   for (const Drive& d : imposed().drives)
     if (d.speed) sd[static_cast<std::size_t>(d.state)] = d.law->at(in.t).y;
 }
@@ -208,6 +234,7 @@ ImposedTranslation ImposedMotion::translation(double t, std::span<const double> 
     const TranslationValue l = move->at(t);
     D.p = l.x, D.pd = l.v, D.pdd = l.a;
   }
+  if (hold) D.p = Vec3(s[0], s[1], s[2]);
   for (const Drive& d : drives) {
     if (is_rotation(d.axis)) continue;
     const int k = axis_index(d.axis);
@@ -223,6 +250,7 @@ ImposedRotation ImposedMotion::rotation(double t, std::span<const double> s) con
     const RotationValue l = turn->at(t);
     D.q = l.q, D.w = l.w, D.a = l.a;
   }
+  if (hold) D.q = Quat::from(s[3], Vec3(s[4], s[5], s[6]));
   for (const Drive& d : drives) {  // q_D <- q_D Rot_k(y): at most one, since the other two turns are held
     if (!is_rotation(d.axis)) continue;
     const Vec3 n = Vec3::Unit(axis_index(d.axis) % 3);

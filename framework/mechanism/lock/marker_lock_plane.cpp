@@ -63,6 +63,7 @@ bool MarkerLock::laws_stay_in_plane(Plane plane) const {
 
 // Throws if a law leaves the plane at this time.
 void MarkerLock::refuse_leaving_plane(const Inputs& in) const {
+  if (imposed().hold) return;  // where its bodies stand in the plane
   const int a = flat_->turn_axis;
   if ((laws_ & with::p) && includes(rows_, row_bit(a)) && imposed_translation(in).p[a] != 0) leaves_plane(*this, in.t);
   if (!(laws_ & with::qD)) return;

@@ -61,12 +61,12 @@ DrivenMotion::DrivenMotion(Dynamics& dynamics, State start) : dynamics_(dynamics
 
 void DrivenMotion::check_states() const {
   const System& system = dynamics_.system();
-  if (static_cast<int>(speed_drives_.size()) == system.n_states()) return;
   std::vector<std::string> names;
   for (const auto& each : system.auxiliaries()) names.push_back("'" + each->name() + "'");
   for (const auto& link : system.links())
     if (link->n_own_states() > 0 && link->jointed() == nullptr) names.push_back("'" + link->name() + "'");
-  throw ModelError("the motion is not determined by laws: " + (names.empty() ? "something" : text::join(names)) +
+  if (names.empty()) return;
+  throw ModelError("the motion is not determined by laws: " + text::join(names) +
                    " is integrated over time (a controller, a work), which needs a run; leave it out");
 }
 

@@ -286,7 +286,8 @@ std::vector<std::string> notes_on(const System& system, const State& state) {
       notes.push_back(state.modes[static_cast<std::size_t>(link->number())]
                           ? "one-sided link '" + link->name() + "' is in contact and held as two-sided"
                           : "one-sided link '" + link->name() + "' is open and left out");
-    if (link->n_own_states() > 0) notes.push_back("link '" + link->name() + "': the speed of its drive is held");
+    if (link->n_own_states() > 0 && !link->jointed()->imposed().hold)
+      notes.push_back("link '" + link->name() + "': the speed of its drive is held");
     if (link->n_own_memory() > 0) notes.push_back("link '" + link->name() + "': its memory is held");
   }
   for (const auto& force : system.forces()) {

@@ -107,7 +107,7 @@ std::string keeper_of(const Lock& link, int own) {
   if (link.row(own).drive >= 0 || (link.pattern().laws & kOfMarkers) != 0) return law;
   const ImposedMotion& imposed = link.jointed()->imposed();
   const bool along = link.row_kind(own) == RowKind::translation;
-  return (along ? imposed.move != nullptr : imposed.turn != nullptr) ? law : "";
+  return imposed.hold || (along ? imposed.move != nullptr : imposed.turn != nullptr) ? law : "";
 }
 
 void add_name(const std::string& name, std::vector<std::string>& names) {
