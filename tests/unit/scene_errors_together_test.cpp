@@ -44,9 +44,10 @@ TEST_CASE("what is wrong with things of several lists is said at once, but for w
     return all;
   }();
   const std::vector<std::vector<std::string>> wanted = {
-      {"body 'a'", "mass is 0"}, {"body 'b'", "\"velocit\""},  {"body 'b'", "\"positoin\""}, {"body 'c', position"},
-      {"body 'c', velocity"},    {"marker 'on_d'", "\"att\""}, {"link 'M', p", "\"x\""},     {"force 'f'", "\"forc\""},
-      {"event 'h', at"},         {"run.integrator", "rk5"}};
+      {"body 'a'", "mass is 0"}, {"body 'b'", "\"velocit\""}, {"body 'b'", "\"positoin\""},
+      {"body 'c', position"},    {"body 'c', velocity"},      {"marker 'on_d'", "\"att\""},
+      {"link 'M', p", "\"x\""},  {"force 'f'", "\"forc\""},   {"force 'g'", "\"coefficient\""},
+      {"event 'e', at", "-1"},   {"event 'h', at"},           {"run.integrator", "rk5"}};
   REQUIRE(lines.size() == wanted.size());
   for (std::size_t i = 0; i < wanted.size(); ++i)
     for (const std::string& word : wanted[i]) CHECK(lines[i].find(word) != std::string::npos);

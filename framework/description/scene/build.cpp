@@ -47,20 +47,52 @@ double positive(const Params& p, const std::string& key, const std::string& what
   return x;
 }
 
-// `read`: what was being read; null: an error that is told of no place.
-void SceneErrors::note(const Value& read, const SceneError* error) {
-  if (error != nullptr && !names_failed(read)) refusals_.add(*error);
-  if (const Value* name = read.find("name"); name != nullptr && name->text() != nullptr) failed_.insert(*name->text());
-}
+namespace {
 
-// Whether the object names a thing that failed, or what such a thing brings with it ("A.friction").
-bool SceneErrors::names_failed(const Value& v) const {
+// Whether the value names one of these things, or what such a thing brings with it ("A.friction", "A.x@B").
+bool names_one(const Value& v, const std::set<std::string, std::less<>>& names) {
   if (const Value::List* items = v.list())
-    return std::any_of(items->begin(), items->end(), [&](const Value& each) { return names_failed(each); });
+    return std::any_of(items->begin(), items->end(), [&](const Value& each) { return names_one(each, names); });
   if (const Value::Object* members = v.object())
     return std::any_of(members->begin(), members->end(),
-                       [&](const Value::Member& m) { return m.key != "name" && names_failed(m.value); });
-  return v.text() != nullptr && failed_.contains(std::string_view(*v.text()).substr(0, v.text()->find('.')));
+                       [&](const Value::Member& m) { return m.key != "name" && names_one(m.value, names); });
+  if (v.text() == nullptr) return false;
+  const std::string_view word = *v.text();
+  const std::size_t at = word.find('@');
+  return names.contains(word.substr(0, word.find_first_of(".@"))) ||
+         (at != std::string_view::npos && names.contains(word.substr(at + 1)));
+}
+
+// The value within this one, or the one of a key within it, at the place of an error; null: there is none.
+const Value* value_at(const Value& v, const ErrorData& error) {
+  const auto is_there = [&](const Where& where) {
+    return where.line > 0 && where.line == error.line && where.column == error.column;
+  };
+  const auto within = [&](const Value& each) { return is_there(each.where) ? &each : value_at(each, error); };
+  if (const Value::List* items = v.list())
+    for (const Value& each : *items)
+      if (const Value* found = within(each)) return found;
+  if (const Value::Object* members = v.object())
+    for (const Value::Member& m : *members)
+      if (const Value* found = is_there(m.where) ? &m.value : within(m.value)) return found;
+  return nullptr;
+}
+
+}  // namespace
+
+// `read`: what was being read; null: an error that is told of no place.
+void SceneErrors::note(const Value& read, const SceneError* error) {
+  if (error != nullptr && is_own(read, *error)) refusals_.add(*error);
+  if (const Value* name = read.find("name"); name != nullptr && name->text() != nullptr)
+    if (!stand_ins_.contains(*name->text())) failed_.insert(*name->text());
+}
+
+bool SceneErrors::is_within(const Value& read, const SceneError& error) { return value_at(read, error) != nullptr; }
+
+// Not what follows from the failure of another thing.
+bool SceneErrors::is_own(const Value& read, const SceneError& error) const {
+  if (const Value* at = value_at(read, error)) return !names_one(*at, failed_);
+  return !names_one(read, failed_) && !names_one(read, stand_ins_);
 }
 
 bool Builder::is_taken(const std::string& kind, const std::string& name) const {
@@ -75,9 +107,15 @@ std::vector<std::string> Builder::names(const std::string& kind) const {
   return all;
 }
 
-std::string Builder::claim(const Params& object, const std::string& kind) {
-  const std::string name = object.text("name");
-  const Where& where = object.value("name").where;
+std::string Builder::claim(const Value& name, const std::string& kind) {
+  if (!errors_.attempt(Value(), [&] { check_name(*name.text(), name.where, kind); })) return unnamed();
+  taken_[kind][*name.text()] = name.where;
+  return *name.text();
+}
+
+std::string Builder::unnamed() { return "(unnamed " + std::to_string(++n_unnamed_) + ")"; }
+
+void Builder::check_name(const std::string& name, const Where& where, const std::string& kind) const {
   const std::string owner = owner_of(kind, name);
   if (name.empty()) refuse(where, kind, "the name is empty; give it one");
   for (const char c : name)
@@ -91,14 +129,11 @@ std::string Builder::claim(const Params& object, const std::string& kind) {
   for (const char* other : {"body", "marker", "link", "force", "event"}) {
     const bool shared =
         other == kind || (kind != "event" && std::string(other) != "event");  // a channel's name is unambiguous
-    const auto found = taken_[other].find(name);
-    if (shared && found != taken_[other].end())
+    if (shared && is_taken(other, name))
       refuse(where, owner,
-             "the name is already taken by a " + std::string(other) + " at " + found->second.text() +
+             "the name is already taken by a " + std::string(other) + " at " + taken_.at(other).at(name).text() +
                  "; rename one of the two");
   }
-  taken_[kind][name] = where;
-  return name;
 }
 
 void Builder::build() {
@@ -114,6 +149,7 @@ void Builder::build() {
   errors_.attempt(of_no_thing, [&] { make_integrator(out_.run, registry_); });
   errors_.attempt(of_no_thing, [&] { make_solver(out_.run, registry_); });
   errors_.attempt(of_no_thing, [&] { check_assembled(); });
+  if (!errors_.empty() && also_) also_(out_, errors_);
   errors_.raise();
   set_merge(root.text("merge"));
   set_up(root);
@@ -217,10 +253,12 @@ Scene in_space(Scene scene) {
   return scene;
 }
 
-Mechanism build_mechanism(const Scene& scene, const Registry& registry) {
+Mechanism build_mechanism(const Scene& scene, const Registry& registry) { return build_mechanism(scene, registry, {}); }
+
+Mechanism build_mechanism(const Scene& scene, const Registry& registry, const AlsoWrong& also) {
   Mechanism mechanism;
   mechanism.methods.integrators = registry.integrators, mechanism.methods.solvers = registry.solvers;
-  with_formulas(scene, [&] { Builder(scene, registry, mechanism).build(); });
+  with_formulas(scene, [&] { Builder(scene, registry, mechanism, also).build(); });
   return mechanism;
 }
 

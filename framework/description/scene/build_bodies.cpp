@@ -278,7 +278,24 @@ void keep(const std::string& body, const Solids& solids, Mechanism& out) {
 }  // namespace
 
 void Builder::bodies(const Params& root) {
-  errors_.for_each(root, "bodies", "body", [&](const Value& object, const std::string& owner) { body(object, owner); });
+  errors_.for_each(
+      root, "bodies", "body", [&](const Value& object, const std::string& owner) { body(object, owner); },
+      [&](const Value& object, const std::string&) { stand_in(object); });
+}
+
+// What names a body that failed is built with another one in its place, so that what else is wrong with it is seen.
+void Builder::stand_in(const Value& object) {
+  const Value* key = object.find("name");
+  if (key == nullptr || key->text() == nullptr) return;
+  const std::string& name = *key->text();
+  for (const Body& body : system_.bodies())
+    if (body.name == name) return;
+  if (!is_taken("body", name) && claim(*key, "body") != name) return;
+  if (object.find("particle") != nullptr)
+    system_.add_particle(name, 1, Vec3::Zero());
+  else
+    system_.add_body(name, shapes::sphere(1, 1), Pose{});
+  errors_.stand_in(name);
 }
 
 // What it looks like: colour, and shapes beside or in place of those that give its mass.
@@ -297,7 +314,7 @@ void Builder::visual(const Params& body, const std::string& name) {
 
 void Builder::body(const Value& object, const std::string& owner) {
   const Params p = params_of(object, "body", owner, &registry_);
-  const std::string name = claim(p, "body");
+  const std::string name = claim(p.value("name"), "body");
   matter(object, p, name);
   visual(p, name);
 }
@@ -346,13 +363,14 @@ void Builder::matter(const Value& object, const Params& p, const std::string& na
 }
 
 void Builder::markers(const Params& root) {
-  errors_.for_each(root, "markers", "marker",
-                   [&](const Value& object, const std::string& owner) { marker(object, owner); });
+  errors_.for_each(
+      root, "markers", "marker", [&](const Value& object, const std::string& owner) { marker(object, owner); },
+      [](const Value&, const std::string&) {});
 }
 
 void Builder::marker(const Value& object, const std::string& owner) {
   const Params p = params_of(object, "marker", owner, &registry_);
-  const std::string name = claim(p, "marker");
+  const std::string name = claim(p.value("name"), "marker");
   const std::string carrier = p.text("body");
   if (carrier != "ground" && !is_taken("body", carrier)) {
     std::vector<std::string> known = names("body");

@@ -8,8 +8,9 @@
 namespace lockstep {
 
 void Builder::forces(const Params& root) {
-  errors_.for_each(root, "forces", "force",
-                   [&](const Value& object, const std::string& owner) { force(object, owner); });
+  errors_.for_each(
+      root, "forces", "force", [&](const Value& object, const std::string& owner) { force(object, owner); },
+      [&](const Value& object, const std::string& owner) { note_sides(object, owner); });
 }
 
 // The markers of the link on whose coordinate a force acts.
@@ -23,7 +24,7 @@ std::pair<Marker*, Marker*> Builder::markers_of(const Params& p, const Lock& lin
 void Builder::force(const Value& object, const std::string& owner) {
   const Split parts =
       placed(object.where, [&] { return split(object, scene_table("force"), registry_.forces, owner, registry_); });
-  const std::string name = claim(parts.common, "force");
+  const std::string name = claim(parts.common.value("name"), "force");
   Attachment where = attachment(parts.common, name, false);
   const auto* entry = registry_.forces.find(parts.type);
   const bool on_coordinate = entry->origin == "built in" && parts.type == "function_force";
@@ -46,8 +47,9 @@ void Builder::force(const Value& object, const std::string& owner) {
 }
 
 void Builder::events(const Params& root) {
-  errors_.for_each(root, "events", "event",
-                   [&](const Value& object, const std::string& owner) { event(object, owner); });
+  errors_.for_each(
+      root, "events", "event", [&](const Value& object, const std::string& owner) { event(object, owner); },
+      [](const Value&, const std::string&) {});
 }
 
 // The links and forces that an event switches.
@@ -73,7 +75,7 @@ void Builder::event(const Value& object, const std::string& owner) {
   EventRequest request;
   request.where = object.where;
   Event& e = request.event;
-  e.name = claim(p, "event");
+  e.name = claim(p.value("name"), "event");
   if (p.has("at") == p.has("when"))
     p.refuse(p.has("when") ? "when" : "name", p.has("when")
                                                   ? "\"at\" is given as well; remove one of the two"

@@ -59,18 +59,28 @@ void warn_of_held_turns(const Params& p, const std::string& type, const System& 
 
 }  // namespace
 
+void Builder::check_side(const Value& word, const std::string& context) const {
+  const std::string& name = *word.text();
+  if (name == "ground" || is_taken("marker", name) || is_taken("body", name)) return;
+  std::vector<std::string> known = names("marker");
+  for (std::string& body : names("body")) known.push_back(std::move(body));
+  known.push_back("ground");
+  refuse(word.where, context, "unknown marker or body \"" + name + "\"" + text::suggestion(name, known));
+}
+
+// The sides of what was refused, perhaps for another reason.
+void Builder::note_sides(const Value& object, const std::string& owner) {
+  for (const char* key : {"p", "s"})
+    if (const Value* word = object.find(key); word != nullptr && word->text() != nullptr)
+      errors_.attempt(*word, [&] { check_side(*word, part_of(owner, key)); });
+}
+
 // The marker that the key names, or a new one on the body that it names. `other` is the home pose of the marker on the
 // other side, if it exists already, and the default of the new one.
 Marker* Builder::side(const Params& p, const std::string& key, const std::string& name, const Pose* other) {
   const std::string word = p.text(key);
   if (is_taken("marker", word)) return &system_.marker(word);
-  if (word != "ground" && !is_taken("body", word)) {
-    std::vector<std::string> known = names("marker");
-    const std::vector<std::string> bodies = names("body");
-    known.insert(known.end(), bodies.begin(), bodies.end());
-    known.push_back("ground");
-    p.refuse(key, "unknown marker or body \"" + word + "\"" + text::suggestion(word, known));
-  }
+  check_side(p.value(key), part_of(p.owner(), key));
   Body& body = system_.body(word);
   Pose world{Vec3::Zero(), axes_of(p)};
   if (!origin_of(p, key, body, world.x)) {
@@ -150,14 +160,16 @@ Attachment Builder::pairs(const Params& p, const std::string& name) {
 }
 
 void Builder::links(const Params& root) {
-  errors_.for_each(root, "links", "link", [&](const Value& object, const std::string& owner) { link(object, owner); });
+  errors_.for_each(
+      root, "links", "link", [&](const Value& object, const std::string& owner) { link(object, owner); },
+      [&](const Value& object, const std::string& owner) { note_sides(object, owner); });
 }
 
 void Builder::link(const Value& object, const std::string& owner) {
   const Split parts =
       placed(object.where, [&] { return split(object, scene_table("link"), registry_.links, owner, registry_); });
   const Params& p = parts.common;
-  const std::string name = claim(p, "link");
+  const std::string name = claim(p.value("name"), "link");
   if (!p.has("pairs") && !p.has("p") && !p.has("s"))
     refuse(
         object.where, owner,
@@ -169,7 +181,14 @@ void Builder::link(const Value& object, const std::string& owner) {
         refuse(object.where, owner,
                "missing key \"" + std::string(key) +
                    "\"; a link has both sides, and a coupling of joints, such as a gear, \"pairs\" in their place");
-  const Attachment where = p.has("pairs") ? pairs(p, name) : attachment(p, name, true);
+  Attachment where;
+  try {
+    where = p.has("pairs") ? pairs(p, name) : attachment(p, name, true);
+  } catch (const SceneError&) {  // its own keys may be wrong too
+    Marker& any = system_.add_marker(unnamed(), system_.body("ground"));
+    errors_.within(object, [&] { registry_.links.make_checked(parts.type, {name, {{&any, &any}}}, parts.own); });
+    throw;
+  }
   placed(object.where, [&] {
     std::unique_ptr<Lock> made = registry_.links.make_checked(parts.type, where, parts.own);
     if (made->pairs().size() < where.pairs.size())
@@ -188,11 +207,12 @@ void Builder::link(const Value& object, const std::string& owner) {
 
 void Builder::laws(const Params& p, Lock& link) {
   Jointed* joint = link.jointed();
-  for (const char* key : {"move", "turn"})
+  for (const char* key : {"move", "turn", "hold"})
     if (joint == nullptr && p.has(key))
       p.refuse(key, "a link of type \"" + std::string(link.type()) + "\" takes no imposed motion; remove it");
   if (p.has("move")) placed(p.value("move").where, [&] { joint->move(p.translation_law("move")); });
   if (p.has("turn")) placed(p.value("turn").where, [&] { joint->turn(p.rotation_law("turn")); });
+  if (p.boolean("hold")) joint->hold();
 }
 
 // One drive, or a list of them.

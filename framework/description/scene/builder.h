@@ -1,6 +1,7 @@
 // Builder: builds a mechanism from a scene. Private to this room.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <set>
@@ -50,55 +51,91 @@ decltype(auto) placed(const Where& where, F&& f) {
   return placed(where, "", std::forward<F>(f));
 }
 
-/// What is wrong with the things of a scene. All of them are tried; of those that hang on one that failed nothing is
-/// said, since that one may be all that is wrong.
-class SceneErrors {
+/// What is wrong with the things of a scene. All of them are tried; of one that names another which failed only that is
+/// said which is wrong with values of its own, since the other one may be all that is wrong.
+class LOCKSTEP_API SceneErrors {
  public:
-  /// Calls build(object, owner) for the objects of a list, each "bodies[2]" or "body 'a'".
-  template <class Build>
-  void for_each(const Params& root, const std::string& list, const std::string& kind, Build&& build) {
+  /// Calls build(object, owner) for the objects of a list, each "bodies[2]" or "body 'a'", and failed(object, owner) for
+  /// those that it refuses.
+  template <class Build, class Failed>
+  void for_each(const Params& root, const std::string& list, const std::string& kind, Build&& build, Failed&& failed) {
     attempt(root.value(list), [&] {
       const Value::List& items = objects_of(root, list);
       for (std::size_t i = 0; i < items.size() && !refusals_.full(); ++i)
-        attempt(items[i], [&] { build(items[i], owner_of(kind, items[i], list, i)); });
+        attempt(items[i], [&] {
+          const std::string owner = owner_of(kind, items[i], list, i);
+          try {
+            build(items[i], owner);
+          } catch (const SceneError&) {
+            failed(items[i], owner);
+            throw;
+          }
+        });
     });
   }
-  /// Runs what reads the value, and keeps what is refused, unless the value names what failed.
+  /// Runs what reads the value, and keeps what is refused; not what may follow from a failure of another thing that the
+  /// value names. Returns whether nothing was.
   template <class F>
-  void attempt(const Value& read, F&& act) {
+  bool attempt(const Value& read, F&& act) {
     try {
       std::forward<F>(act)();
+      return true;
     } catch (const SceneError& error) {
       note(read, &error);
     } catch (const ModelError&) {  // of a System that lacks what failed
       if (refusals_.empty()) throw;
       note(read, nullptr);
     }
+    return false;
   }
+  /// The same, of what stands at a value within the one that is read.
+  template <class F>
+  void within(const Value& read, F&& act) {
+    try {
+      std::forward<F>(act)();
+    } catch (const SceneError& error) {
+      if (is_within(read, error)) note(read, &error);
+    } catch (const Error&) {
+    }
+  }
+  /// A body of this name stands in for one that failed: things that name it are built, and may not fit it.
+  void stand_in(const std::string& name) { stand_ins_.insert(name); }
+  bool empty() const { return refusals_.empty(); }
   /// Throws one SceneError of all, a line each, where there are any.
   void raise() const { refusals_.raise(); }
 
  private:
+  using Names = std::set<std::string, std::less<>>;
   void note(const Value& read, const SceneError* error);
-  bool names_failed(const Value&) const;
+  bool is_own(const Value& read, const SceneError&) const;
+  static bool is_within(const Value& read, const SceneError&);
 
   Refusals refusals_;
-  std::set<std::string, std::less<>> failed_;  // names
+  Names failed_, stand_ins_;
 };
+
+/// Looks at what was built although other things failed: notes what is wrong besides.
+using AlsoWrong = std::function<void(Mechanism&, SceneErrors&)>;
+
+/// build_mechanism() of scene.h, which also notes what is wrong for the caller where something is refused.
+LOCKSTEP_API Mechanism build_mechanism(const Scene&, const Registry&, const AlsoWrong&);
 
 class Builder {
  public:
-  Builder(const Scene& scene, const Registry& registry, Mechanism& out)
-      : scene_(scene), registry_(registry), out_(out), system_(system_of(out)) {}
+  Builder(const Scene& scene, const Registry& registry, Mechanism& out, const AlsoWrong& also)
+      : scene_(scene), registry_(registry), out_(out), system_(system_of(out)), also_(also) {}
   void build();
 
  private:
   void bodies(const Params& root);
   void body(const Value& object, const std::string& owner);
+  void stand_in(const Value& object);
   void matter(const Value& object, const Params& body, const std::string& name);
   void visual(const Params& body, const std::string& name);
   void markers(const Params& root);
   void marker(const Value& object, const std::string& owner);
+  void check_side(const Value& word, const std::string& context) const;
+  void note_sides(const Value& object, const std::string& owner);
   Marker* side(const Params& link, const std::string& key, const std::string& name, const Pose* other);
   Attachment attachment(const Params& common, const std::string& name, bool both);
   Attachment pairs(const Params& link, const std::string& name);
@@ -123,8 +160,10 @@ class Builder {
   std::shared_ptr<const JointTree> tree() const;
   const VelocityTarget* start_out_of(Plane) const;
 
-  // Notes the name of a new thing; refuses names that are taken, empty or ambiguous in channels.
-  std::string claim(const Params& object, const std::string& kind);
+  // Takes the name of a new thing; one that is taken, empty or ambiguous in channels is noted, and another taken.
+  std::string claim(const Value& name, const std::string& kind);
+  void check_name(const std::string& name, const Where&, const std::string& kind) const;
+  std::string unnamed();  // a name for what cannot have its own
   bool is_taken(const std::string& kind, const std::string& name) const;
   std::vector<std::string> names(const std::string& kind) const;  // all; for words of a refusal
 
@@ -132,7 +171,9 @@ class Builder {
   const Registry& registry_;
   Mechanism& out_;
   System& system_;  // of out_
+  const AlsoWrong& also_;
   std::map<std::string, std::map<std::string, Where>> taken_;  // kind -> name -> place
+  int n_unnamed_ = 0;                                          // things whose names were refused
   SceneErrors errors_;
 };
 

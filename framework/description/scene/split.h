@@ -10,6 +10,7 @@
 #include <lockstep/text.h>
 #include "framework/description/scene/tables.h"
 #include "framework/mechanism/params/read.h"
+#include "framework/mechanism/params/refusals.h"
 
 namespace lockstep {
 
@@ -49,16 +50,27 @@ inline Value without_own(Value object, const Keys& common) {
 }
 
 /// Checks the object against both tables, makes its laws and splits it. Throws SceneError; for an unknown type, with
-/// the closest one.
+/// the closest one, and with what is wrong if that is meant.
 template <class Shelf>
 Split split(const Value& object, const SceneTable& table, const Shelf& shelf, const std::string& owner,
             const Registry& laws) {
   const Value* type = object.find("type");
   const auto* entry = type != nullptr && type->text() != nullptr ? shelf.find(*type->text()) : nullptr;
-  if (type != nullptr && type->text() != nullptr && entry == nullptr)
-    refuse(type->where, owner,
-           "unknown type \"" + *type->text() + "\"" + text::suggestion(*type->text(), shelf.names()) +
-               " (a plugin that brings it is named under \"requires\")");
+  if (type != nullptr && type->text() != nullptr && entry == nullptr) {
+    Refusals wrong;
+    wrong.attempt([&] {
+      refuse(type->where, owner,
+             "unknown type \"" + *type->text() + "\"" + text::suggestion(*type->text(), shelf.names()) +
+                 " (a plugin that brings it is named under \"requires\")");
+    });
+    if (const std::string near = text::closest_name(*type->text(), shelf.names()); !near.empty()) {
+      Value meant = object;
+      for (Value::Member& m : *meant.object())
+        if (m.key == "type") m.value = near;
+      wrong.attempt([&] { split(meant, table, shelf, owner, laws); });
+    }
+    wrong.raise();
+  }
   const Keys own_keys = entry != nullptr ? entry->info.keys : Keys{};
   // messages list the type's own keys first
   const TypeInfo both{table.info.name, table.info.help, keys_together(own_keys, without(table.info.keys, own_keys))};

@@ -414,7 +414,7 @@ int refused(const Error& error) {
 // The exit code of a run of it, as far as its start: the findings stand before what that refuses.
 int check_scene(const Arguments& args, nlohmann::ordered_json& results) {
   const Loaded loaded = load(args);
-  Mechanism m = build_mechanism(loaded.scene, loaded.registry);
+  Mechanism m = build_observed(loaded.scene, loaded.registry);
   if (args.channels) return check_channels(args, loaded, m.system, results), kExitOk;
   const Findings found = found_in(args, loaded, m);
   if (args.json)

@@ -9,6 +9,7 @@
 #include "framework/mechanism/params/refusals.h"
 #include "framework/mechanism/params/units.h"
 #include "framework/tools/record/start_of_angle.h"
+#include "framework/tools/sweep/scene_run.h"
 
 namespace lockstep {
 
@@ -64,6 +65,21 @@ Event make_event(Mechanism& m, const EventRequest& request, Recorder& recorder) 
 }
 
 }  // namespace
+
+Mechanism build_observed(const Scene& scene, const Registry& registry) {
+  return build_mechanism(scene, registry, [](Mechanism& m, SceneErrors& wrong) {
+    if (!wrong.attempt(Value(), [&] { m.system.setup(); })) return;
+    const auto look_for = [&](const std::string& channel, const Where& where, const std::string& context) {
+      if (channel.empty()) return;
+      Value name(channel);
+      name.where = where;
+      wrong.attempt(Value::List{name}, [&] { placed(where, context, [&] { make_channel(m.system, channel); }); });
+    };
+    for (const ChannelRequest& r : m.run.record) look_for(r.channel, r.where, "run.record");
+    for (const EventRequest& e : m.events)
+      look_for(e.channel, e.where, owner_of("event", e.event.name) + ", when.channel");
+  });
+}
 
 std::vector<Event> make_events(Mechanism& m, Recorder& recorder) {
   std::vector<Event> events;

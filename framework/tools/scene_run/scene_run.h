@@ -23,6 +23,9 @@ inline Dynamics make_dynamics(Mechanism& m, const Registry& registry) {
   return Dynamics(system_of(m), make_solver(m.run, registry), {m.run.formulation, m.run.stabilization});
 }
 
+/// build_mechanism(), which says of a scene that is refused also which channels of "record" and of events are unknown.
+LOCKSTEP_API Mechanism build_observed(const Scene&, const Registry&);
+
 /// Rows that nearly depend on others at a start.
 struct NearRows {
   bool looked = false;  ///< whether they were looked for
