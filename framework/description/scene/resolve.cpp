@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <map>
+#include <optional>
 #include <set>
 #include <sstream>
 #include <string>
@@ -18,6 +19,7 @@
 #include "framework/description/scene/repeat.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/refusals.h"
+#include "framework/mechanism/params/units.h"
 
 namespace lockstep {
 namespace {
@@ -60,6 +62,20 @@ Texts texts_of_type(const std::string& type) {
   look(types.laws), look(types.translation_laws), look(types.rotation_laws);
   look(types.links), look(types.forces);
   return texts;
+}
+
+// The words of texts that may be names.
+void add_names(const Value& v, std::set<std::string>& names) {
+  if (const Value::List* items = v.list())
+    for (const Value& each : *items) add_names(each, names);
+  if (v.text() == nullptr) return;
+  std::string word;
+  for (const char c : *v.text() + " ") {
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || static_cast<unsigned char>(c) >= 0x80)
+      word += c;
+    else
+      names.insert(std::exchange(word, {}));
+  }
 }
 
 class Resolver {
@@ -195,20 +211,6 @@ class Resolver {
       own->value.object()->push_back({name, Definitions::placed_value(*amount, v.where), v.where});
     }
   }
-  // The words of texts that may be names.
-  static void add_names(const Value& v, std::set<std::string>& names) {
-    if (const Value::List* items = v.list())
-      for (const Value& each : *items) add_names(each, names);
-    if (v.text() == nullptr) return;
-    std::string word;
-    for (const char c : *v.text() + " ") {
-      if (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || static_cast<unsigned char>(c) >= 0x80)
-        word += c;
-      else
-        names.insert(std::exchange(word, {}));
-    }
-  }
-
   Scene& scene_;
   Definitions definitions_;
   Refusals wrong_;
@@ -248,6 +250,46 @@ void set_by_path(Value& root, const Value::Object& given) {
   }
 }
 
+// The dimension of a formula where a parameter has another value; none where it cannot be computed.
+std::optional<expression::Exponents> dimension_with(Value root, const std::string& parameter, const Value& value,
+                                                    const Value& formula) {
+  for (Value::Member& shelf : *root.object())
+    if (shelf.key == "parameters")
+      for (Value::Member& m : *shelf.value.object())
+        if (m.key == parameter) m.value = value;
+  try {
+    return Definitions(root).evaluate(formula, "").dimension;
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+// Of a line that expects a quantity, as in "such as "12 mm"": the plain numbers among the parameters of the formula, and
+// the unit that makes its value one.
+std::string without_units(const Scene& scene, const std::string& formula, const std::string& line) {
+  constexpr std::string_view kExample = "or a text such as \"";
+  const std::size_t at = line.find(kExample);
+  if (at == std::string::npos) return "";
+  const Dimension wanted =
+      dimension_of_text(line.substr(at + kExample.size(), line.find('"', at + kExample.size()) - at - kExample.size()));
+  std::set<std::string> names;
+  add_names(formula, names);
+  std::string words;
+  for (const SceneParameter& p : scene.parameters) {
+    if (p.is_point || p.written.number() == nullptr || !names.contains(p.name)) continue;
+    const std::string number = text::number(*p.written.number());
+    words += std::string(words.empty() ? ", where " : " and ") + p.name + " = " + number + " has no unit";
+    const auto now = dimension_with(scene.written, p.name, p.written, formula);
+    if (!now) continue;
+    const std::string unit = si_unit(Dimension{wanted.m - int(now->m), wanted.kg - int(now->kg), wanted.s - int(now->s),
+                                               wanted.rad - int(now->rad)});
+    const std::string given = number + " " + unit;
+    if (dimension_with(scene.written, p.name, given, formula) == expression::exponents_of(wanted))
+      words += ": \"" + given + "\"?";
+  }
+  return words;
+}
+
 }  // namespace
 
 SceneError told_with_formulas(const Scene& scene, const SceneError& error) {
@@ -259,7 +301,8 @@ SceneError told_with_formulas(const Scene& scene, const SceneError& error) {
       return formula.first.line != 0 && line.starts_with(formula.first.text() + ": ");
     };
     const auto found = std::find_if(scene.formulas.begin(), scene.formulas.end(), is_there);
-    if (found != scene.formulas.end()) words += "; it is the value of the formula \"" + found->second + "\"";
+    if (found != scene.formulas.end())
+      words += "; it is the value of the formula \"" + found->second + "\"" + without_units(scene, found->second, line);
   }
   return SceneError(words, static_cast<const ErrorData&>(error));
 }

@@ -240,10 +240,7 @@ Measured read_quantity(std::string_view text, Unit unit, int per_second) {
   const UnitFactor factor = unit_factor(rest, result.problem);
   if (!result.problem.empty()) return {0, quoted + ": " + result.problem};
   if (unit != Unit::any && !(factor.dimension == dimension)) {
-    std::string given = "of another dimension";
-    for (const UnitWords& w : kWords)
-      if (w.unit != Unit::none && w.unit != Unit::any && w.dimension == factor.dimension)
-        given = article_name_of(w.unit);
+    std::string given = article_name_of(factor.dimension);
     if (rest.find('J') != std::string_view::npos && given == article_name_of(Unit::torque)) given = "an energy";
     return {0, quoted + " is " + given + "; here " + (per_second > 0 ? wanted_rate(words, per_second) : wanted(words))};
   }
