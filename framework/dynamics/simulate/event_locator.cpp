@@ -151,9 +151,32 @@ bool EventLocator::locate(State& state) {
     else if (kept_)
       interval_.restore_method();
   }
+  note_nearest(state.t);
   note_left_zero();
   for (Watched& w : watched_) w.value = w.now, w.first = false;
   return std::isfinite(first);
+}
+
+// Of what was seen up to t, where the step ends.
+void EventLocator::note_nearest(double t) {
+  for (std::size_t k = 0; k < searched_.size(); ++k) {
+    Watched& w = watched_[searched_[k]];
+    const auto see = [&](const Sampled& s) {
+      if (std::abs(s.g) < std::abs(w.nearest.g)) w.nearest = s;
+    };
+    for (std::size_t j = 0; j < times_.size() && times_[j] < t; ++j) see(sampled(k, j));
+    see({t, w.now});
+  }
+}
+
+std::vector<EventCourse> EventLocator::courses() const {
+  std::vector<EventCourse> all;
+  for (std::size_t i = 0; i < events_.size(); ++i) {
+    const Watched w = i < watched_.size() ? watched_[i] : Watched{};
+    all.push_back({.name = events_[i].name, .last = w.last});
+    if (w.nearest.t != kNever) all.back().nearest = w.nearest.g, all.back().at = w.nearest.t;
+  }
+  return all;
 }
 
 void EventLocator::cut(double first, State& state) {
@@ -222,8 +245,8 @@ void EventLocator::save(Snapshot& out) const {
     const Watched& w = watched_[i];
     out.put_text(events_[i].name);
     const long stage = w.over ? kStageOver : w.first ? kStageFirst : kStageWatched;
-    for (const double x : {w.value, w.now, w.last, w.at, static_cast<double>(stage), w.met ? 1.0 : 0.0,
-                           events_[i].on ? 1.0 : 0.0, w.off ? 1.0 : 0.0})
+    for (const double x : {w.value, w.now, w.last, w.at, w.nearest.t, w.nearest.g, static_cast<double>(stage),
+                           w.met ? 1.0 : 0.0, events_[i].on ? 1.0 : 0.0, w.off ? 1.0 : 0.0})
       out.put(x);
   }
 }
@@ -240,7 +263,7 @@ void EventLocator::load(SnapshotReader& in) {
       throw ModelError(
           fmt::format("the run was saved with the event '{}' where it has '{}' now; add the same in the same order",
                       name, events_[i].name));
-    for (double* x : {&w.value, &w.now, &w.last, &w.at}) *x = in.get();
+    for (double* x : {&w.value, &w.now, &w.last, &w.at, &w.nearest.t, &w.nearest.g}) *x = in.get();
     const long stage = in.get_count();
     if (stage < kStageWatched || stage > kStageFirst)
       throw ModelError(fmt::format("event '{}' has the stage {}, which no event has: the checkpoint is damaged",

@@ -54,6 +54,7 @@ class EventLocator {
   /// Names of the events whose condition was zero at the start, or where they joined the run, and that wait for a
   /// crossing in either sense, or in one sense to whose far side it went in the first step: told once, after it.
   std::vector<std::string> take_left_zero();
+  std::vector<EventCourse> courses() const;
 
   // -- checkpoints
   void save(Snapshot&) const;
@@ -65,6 +66,7 @@ class EventLocator {
     double value = 0, now = 0;                               ///< at the beginning and the end of the present step
     double last = -std::numeric_limits<double>::infinity();  ///< when it happened last
     double at = 0;                                           ///< where the present step meets it; infinity: nowhere
+    Sampled nearest{kNever, kNever};                         ///< to zero, of all that was seen
     bool over = false, met = false;
     bool first = true;  ///< no step was made yet since it is watched
     bool off = false;   ///< it was off in the last step
@@ -88,6 +90,7 @@ class EventLocator {
   void meet(std::size_t event, const Sampled& a, const Sampled& b);
   bool of_method(std::size_t event, std::pair<Sampled, Sampled>& ends);
   void note_left_zero();
+  void note_nearest(double t);
 
   Dynamics& dynamics_;
   StepInterval& interval_;

@@ -17,6 +17,8 @@
 
 namespace lockstep {
 
+std::vector<EventCourse> StepLoop::event_courses() const { return parts_->events.courses(); }
+
 void StepLoop::tell_jumped() {
   Sample sample(dynamics_, state_, parts_->interval.report());
   sample.cause = parts_->cause;

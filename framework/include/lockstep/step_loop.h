@@ -143,6 +143,15 @@ struct StepLoopOptions {
   AuditLimits limits{};       ///< a run that drifts off its constraints beyond `violation` warns of it, once
 };
 
+/// How far an event of a run has come.
+struct EventCourse {
+  std::string name;                                           ///< of the event
+  double last = -std::numeric_limits<double>::infinity();     ///< when it happened last, s; below zero: never
+  double nearest = std::numeric_limits<double>::quiet_NaN();  ///< value of its condition that was nearest to zero; NaN:
+                                                              ///< it has none, or no step was made
+  double at = std::numeric_limits<double>::quiet_NaN();       ///< when that was, s
+};
+
 /// Counters, warnings and the end of a run.
 struct SimulationReport {
   long steps = 0,                                                ///< accepted steps
@@ -214,6 +223,9 @@ class LOCKSTEP_API StepLoop {
   /// does not finish the observers.
   StepReport step(double h = 0);
   const SimulationReport& report() const { return report_; }  ///< of the run so far
+  /// The events, in the order in which they were added: whether each happened, and how near its condition came to zero
+  /// at the instants at which it was looked at, some of each step.
+  std::vector<EventCourse> event_courses() const;
 
   /// Writes all that the run holds between two steps: state, report, step control, history of the method, events,
   /// contacts, what the solver has learned, and what the observers write themselves (Observer::save). Throws ModelError

@@ -237,7 +237,7 @@ class ProgramRun {
         from_(from),
         words_(args),
         loaded_(load_for(args, from)),
-        m_(build_mechanism(loaded_.scene, loaded_.registry)),
+        m_(build_observed(loaded_.scene, loaded_.registry)),
         csv_(table_of(m_, loaded_, args)),
         recorder_(make_recorder(m_)),
         outputs_(checked_outputs(loaded_, args, recorder_->table(), csv_)),
@@ -275,7 +275,8 @@ class ProgramRun {
                  doubts_,
                  singular_.passed(),
                  singular_.n_passed(),
-                 formulation_.name(sim_, m_.run.formulation)};
+                 formulation_.name(sim_, m_.run.formulation),
+                 missed_events(m_, sim_)};
     end.suspects = suspects_of(end, system_of(m_));
     conclude(end, unwritten);
     return exit_code(end);
@@ -295,9 +296,10 @@ class ProgramRun {
       words_.say("  taken      {}\n", taken);
     tell_near(start);
     if (args_.quiet) return start;
-    if (const std::vector<std::string> columns = columns_not_unique(dynamics_, start, m_.run); !columns.empty())
-      fmt::print("  not unique {}: how redundant rows share these reactions is the solver's choice (lockstep check)\n",
-                 first_of(columns));
+    not_unique_ = columns_not_unique(dynamics_, start, m_.run);
+    if (!not_unique_.empty())
+      words_.say("  not unique {}: how redundant rows share these reactions is the solver's choice (lockstep check)\n",
+                 first_of(not_unique_));
     return start;
   }
 
@@ -366,6 +368,7 @@ class ProgramRun {
     if (!args_.json) return;
     nlohmann::ordered_json j = json_of(end, rows_.rows());
     j["frames_taken"] = frames_taken(loaded_.scene);
+    j["not_unique"] = not_unique_;
     j["nearly_redundant"] = near_json(near_.all, m_.run.nearly_redundant);
     j["files"] = files;
     print_json(args_, loaded_, std::move(j));
@@ -440,6 +443,7 @@ class ProgramRun {
   const std::string csv_;
   const std::unique_ptr<Recorder> recorder_;
   const RunOutputs outputs_;
+  std::vector<std::string> not_unique_;  // columns of reactions
   std::string uncertified_;  // what --certify found of which not one digit is certified
   GrowingFile file_;
   Checkpoints checkpoints_;

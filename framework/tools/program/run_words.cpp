@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include <lockstep/recorder.h>
 #include <lockstep/sweep.h>
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/document.h"
@@ -83,6 +84,43 @@ std::vector<std::string> doubts_of(const EndedRun& ended) {
   return all;
 }
 
+std::vector<MissedEvent> missed_events(Mechanism& m, const StepLoop& sim) {
+  std::vector<MissedEvent> missed;
+  const std::vector<EventCourse> courses = sim.event_courses();
+  for (std::size_t i = 0; i < m.events.size(); ++i)
+    if (const EventRequest& e = m.events[i]; courses[i].last < 0)
+      missed.push_back({e, courses[i], e.channel.empty() ? "s" : make_channel(m.system, e.channel).unit});
+  return missed;
+}
+
+namespace {
+
+std::string words_of(const MissedEvent& e) {
+  const std::string unit = e.unit.empty() ? "" : " " + e.unit;
+  if (e.asked.channel.empty())
+    return fmt::format("event '{}': its instant, {:g} s, did not come", e.course.name, e.asked.event.at);
+  const Event::Crossing way = e.asked.event.crossing;
+  return fmt::format("event '{}': {} did not {} {:g}{}; nearest {:.6g}{} at t = {:.6g} s", e.course.name,
+                     e.asked.channel,
+                     way == Event::Crossing::rising    ? "rise through"
+                     : way == Event::Crossing::falling ? "fall through"
+                                                       : "cross",
+                     e.asked.crosses, unit, e.asked.crosses + e.course.nearest, unit, e.course.at);
+}
+
+Json json_of(const MissedEvent& e) {
+  Json j = {{"event", e.course.name}};
+  if (e.asked.channel.empty()) return j["at"] = e.asked.event.at, j;
+  j.update({{"channel", e.asked.channel},
+            {"unit", e.unit},
+            {"crosses", e.asked.crosses},
+            {"nearest", json_number(e.asked.crosses + e.course.nearest)},
+            {"t", json_number(e.course.at)}});
+  return j;
+}
+
+}  // namespace
+
 std::string rows_of(long n) { return counted(n, "row", "rows"); }
 
 std::string end_words(const EndedRun& ended, const Summary& summary) {
@@ -114,6 +152,7 @@ std::string end_words(const EndedRun& ended, const Summary& summary) {
     say("  impacts    {} of one-sided links; {} of them {} in contact at the end\n", r.impacts, resting,
         resting == 1 ? "is" : "are");
   if (r.stopped && !r.stopped_by.empty() && !ended.interrupted) say("  stopped    by '{}'\n", r.stopped_by);
+  for (const MissedEvent& missed : ended.missed) say("  never      {}\n", words_of(missed));
   say("{}", summary.text());
   say("{}", words_of(audit, summary.nothing_moved(), sim.integrator().info().adaptive));
   const char* word = "suspect";
@@ -143,6 +182,8 @@ Json json_of(const EndedRun& ended, const RowEnvelope& rows) {
   Json singular = Json::array();
   for (const PassedPosition& p : ended.passed)
     singular.push_back({{"t", p.t}, {"indicator", json_number(p.indicator)}, {"links", p.links}});
+  Json missed = Json::array();
+  for (const MissedEvent& each : ended.missed) missed.push_back(json_of(each));
   Json j = {
       {"status", status},
       {"t", sim.state().t},
@@ -155,6 +196,7 @@ Json json_of(const EndedRun& ended, const RowEnvelope& rows) {
       {"factors", work.factors},
       {"impacts", r.impacts},
       {"stopped_by", r.stopped_by},
+      {"missed_events", std::move(missed)},
       {"energy", energy_of(ended)},
       {"drift",
        {{"violation", json_number(audit.violation)}, {"limit", audit.limits.violation}, {"drifted", audit.drifted}}},

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <lockstep/scene.h>
 #include <lockstep/step_loop.h>
 #include "framework/tools/analysis/doubts.h"
 #include "framework/tools/analysis/singular_watch.h"
@@ -17,6 +18,16 @@ namespace lockstep {
 /// "1 row", "2 rows".
 std::string rows_of(long n);
 
+/// An event that did not happen.
+struct MissedEvent {
+  EventRequest asked;
+  EventCourse course;
+  std::string unit;  ///< of its channel
+};
+
+/// Those of a run that ended. The requests are in the order of its events.
+std::vector<MissedEvent> missed_events(Mechanism&, const StepLoop&);
+
 /// A run that ended, whichever way.
 struct EndedRun {
   StepLoop& sim;
@@ -28,6 +39,7 @@ struct EndedRun {
   const std::vector<PassedPosition>& passed;  ///< the first singular positions, with plain stages
   long n_passed = 0;                          ///< how many there were
   std::string formulation{};                  ///< of its steps: "joint", "omega", "quaternion"
+  std::vector<MissedEvent> missed{};          ///< events that did not happen
   std::vector<std::string> suspects{};        ///< by suspects_of(), where it did not conserve energy
 };
 
