@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -209,31 +210,33 @@ void check_files(const Scene& scene) {
 
 namespace {
 
-// One panel per unit, as many columns as a picture can hold.
-std::vector<Panel> panels_by_unit(const Table& table) {
-  constexpr std::size_t kMostPanels = 4, kMostCurves = 6;
+// One panel per unit of these columns, in the order in which they come.
+std::vector<Panel> panels_by_unit(const Table& table, const std::vector<std::string>& names,
+                                  std::size_t most_panels = SIZE_MAX, std::size_t most_curves = SIZE_MAX) {
   std::vector<Panel> panels;
-  const std::vector<Column>& columns = table.columns();
-  for (std::size_t k = 1; k < columns.size(); ++k) {
-    const std::string label = columns[k].unit.empty() ? "1" : columns[k].unit;
+  for (const std::string& name : names) {
+    const std::string& unit = table.column(name).unit;
+    const std::string label = unit.empty() ? "1" : unit;
     auto panel = std::find_if(panels.begin(), panels.end(), [&](const Panel& p) { return p.y_label == label; });
     if (panel == panels.end()) {
-      if (panels.size() == kMostPanels) continue;
+      if (panels.size() == most_panels) continue;
       panel = panels.insert(panel, {label, {}});
     }
-    if (panel->series.size() < kMostCurves)
-      panel->series.push_back(table_series(table, columns.front().name, columns[k].name, columns[k].name));
+    if (panel->series.size() < most_curves)
+      panel->series.push_back(table_series(table, table.columns().front().name, name, name));
   }
   return panels;
 }
 
+// The panels that are asked for, each split by unit; of none, as many columns as a picture can hold.
 std::vector<Panel> panels_of(const Table& table, const std::vector<std::vector<std::string>>& draw) {
+  constexpr std::size_t kMostPanels = 4, kMostCurves = 6;
+  std::vector<std::string> names;
+  for (const Column& c : table.columns()) names.push_back(c.name);
+  if (draw.empty()) return panels_by_unit(table, {names.begin() + 1, names.end()}, kMostPanels, kMostCurves);
   std::vector<Panel> panels;
-  for (const std::vector<std::string>& names : draw) {
-    Panel& panel = panels.emplace_back(Panel{table.column(names.front()).unit, {}});
-    for (const std::string& name : names)
-      panel.series.push_back(table_series(table, table.columns().front().name, name, name));
-  }
+  for (const std::vector<std::string>& panel : draw)
+    for (Panel& of_unit : panels_by_unit(table, panel)) panels.push_back(std::move(of_unit));
   return panels;
 }
 
@@ -302,7 +305,7 @@ Drawing draw_columns(const std::string& csv, const std::string& title, const Tab
     drawing.reason = "gnuplot is not installed (apt install gnuplot-nox)";
   if (!drawing.reason.empty()) return drawing;
   try {
-    const ChartSpec chart{title, "t [s]", draw.empty() ? panels_by_unit(table) : panels_of(table, draw)};
+    const ChartSpec chart{title, "t [s]", panels_of(table, draw)};
     std::set<std::string> names;
     for (const Panel& panel : chart.panels)
       for (const Series& series : panel.series) names.insert(series.label);

@@ -12,7 +12,7 @@ const SMOOTH = 1500; // rows, from which on they are joined straight
 const LONG = 6000; // rows, beyond which an envelope is drawn
 const HEIGHT = 190; // pixels
 
-// Groups of column numbers with a title: those of the scene, then one for each unit; a group is no larger than can be read.
+// Groups of column numbers with a title: those of the scene, each split by unit, then one for each unit; a group is no larger than can be read.
 export function groupsOf(data) {
   const { columns } = data.table;
   const byName = new Map(columns.map((c, i) => [c.name, i]));
@@ -21,7 +21,8 @@ export function groupsOf(data) {
   for (const names of data.text.panels) {
     const members = names.map((n) => byName.get(n)).filter((i) => i !== undefined);
     members.forEach((i) => taken.add(i));
-    if (members.length > 0) groups.push({ unit: columns[members[0]].unit, members });
+    for (const unit of new Set(members.map((i) => columns[i].unit)))
+      groups.push({ unit, members: members.filter((i) => columns[i].unit === unit) });
   }
   const byUnit = new Map();
   columns.forEach((column, i) => {
