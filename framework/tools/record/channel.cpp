@@ -207,12 +207,13 @@ bool says_more(std::string_view name, std::string_view word) {
 }
 
 // What is meant by a quantity that is none of these: rz, the word for an axis of a drive or a start, is the channel
-// angle_z.
+// angle_z, and a moment a torque.
 std::vector<std::string> meant_by(const std::string& quantity, const std::vector<std::string>& names) {
   constexpr std::size_t kMost = 4;
-  if (quantity.size() >= 2 && quantity[0] == 'r' && (quantity.size() == 2 || quantity[2] == '_'))
-    if (const std::string angle = "angle_" + quantity.substr(1); std::ranges::find(names, angle) != names.end())
-      return {angle};
+  for (const auto& [word, ours] : {std::pair<std::string, std::string>{"r", "angle_"}, {"moment", "torque"}})
+    if (quantity.starts_with(word))
+      if (const std::string name = ours + quantity.substr(word.size()); std::ranges::find(names, name) != names.end())
+        return {name};
   std::vector<std::string> meant;
   for (const std::string& name : names)
     if (says_more(name, quantity)) meant.push_back(name);
