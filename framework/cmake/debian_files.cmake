@@ -2,7 +2,7 @@
 # when the files of each component are in place, before it packs them.
 set(root "${CPACK_TEMPORARY_DIRECTORY}")
 set(day ${CPACK_LOCKSTEP_DAY})
-foreach(component library development program plugins)
+foreach(component library development program plugins doc)
   if(NOT IS_DIRECTORY "${root}/${component}/usr")
     continue()
   endif()
@@ -14,7 +14,7 @@ foreach(component library development program plugins)
   file(WRITE "${doc}/changelog"
 "lockstep (${CPACK_PACKAGE_VERSION}) unstable; urgency=medium
 
-  * See CHANGELOG.md in the documentation of package lockstep.
+  * See framework/CHANGELOG.md in package lockstep-doc.
 
  -- ${CPACK_PACKAGE_CONTACT}  ${day}
 ")

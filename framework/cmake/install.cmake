@@ -1,5 +1,5 @@
 # What a client includes is <lockstep/...>, here and installed alike.
-# Four components, which packages.cmake makes Debian packages of: library, development, program, plugins.
+# Five components, which packages.cmake makes Debian packages of: library, development, program, plugins, doc.
 include(CMakePackageConfigHelpers)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/lockstep)
 set(data_folder ${CMAKE_INSTALL_DATADIR}/lockstep)
@@ -28,11 +28,21 @@ if(NOT CMAKE_CROSSCOMPILING)  # the program writes it when it is built
   install(FILES ${PROJECT_BINARY_DIR}/completions/_lockstep
           DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT program)
 endif()
-install(FILES LICENSE README.md framework/CHANGELOG.md framework/mechanism/lock/THEORY.md
-        DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
 
-# What a user copies from: the page on plugins with its examples, and a host of plugins.
-install(FILES plugins/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/plugins COMPONENT development)
+# Pages and their pictures, in the folders of the source, so that links lead from one to the other.
+foreach(page README.md framework/README.md framework/CHANGELOG.md framework/FROM_CHRONO.md framework/layout.txt
+             framework/mechanism/lock/THEORY.md plugins/README.md samples/pictures/four_bar.png
+             tests/benchmark/peers/README.md tests/benchmark/results/README.md tests/benchmark/results/peers.md)
+  cmake_path(GET page PARENT_PATH folder)
+  install(FILES ${page} DESTINATION ${CMAKE_INSTALL_DOCDIR}/${folder} COMPONENT doc)
+endforeach()
+foreach(folder framework/docs tests/stability/maps tests/benchmark/results/amd-epyc)
+  install(DIRECTORY ${folder}/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/${folder} COMPONENT doc
+          FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.png" PATTERN "*_chart_*" EXCLUDE)
+endforeach()
+
+# What a user copies from: examples of plugins, and a host of them.
 foreach(example bump cam_follower drag adams_bashforth)
   install(DIRECTORY plugins/${example} DESTINATION ${CMAKE_INSTALL_DOCDIR}/plugins COMPONENT development)
 endforeach()

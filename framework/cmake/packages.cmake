@@ -1,4 +1,4 @@
-# cpack -G DEB in the build tree: four packages, from the four components of install.cmake. Each part can be replaced
+# cpack -G DEB in the build tree: five packages, from the five components of install.cmake. Each part can be replaced
 # alone, and two versions of the library can stand side by side: it is named after its SOVERSION.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME lockstep)
@@ -10,7 +10,7 @@ set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_COMPONENTS_ALL library development program plugins)
+set(CPACK_COMPONENTS_ALL library development program plugins doc)
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
@@ -24,12 +24,14 @@ set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME ${library_package})
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME liblockstep-dev)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME lockstep)
 set(CPACK_DEBIAN_PLUGINS_PACKAGE_NAME lockstep-plugins)
+set(CPACK_DEBIAN_DOC_PACKAGE_NAME lockstep-doc)
+set(CPACK_DEBIAN_DOC_PACKAGE_ARCHITECTURE all)
 
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
     "${library_package} ${same}, libeigen3-dev (>= 3.4~), libeigen3-dev (<< 3.5), libspdlog-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS "cmake (>= 3.25), lockstep, lockstep-plugins")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "${library_package} ${same}")
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "lockstep-plugins, gnuplot-nox | gnuplot")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "lockstep-doc, lockstep-plugins, gnuplot-nox | gnuplot")
 set(CPACK_DEBIAN_PLUGINS_PACKAGE_DEPENDS "${library_package} ${same}")
 
 set(CPACK_COMPONENT_LIBRARY_DESCRIPTION
@@ -37,9 +39,11 @@ set(CPACK_COMPONENT_LIBRARY_DESCRIPTION
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION
     "Headers, CMake package and pkg-config file, for host programs and for\nplugins: joints, laws of motion, forces and integrators of your own.")
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION
-    "The program lockstep, which runs, checks, charts and sweeps scenes in\nJSON; scenes to begin with; the theory.")
+    "The program lockstep, which runs, checks, charts and sweeps scenes in\nJSON; scenes to begin with.")
 set(CPACK_COMPONENT_PLUGINS_DESCRIPTION
     "Joints, laws and integrators that the program and host programs load by name.")
+
+set(CPACK_COMPONENT_DOC_DESCRIPTION "The pages: first steps, scenes, joints, laws, forces, hosts and plugins,\nthe theory; with their pictures.")
 
 # What else the files need is read from them, where the tool for it is there.
 find_program(DPKG_SHLIBDEPS dpkg-shlibdeps)
