@@ -64,11 +64,11 @@ bool names_one(const Value& v, const std::set<std::string, std::less<>>& names) 
 }
 
 // The value within this one, or the one of a key within it, at the place of an error; null: there is none.
-const Value* value_at(const Value& v, const ErrorData& error) {
+const Value* refused_value(const Value& v, const ErrorData& error) {
   const auto is_there = [&](const Where& where) {
     return where.line > 0 && where.line == error.line && where.column == error.column;
   };
-  const auto within = [&](const Value& each) { return is_there(each.where) ? &each : value_at(each, error); };
+  const auto within = [&](const Value& each) { return is_there(each.where) ? &each : refused_value(each, error); };
   if (const Value::List* items = v.list())
     for (const Value& each : *items)
       if (const Value* found = within(each)) return found;
@@ -87,11 +87,11 @@ void SceneErrors::note(const Value& read, const SceneError* error) {
     if (!stand_ins_.contains(*name->text())) failed_.insert(*name->text());
 }
 
-bool SceneErrors::is_within(const Value& read, const SceneError& error) { return value_at(read, error) != nullptr; }
+bool SceneErrors::is_within(const Value& read, const SceneError& error) { return refused_value(read, error) != nullptr; }
 
 // Not what follows from the failure of another thing.
 bool SceneErrors::is_own(const Value& read, const SceneError& error) const {
-  if (const Value* at = value_at(read, error)) return !names_one(*at, failed_);
+  if (const Value* at = refused_value(read, error)) return !names_one(*at, failed_);
   return !names_one(read, failed_) && !names_one(read, stand_ins_);
 }
 
