@@ -87,7 +87,9 @@ void SceneErrors::note(const Value& read, const SceneError* error) {
     if (!stand_ins_.contains(*name->text())) failed_.insert(*name->text());
 }
 
-bool SceneErrors::is_within(const Value& read, const SceneError& error) { return refused_value(read, error) != nullptr; }
+bool SceneErrors::is_within(const Value& read, const SceneError& error) {
+  return refused_value(read, error) != nullptr;
+}
 
 // Not what follows from the failure of another thing.
 bool SceneErrors::is_own(const Value& read, const SceneError& error) const {
