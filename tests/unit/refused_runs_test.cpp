@@ -198,7 +198,7 @@ TEST_CASE("a run refuses settings and states that cannot be", "[unit][refusals]"
        [] {
          loop_with({.tolerance = {-1, 0}});
        },
-       {"the tolerance (relative -1, absolute 0 m)", "> 0"}},
+       {"the tolerance is -1", "must be greater than 0"}},
       {"times",
        [] {
          loop_with({.output_times = {1, 0.5}});
