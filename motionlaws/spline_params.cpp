@@ -1,7 +1,5 @@
 #include <lockstep/splines.h>
 
-#include "framework/mechanism/params/csv_reader.h"
-
 namespace lockstep {
 
 void add_spline_keys(Keys& keys) {
@@ -40,7 +38,7 @@ void check_end_keys(const Params& p, const SplineSettings& k, std::initializer_l
 Columns points_of(const Params& p, std::size_t n_components, const std::string& t_column,
                   const std::vector<std::string>& y_columns) {
   if (p.has("points") == p.has("file")) p.refuse("points", "and file: give one of the two");
-  if (p.has("file")) return read_columns(path_of_file(p.value("file")), t_column, y_columns);
+  if (p.has("file")) return read_columns(p.text("file"), t_column, y_columns);
   const auto points = p.points("points");
   Columns table;
   table.y.resize(static_cast<Eigen::Index>(points.size()), static_cast<Eigen::Index>(n_components));

@@ -178,21 +178,20 @@ LOCKSTEP_API LawPtr<MotionLaw> spline(const Spline::Points& points, const Spline
 // The keys that 'spline', 'path' and 'spline_rotation' share, and how they are read.
 
 /// Appends the keys degree, ends and outside.
-void add_spline_keys(Keys&);
+LOCKSTEP_API void add_spline_keys(Keys&);
 /// Reads the keys of add_spline_keys().
-SplineSettings spline_settings(const Params&);
+LOCKSTEP_API SplineSettings spline_settings(const Params&);
 
 /// Throws SceneError for keys of end rates that would have no effect: any of `first` and `second` without clamped ends,
 /// any of `second` (second derivatives) without degree 5.
-void check_end_keys(const Params&, const SplineSettings&, std::initializer_list<const char*> first,
-                    std::initializer_list<const char*> second);
+LOCKSTEP_API void check_end_keys(const Params&, const SplineSettings&, std::initializer_list<const char*> first,
+                                 std::initializer_list<const char*> second);
 
 /// The points of a law from its key "points" (rows [t, y...]) or from its key "file" with the columns `t_column` and
 /// `y_columns`; a relative path starts at the scene's folder. Throws SceneError unless exactly one of the two is given
 /// and rows have 1 + n_components numbers, and what read_columns() throws.
-Columns points_of(const Params&, std::size_t n_components, const std::string& t_column,
-                  const std::vector<std::string>& y_columns);
-
+LOCKSTEP_API Columns points_of(const Params&, std::size_t n_components, const std::string& t_column,
+                               const std::vector<std::string>& y_columns);
 
 // Rotation law 'spline_rotation'.
 

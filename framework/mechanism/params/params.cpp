@@ -7,6 +7,7 @@
 #include <lockstep/error.h>
 #include <lockstep/log.h>
 #include <lockstep/text.h>
+#include "framework/mechanism/params/csv_reader.h"
 #include "framework/mechanism/params/orientation_told.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/refusals.h"
@@ -310,7 +311,10 @@ int Params::integer(std::string_view name) const { return read_integer(needed(ke
 
 bool Params::boolean(std::string_view name) const { return read_boolean(needed(key_of(name)), place_of(name)); }
 
-std::string Params::text(std::string_view name) const { return read_text(needed(key_of(name)), place_of(name)); }
+std::string Params::text(std::string_view name) const {
+  std::string words = read_text(needed(key_of(name)), place_of(name));
+  return name == "file" && has(name) ? path_of_file(value(name)) : words;
+}
 
 Vec3 Params::vector3(std::string_view name) const {
   const Key& key = key_of(name);
