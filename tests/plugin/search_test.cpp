@@ -58,7 +58,8 @@ TEST_CASE("of two files of one name the first folder's is taken", "[plugin][sear
   CHECK(find_plugin("libtwin", {a, b}) == fs::canonical(b + "/libtwin.so"));
   CHECK(find_plugin("single", {a, b}) == fs::canonical(b + "/single.so"));
   CHECK(find_plugin("single.so", {a, b}) == fs::canonical(b + "/single.so"));
-  const std::vector<PluginCandidate> all = survey_plugins(Registry{}, {a, b});
+  const std::vector<PluginCandidate> all =
+      survey_plugins({a, b}, [](PluginCandidate& c) { ask_plugin(c, Registry{}); });
   REQUIRE(all.size() == 4);
   REQUIRE(find(all, b + "/twin.so") != nullptr);
   CHECK(find(all, a + "/twin.so")->state == PluginCandidate::State::loaded);

@@ -25,12 +25,11 @@ std::string flags(const lockstep_abi_record& r) {
   return all.empty() ? "none" : all;
 }
 
-}  // namespace
-
 // Magic, size and number are at the same place in the record of every version, so that an old plugin is recognised.
-lockstep_abi_record read_abi(const std::string& path) {
+lockstep_abi_record record_of(const std::string& path, PluginStamp& stamp) {
   const std::string who = "plugin file '" + path + "' ";
-  const auto data = exported_data(path, kAbiSymbol);
+  const auto [of_file, data] = exported_data(path, kAbiSymbol);
+  stamp = of_file;
   if (!data)
     throw PluginError(who + "is not a lockstep plugin: it has no symbol \"" + kAbiSymbol +
                       "\"; add a LOCKSTEP_PLUGIN(registry) { ... } to it");
@@ -50,6 +49,20 @@ lockstep_abi_record read_abi(const std::string& path) {
   return record;
 }
 
+}  // namespace
+
+lockstep_abi_record read_abi(const std::string& path) {
+  PluginStamp stamp;
+  return record_of(path, stamp);
+}
+
+PluginStamp check_plugin_file(const std::string& file) {
+  PluginStamp stamp;
+  const std::string difference = abi_difference(record_of(file, stamp), abi_of_this_build());
+  if (!difference.empty()) throw PluginError("plugin '" + plugin_name(file) + "': " + difference);
+  return stamp;
+}
+
 std::string abi_words(const lockstep_abi_record& r) {
   return "ABI " + std::to_string(r.abi) + ", " + field_text(r.compiler) + " " + version(r.compiler_version) + ", " +
          field_text(r.library) + " " + std::to_string(r.library_version) + ", Eigen " + version(r.eigen_version) +
@@ -61,7 +74,8 @@ std::string abi_difference(const lockstep_abi_record& plugin, const lockstep_abi
     return "ABI " + std::to_string(r.abi) + " with " + field_text(r.compiler) + " " + version(r.compiler_version);
   };
   const auto sentence = [](const std::string& its, const std::string& ours) {
-    return "built for " + its + ", this host is " + ours + "; rebuild the plugin against this lockstep";
+    return "built for " + its + ", this host is " + ours +
+           "; rebuild the plugin against this lockstep, by lockstep_add_plugin() or with the flags of lockstep.pc";
   };
   if (plugin.abi != host.abi || plugin.size != host.size || field_text(plugin.compiler) != field_text(host.compiler) ||
       plugin.compiler_version[0] != host.compiler_version[0])

@@ -11,6 +11,7 @@
 #include <map>
 
 #include <lockstep/error.h>
+#include "framework/foundation/support/hash.h"
 
 namespace lockstep {
 namespace {
@@ -166,6 +167,8 @@ const Elf64_Phdr* ElfImage::segment(std::uint32_t type) const {
   const auto found = std::ranges::find(segments_, type, &Elf64_Phdr::p_type);
   return found != segments_.end() ? &*found : nullptr;
 }
+
+PluginStamp ElfImage::stamp() const { return {bytes_.size(), hash_of({bytes_.data(), bytes_.size()})}; }
 
 void ElfImage::need_in_file(std::string_view what, std::uint64_t offset, std::uint64_t count, std::uint64_t each,
                             std::uint64_t alignment) const {

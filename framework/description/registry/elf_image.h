@@ -10,6 +10,8 @@
 #include <string_view>
 #include <vector>
 
+#include <lockstep/loader.h>
+
 namespace lockstep {
 
 // Tags of packed relocations, whose entries are words; older <elf.h> do not have them.
@@ -50,6 +52,7 @@ class ElfImage {
   std::uint64_t end_of_headers() const { return sizeof(Elf64_Ehdr) + segments_.size_bytes(); }
   /// The first segment of a type (PT_DYNAMIC, ...), or null.
   const Elf64_Phdr* segment(std::uint32_t type) const;
+  PluginStamp stamp() const;
 
  private:
   void read_header();

@@ -1,5 +1,8 @@
 #include <lockstep/loader.h>
 
+#include <spdlog/fmt/fmt.h>
+
+#include <boost/core/demangle.hpp>
 #include <boost/dll/shared_library.hpp>
 #include <cfenv>
 #include <exception>
@@ -29,13 +32,34 @@ class KeepRounding {
   std::fenv_t before_{};
 };
 
-// Opened libraries by path. They are never closed, because objects carry their code.
-dll::shared_library& opened(const fs::path& file) {
+std::string words_of(const PluginStamp& s) { return fmt::format("{} bytes with checksum {:016x}", s.size, s.checksum); }
+
+// The words of the system's loader, with the symbol that it lacks as C++.
+std::string reason(const std::string& why) {
+  constexpr std::string_view kLacks = "undefined symbol: ";
+  const std::size_t at = why.find(kLacks);
+  if (at == std::string::npos) return why;
+  const std::string symbol =
+      why.substr(at + kLacks.size(), why.find_first_of(" ,", at + kLacks.size()) - at - kLacks.size());
+  return "it needs '" + boost::core::demangle(symbol.c_str()) +
+         "', which neither this lockstep nor a library of its has";
+}
+
+// Opened libraries by path, and what their files were before. They are never closed, because objects carry their code.
+dll::shared_library& opened(const fs::path& file, const PluginStamp& stamp) {
+  struct Opened {
+    dll::shared_library library;
+    PluginStamp stamp;
+  };
   static std::mutex mutex;
-  static auto& libraries = *new std::map<std::string, dll::shared_library>;  // never destroyed
+  static auto& libraries = *new std::map<std::string, Opened>;  // never destroyed
   const std::lock_guard lock(mutex);
-  dll::shared_library& library = libraries[file.string()];
+  auto& [library, before] = libraries[file.string()];
+  if (library.is_loaded() && stamp != before)
+    throw PluginError("plugin '" + plugin_name(file.string()) + "': " + file.string() + " has " + words_of(stamp) +
+                      "; this process opened it when it had " + words_of(before) + " and runs that; restart it");
   if (library.is_loaded()) return library;
+  before = stamp;
   std::error_code error;
   library.load(file, error, dll::load_mode::rtld_now | dll::load_mode::rtld_local);
   if (error) {
@@ -45,8 +69,9 @@ dll::shared_library& opened(const fs::path& file) {
     } catch (const std::exception& e) {
       why = e.what();
     }
-    throw PluginError("plugin '" + plugin_name(file.string()) + "' (" + file.string() + ") cannot be opened: " + why +
-                      "; rebuild the plugin against this lockstep");
+    throw PluginError(
+        "plugin '" + plugin_name(file.string()) + "' (" + file.string() + ") cannot be opened: " + reason(why) +
+        "; rebuild the plugin against this lockstep, by lockstep_add_plugin() or with the flags of lockstep.pc");
   }
   return library;
 }
@@ -78,18 +103,17 @@ bool empty(const Registry& r) {
 
 }  // namespace
 
-void check_plugin_file(const std::string& file) {
-  const std::string difference = abi_difference(read_abi(file), abi_of_this_build());
-  if (!difference.empty()) throw PluginError("plugin '" + plugin_name(file) + "': " + difference);
-}
-
-std::string load_plugin(Registry& registry, const std::string& name_or_path, const std::vector<std::string>& folders) {
+std::string load_plugin(Registry& registry, const std::string& name_or_path, const std::vector<std::string>& folders,
+                        const std::optional<PluginStamp>& expected) {
   std::string file = find_plugin(name_or_path, folders);
   const std::string name = plugin_name(file), who = "plugin '" + name + "': ";
   if (name == "built in") throw PluginError(who + "its file has the name of lockstep's own types; rename it");
-  check_plugin_file(file);
+  const PluginStamp stamp = check_plugin_file(file);
+  if (expected && stamp != *expected)
+    throw PluginError(who + file + " has " + words_of(stamp) + "; expected were " + words_of(*expected) +
+                      "; install the file anew, or expect what it is now");
   const KeepRounding rounding;
-  dll::shared_library& library = opened(file);  // its code runs from here on
+  dll::shared_library& library = opened(file, stamp);  // its code runs from here on
   if (!library.has(kRegisterSymbol))
     throw PluginError(who + "it exports no \"" + kRegisterSymbol + "\"; add LOCKSTEP_PLUGIN(registry) { ... } to it");
   Registry its;

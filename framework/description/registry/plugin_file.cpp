@@ -59,6 +59,8 @@ class PluginFile {
     check_calls();
   }
 
+  PluginStamp stamp() const { return image_.stamp(); }
+
   std::optional<std::string> exported(std::string_view symbol) const {
     for (const Elf64_Sym& s : symbols_.subspan(1)) {
       if (s.st_shndx == SHN_UNDEF || ELF64_ST_TYPE(s.st_info) != STT_OBJECT || symbol != text(s.st_name)) continue;
@@ -333,8 +335,9 @@ class PluginFile {
 
 }  // namespace
 
-std::optional<std::string> exported_data(const std::string& path, std::string_view symbol) {
-  return PluginFile(path).exported(symbol);
+CheckedFile exported_data(const std::string& path, std::string_view symbol) {
+  const PluginFile file(path);
+  return {file.stamp(), file.exported(symbol)};
 }
 
 }  // namespace lockstep

@@ -5,12 +5,20 @@
 #include <string>
 #include <string_view>
 
+#include <lockstep/loader.h>
+
 namespace lockstep {
 
-/// The bytes of a data symbol that a shared library exports; nothing when it exports no such data. First, every table
+/// What was read of a plugin's file.
+struct CheckedFile {
+  PluginStamp stamp;
+  std::optional<std::string> data;  ///< of the symbol; nothing when it exports no such data
+};
+
+/// The bytes of a data symbol that a shared library exports. First, every table
 /// that the system's loader trusts is checked: segments, dynamic table, strings, symbols, hash tables, versions,
 /// relocations and functions that it calls. Code and data are not. Throws PluginError with the file, what is wrong, its
 /// value and the limit.
-std::optional<std::string> exported_data(const std::string& path, std::string_view symbol);
+CheckedFile exported_data(const std::string& path, std::string_view symbol);
 
 }  // namespace lockstep

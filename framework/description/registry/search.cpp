@@ -12,6 +12,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/description/registry/survey.h"
 
 namespace lockstep {
 namespace {

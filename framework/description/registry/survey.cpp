@@ -26,15 +26,18 @@ std::vector<std::pair<std::string, std::string>> things_of(const Registry& regis
   return things;
 }
 
-void look_at(PluginCandidate& c, const Registry& base) {
+}  // namespace
+
+void ask_plugin(PluginCandidate& c, const Registry& base) {
   try {
     c.build = abi_words(read_abi(c.file));
+    c.stamp = check_plugin_file(c.file);
     const std::string name = plugin_name(c.file);
     if (name != "built in")
       c.brings = things_of(base, name);  // a part of the library itself, where that loads its parts as plugins
     if (c.brings.empty()) {
       Registry registry = base;
-      load_plugin(registry, c.file);
+      load_plugin(registry, c.file, {}, c.stamp);
       c.brings = things_of(registry, plugin_name(c.file));
     }
     c.state = PluginCandidate::State::loaded;
@@ -44,10 +47,8 @@ void look_at(PluginCandidate& c, const Registry& base) {
   }
 }
 
-}  // namespace
-
-std::vector<PluginCandidate> survey_plugins(const Registry& base, std::vector<std::string> folders) {
-  if (folders.empty()) folders = plugin_folders();
+std::vector<PluginCandidate> survey_plugins(const std::vector<std::string>& folders,
+                                            const std::function<void(PluginCandidate&)>& ask) {
   std::vector<PluginCandidate> all;
   std::map<std::string, std::string> first;  // of each name: the file that is used
   for (const FoundFile& found : files_in(folders)) {
@@ -61,7 +62,7 @@ std::vector<PluginCandidate> survey_plugins(const Registry& base, std::vector<st
     } else if (!found.problem.empty()) {
       c.why = found.problem;
     } else {
-      look_at(c, base);
+      ask(c);
     }
     all.push_back(std::move(c));
   }

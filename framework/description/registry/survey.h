@@ -1,13 +1,24 @@
 // The plugins that can be loaded by name, and why others cannot.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include <lockstep/registry.h>
+#include <lockstep/loader.h>
 
 namespace lockstep {
+
+/// A file of a folder with the ending of a plugin.
+struct FoundFile {
+  std::string folder,   ///< the folder that was searched
+      path;             ///< the file in it
+  std::string file;     ///< the same with symbolic links followed
+  std::string problem;  ///< why find_plugin() would refuse it; "" when it would not
+};
+/// All files in these folders with the ending of a plugin, in the order in which find_plugin() considers them.
+std::vector<FoundFile> files_in(const std::vector<std::string>& folders);
 
 /// One file of the search path.
 struct PluginCandidate {
@@ -17,12 +28,17 @@ struct PluginCandidate {
   std::string file;                                         ///< with links followed
   State state = State::refused;                             ///< hidden: a file of the same name comes before it
   std::string why;                                          ///< refused: the reason; hidden: the file that is used
+  PluginStamp stamp;                                        ///< of a file that was read
   std::string build;                                        ///< what it was built with, as far as it can be read
   std::vector<std::pair<std::string, std::string>> brings;  ///< kind and name: {"link", "cam_follower"}
 };
 
-/// Loads every file of the folders (plugin_folders() when there are none) that may be loaded, each on top of `base`
-/// alone, and reports the result. Errors of the files are reported, not thrown.
-LOCKSTEP_API std::vector<PluginCandidate> survey_plugins(const Registry& base, std::vector<std::string> folders = {});
+/// Loads the file of a candidate on top of `base` alone, and fills in what follows from it; an error becomes its `why`.
+/// Code of a damaged file may end the process.
+LOCKSTEP_API void ask_plugin(PluginCandidate&, const Registry& base);
+
+/// Reports on every file of the folders. `ask` is called for those that may be loaded, and does what ask_plugin() does.
+LOCKSTEP_API std::vector<PluginCandidate> survey_plugins(const std::vector<std::string>& folders,
+                                                         const std::function<void(PluginCandidate&)>& ask);
 
 }  // namespace lockstep

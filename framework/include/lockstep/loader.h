@@ -1,6 +1,8 @@
 // Loading of plugins.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,16 +32,12 @@ LOCKSTEP_API bool is_bare_name(const std::string& name);
 /// for the file. Throws PluginError.
 LOCKSTEP_API std::string find_plugin(const std::string& name_or_path, std::vector<std::string> folders);
 
-/// A file of a folder with the ending of a plugin.
-struct FoundFile {
-  std::string folder,   ///< the folder that was searched
-      path;             ///< the file in it
-  std::string file;     ///< the same with symbolic links followed
-  std::string problem;  ///< why find_plugin() would refuse it; "" when it would not
+/// What a plugin's file was when it was read.
+struct PluginStamp {
+  std::uint64_t size = 0;                                                    ///< bytes
+  std::uint64_t checksum = 0;                                                ///< FNV-1a, 64 bits, of all bytes
+  friend bool operator==(const PluginStamp&, const PluginStamp&) = default;  ///< whether both agree
 };
-/// All files in these folders with the ending of a plugin, in the order in which find_plugin() considers them.
-std::vector<FoundFile> files_in(const std::vector<std::string>& folders);
-
 
 // Loads plugins: finds the file, reads what it was built with, opens it and takes over what it registers.
 
@@ -48,14 +46,16 @@ std::vector<FoundFile> files_in(const std::vector<std::string>& folders);
 /// find_plugin(), so never pass on a path that came from a scene. On an error the registry is unchanged. The plugin
 /// stays loaded for the life of the process, because objects run its code. Throws PluginError: not found (with the
 /// places), not a plugin, damaged, built differently (with the first field that differs), nothing registered, a name
-/// that is taken, or what the plugin itself threw.
+/// that is taken, or what the plugin itself threw. Size and checksum of the file are kept before it is opened. A file
+/// that has others when it is loaded again is refused, as is one that has others than `expected`.
 LOCKSTEP_API std::string load_plugin(Registry&, const std::string& name_or_path,
-                                     const std::vector<std::string>& folders = {});
+                                     const std::vector<std::string>& folders = {},
+                                     const std::optional<PluginStamp>& expected = {});
 
 /// Checks in a file all that load_plugin() checks before it opens it: that it is a shared library for this machine with
 /// an undamaged structure, and that its record fits this build. None of its code runs. Throws PluginError. It cannot
-/// find changed code in a file of undamaged structure; package managers can.
-LOCKSTEP_API void check_plugin_file(const std::string& path);
+/// find changed code in a file of undamaged structure: compare the returned size and checksum with those of a sound one.
+LOCKSTEP_API PluginStamp check_plugin_file(const std::string& path);
 
 /// The record in the file of a plugin, read without opening the file as a library. Throws PluginError.
 LOCKSTEP_API lockstep_abi_record read_abi(const std::string& path);

@@ -99,6 +99,9 @@ constexpr lockstep_abi_record abi_of_this_build() {
 #if !defined(__cpp_rtti)
   abi_detail::put(r.flags, "no-rtti ");
 #endif
+#if EIGEN_MALLOC_ALREADY_ALIGNED
+  abi_detail::put(r.flags, "malloc-already-aligned ");
+#endif
 #if defined(EIGEN_DEFAULT_TO_ROW_MAJOR)
   abi_detail::put(r.flags, "row-major ");
 #endif

@@ -138,6 +138,8 @@ int run_words(int argc, const char* const* argv) {
   arguments.line = &app;
   if (argc > 1 && std::string_view(argv[1]) == "complete")
     return guarded([&] { return complete_command(app, argc - 2, argv + 2); });
+  if (argc == 3 && std::string_view(argv[1]) == "plugin-answer")
+    return guarded([&] { return plugin_answer_command(argv[2]); });
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -133,6 +133,8 @@ int describe_command(const Arguments&);
 int schema_command(const Arguments&);
 int new_plugin_command(const Arguments&);
 int plugins_list_command(const Arguments&);
+/// A verb that no help shows: answers `plugins list` about one file, whose code may end this process.
+int plugin_answer_command(const char* file);
 
 /// Reads the command line, runs a verb, prints errors on standard error. Returns an Exit.
 int run_program(int argc, const char* const* argv);

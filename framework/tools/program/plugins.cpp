@@ -1,10 +1,20 @@
-// The verb plugins list: the plugins of the search path, and why one is refused.
+// The verb plugins list: the plugins of the search path, and why one is refused. Each file is asked by a process of its
+// own, which code of a damaged file may end.
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <boost/dll/runtime_symbol_info.hpp>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include <lockstep/error.h>
 #include <lockstep/loader.h>
 #include <lockstep/registry.h>
 #include "framework/description/registry/survey.h"
@@ -31,14 +41,74 @@ std::string brought(const PluginCandidate& c) {
 Json json_of(const PluginCandidate& c) {
   Json brings = Json::array();
   for (const auto& [kind, name] : c.brings) brings.push_back({{"kind", kind}, {"name", name}});
-  return {{"name", c.name}, {"state", state_of(c)}, {"why", c.why},     {"path", c.path},
-          {"file", c.file}, {"folder", c.folder},   {"build", c.build}, {"brings", brings}};
+  return {{"name", c.name},       {"state", state_of(c)},
+          {"why", c.why},         {"path", c.path},
+          {"file", c.file},       {"folder", c.folder},
+          {"build", c.build},     {"brings", brings},
+          {"size", c.stamp.size}, {"checksum", fmt::format("{:016x}", c.stamp.checksum)}};
+}
+
+// Stands before the answer of a process; what a plugin prints may stand before it.
+constexpr std::string_view kAnswer = "\nlockstep plugin: ";
+constexpr unsigned kPatience = 10;  // s, for one file
+
+void take_answer(const Json& answer, PluginCandidate& c) {
+  c.why = answer["why"], c.build = answer["build"];
+  c.stamp = {answer["size"], std::stoull(answer["checksum"].get<std::string>(), nullptr, 16)};
+  for (const Json& thing : answer["brings"]) c.brings.emplace_back(thing["kind"], thing["name"]);
+  c.state = answer["state"] == "loads" ? PluginCandidate::State::loaded : PluginCandidate::State::refused;
+}
+
+// How a process ended that opened a file: "SIGSEGV (Segmentation fault)".
+std::string end_words(int status) {
+  if (!WIFSIGNALED(status)) return fmt::format("exit code {} without an answer", WEXITSTATUS(status));
+  const int signal = WTERMSIG(status);
+  if (signal == SIGALRM) return fmt::format("no answer within {} s", kPatience);
+  return fmt::format("SIG{} ({})", sigabbrev_np(signal), strsignal(signal));
+}
+
+// Runs `lockstep plugin-answer FILE`; what it printed. `status`: how it ended.
+std::string printed_by_process(std::string file, int& status) {
+  std::string program = boost::dll::program_location().string(), verb = "plugin-answer";
+  char* const words[] = {program.data(), verb.data(), file.data(), nullptr};
+  int pipe[2];
+  if (pipe2(pipe, O_CLOEXEC) != 0) throw FileError(std::string("a pipe cannot be made: ") + std::strerror(errno));
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, pipe[1], STDOUT_FILENO);
+  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+  pid_t child = 0;
+  const int failed = posix_spawn(&child, program.c_str(), &actions, nullptr, words, environ);
+  posix_spawn_file_actions_destroy(&actions);
+  close(pipe[1]);
+  std::string text;
+  char block[4096];
+  for (ssize_t n = 1; failed == 0 && (n > 0 || errno == EINTR);)
+    if (n = read(pipe[0], block, sizeof block); n > 0) text.append(block, static_cast<std::size_t>(n));
+  close(pipe[0]);
+  if (failed != 0) throw FileError("'" + program + "' cannot be started: " + std::strerror(failed));
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return text;
+}
+
+void ask_process(PluginCandidate& c) {
+  int status = 0;
+  const std::string text = printed_by_process(c.file, status);
+  const std::size_t at = text.rfind(kAnswer);
+  if (status == 0 && at != std::string::npos)
+    if (const Json answer = Json::from_msgpack(text.substr(at + kAnswer.size()), false, false); answer.is_object())
+      return take_answer(answer, c);
+  c.why = "plugin file '" + c.file + "' ended the process that opened it: " + end_words(status) +
+          "; the file is damaged, or its code is wrong; build or install it anew";
 }
 
 void print_all(const PluginCandidate& c) {
   fmt::print("{}: {}\n", c.name, state_of(c));
   fmt::print("  file    {}{}\n", c.path, c.file == c.path ? "" : " -> " + c.file);
   if (!c.build.empty()) fmt::print("  build   {}\n", c.build);
+  if (c.stamp.size > 0) fmt::print("  bytes   {}, checksum {:016x}\n", c.stamp.size, c.stamp.checksum);
   if (!c.brings.empty()) fmt::print("  brings  {}\n", brought(c));
   if (!c.why.empty()) fmt::print("  why     {}\n", c.why);
 }
@@ -53,9 +123,19 @@ void print_folders(const std::vector<std::string>& folders) {
 
 }  // namespace
 
+int plugin_answer_command(const char* file) {
+  alarm(kPatience);
+  PluginCandidate c;
+  c.file = file;
+  ask_plugin(c, builtin_registry());
+  const std::vector<std::uint8_t> answer = Json::to_msgpack(json_of(c));
+  fmt::print("{}{}", kAnswer, std::string_view(reinterpret_cast<const char*>(answer.data()), answer.size()));
+  return kExitOk;
+}
+
 int plugins_list_command(const Arguments& args) {
   const std::vector<std::string> folders = plugin_folders();
-  const std::vector<PluginCandidate> all = survey_plugins(builtin_registry(), folders);
+  const std::vector<PluginCandidate> all = survey_plugins(folders, ask_process);
   if (args.json) {
     Json found = Json::array();
     for (const PluginCandidate& c : all) found.push_back(json_of(c));

@@ -14,14 +14,12 @@
 
 #include <lockstep/export.h>
 #include <lockstep/memory.h>
+#include "framework/foundation/support/hash.h"
 
 namespace lockstep {
 
 /// The number of the layout that is written and read. A test holds kept checkpoints against it.
 inline constexpr int kCheckpointLayout = 3;
-
-/// FNV-1a, 64 bits, byte by byte; `hash`: of what came before.
-LOCKSTEP_API std::uint64_t hash_of(std::string_view bytes, std::uint64_t hash = 0xcbf29ce484222325u);
 
 /// Throws FileError where there is something that is no regular file, which a checkpoint would replace.
 LOCKSTEP_API void check_replaceable(const std::string& file);

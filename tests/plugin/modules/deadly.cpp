@@ -1,0 +1,42 @@
+// A plugin that ends the process that opens it, in the way that LOCKSTEP_TEST_DEADLY says.
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <string>
+
+#include <lockstep/plugin.h>
+
+namespace {
+
+struct Still final : lockstep::MotionLaw {
+  static lockstep::TypeInfo info() { return {"deadly_law", "nothing", {}}; }
+  static lockstep::LawPtr<lockstep::MotionLaw> make(const lockstep::Params&) { return std::make_shared<Still>(); }
+  lockstep::LawValue at(double) const override { return {}; }
+};
+
+void die(int signal) {
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
+bool begin() {
+  const char* wish = std::getenv("LOCKSTEP_TEST_DEADLY");
+  const std::string how = wish == nullptr ? "" : wish;
+  if (how == "segv") die(SIGSEGV);
+  if (how == "ill") die(SIGILL);
+  if (how == "abort") die(SIGABRT);
+  if (how == "alarm") die(SIGALRM);  // as when time is up
+  if (how == "exit") _exit(3);
+  if (how == "quiet") _exit(0);
+  if (how == "late") std::atexit([] { die(SIGABRT); });
+  return true;
+}
+
+const bool kBegun = begin();
+
+}  // namespace
+
+LOCKSTEP_PLUGIN(registry) {
+  if (kBegun) registry.laws.add<Still>();
+}
