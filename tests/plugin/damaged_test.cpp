@@ -37,7 +37,8 @@ std::map<std::string, nlohmann::json> listed(const std::string& folder, const st
   INFO(r.text);
   REQUIRE(r.exit == 0);
   std::map<std::string, nlohmann::json> all;
-  for (const auto& p : nlohmann::json::parse(r.text)["plugins"])
+  const auto json = nlohmann::json::parse(r.text);
+  for (const auto& p : json["plugins"])
     if (p["folder"] == folder) all[p["name"]] = p;
   return all;
 }
@@ -178,17 +179,17 @@ TEST_CASE("files of laws, links and forces of plugins are looked for in the scen
     return call("check with_files/scene.json", "LOCKSTEP_PLUGIN_PATH='" + kModules + "'").text;
   };
   const auto driven = [](const std::string& law) {
-    return "{" + kHinge + R"(, "drive": {"rz": {"type": ")" + law + "\"}}}";
+    return "{" + kHinge + R"(, "drive": {"axis": "rz", "law": {"type": ")" + law + "\"}}}";
   };
   const std::string word = R"(", "file": "data/word.txt)", table = R"(", "file": "data/table.csv)";
   const std::string link =
       R"({"name": "L", "type": "reading_link", "p": "arm", "s": "ground", "at": [0, 0, 0], "file": "data/word.txt"})";
   const std::string force =
       R"({"name": "F", "type": "reading_force", "p": "arm", "at": [0, 0, 0], "file": "data/word.txt"})";
-  check_words(refusal(driven("reading_law" + word), ""), {"file holds the_word_of_the_scene"});
-  check_words(refusal(link, ""), {"file holds the_word_of_the_scene"});
-  check_words(refusal("", force), {"file holds the_word_of_the_scene"});
-  check_words(refusal(driven("table_law" + table), ""), {"file ends at 2.5"});
+  check_words(refusal(driven("reading_law" + word), ""), {"file: holds the_word_of_the_scene"});
+  check_words(refusal(link, ""), {"file: holds the_word_of_the_scene"});
+  check_words(refusal("", force), {"file: holds the_word_of_the_scene"});
+  check_words(refusal(driven("table_law" + table), ""), {"file: ends at 2.5"});
 }
 
 }  // namespace damaged_test

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <map>
 #include <mutex>
+#include <regex>
 
 #include <lockstep/error.h>
 #include <lockstep/log.h>
@@ -36,13 +37,11 @@ std::string words_of(const PluginStamp& s) { return fmt::format("{} bytes with c
 
 // The words of the system's loader, with the symbol that it lacks as C++.
 std::string reason(const std::string& why) {
-  constexpr std::string_view kLacks = "undefined symbol: ";
-  const std::size_t at = why.find(kLacks);
-  if (at == std::string::npos) return why;
-  const std::string symbol =
-      why.substr(at + kLacks.size(), why.find_first_of(" ,", at + kLacks.size()) - at - kLacks.size());
-  return "it needs '" + boost::core::demangle(symbol.c_str()) +
-         "', which neither this lockstep nor a library of its has";
+  static const std::regex lacks("undefined symbol: (\\w+)");
+  std::smatch found;
+  if (!std::regex_search(why, found, lacks)) return why;
+  return "it needs '" + boost::core::demangle(found.str(1).c_str()) +
+         "', which neither this lockstep nor another library has";
 }
 
 // Opened libraries by path, and what their files were before. They are never closed, because objects carry their code.
