@@ -4,9 +4,16 @@
 
 #include <array>
 #include <cmath>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
 
 #include "tests/support/catch.h"
 #include "tests/support/dual.h"
+#include "tests/support/paths.h"
 
 namespace lockstep::oracle {
 
@@ -156,4 +163,214 @@ TEST_CASE("jets compare by their values", "[unit][math]") {
   CHECK(a <= 1.0);
   CHECK(a >= 1.0);
   CHECK_FALSE(a > b);
+}
+
+namespace {
+
+/// A function of jets with its derivatives in closed form: f, f', f''.
+struct Known {
+  std::function<Time(const Time&)> on_jet;
+  std::function<std::array<double, 3>(double)> closed;
+  std::vector<double> at;
+};
+
+/// Functions of two arguments are tried as functions of each.
+std::multimap<std::string, Known> known_functions() {
+  const std::vector<double> all = {-1.7, -0.4, 0.3, 2.1}, positive = {0.2, 1.3, 5.0}, small = {-0.8, 0.1, 0.6};
+  using A = std::array<double, 3>;
+  return {
+      {"sqrt",
+       {[](const Time& a) { return sqrt(a); },
+        [](double x) {
+          return A{std::sqrt(x), 0.5 / std::sqrt(x), -0.25 / (x * std::sqrt(x))};
+        },
+        positive}},
+      {"sin",
+       {[](const Time& a) { return sin(a); },
+        [](double x) {
+          return A{std::sin(x), std::cos(x), -std::sin(x)};
+        },
+        all}},
+      {"cos",
+       {[](const Time& a) { return cos(a); },
+        [](double x) {
+          return A{std::cos(x), -std::sin(x), -std::cos(x)};
+        },
+        all}},
+      {"tan",
+       {[](const Time& a) { return tan(a); },
+        [](double x) {
+          const double y = std::tan(x), d = 1 + y * y;
+          return A{y, d, 2 * y * d};
+        },
+        small}},
+      {"exp",
+       {[](const Time& a) { return exp(a); },
+        [](double x) {
+          return A{std::exp(x), std::exp(x), std::exp(x)};
+        },
+        all}},
+      {"log",
+       {[](const Time& a) { return log(a); },
+        [](double x) {
+          return A{std::log(x), 1 / x, -1 / (x * x)};
+        },
+        positive}},
+      {"pow",
+       {[](const Time& a) { return pow(a, 2.5); },
+        [](double x) {
+          return A{std::pow(x, 2.5), 2.5 * std::pow(x, 1.5), 3.75 * std::sqrt(x)};
+        },
+        positive}},
+      {"sinh",
+       {[](const Time& a) { return sinh(a); },
+        [](double x) {
+          return A{std::sinh(x), std::cosh(x), std::sinh(x)};
+        },
+        all}},
+      {"cosh",
+       {[](const Time& a) { return cosh(a); },
+        [](double x) {
+          return A{std::cosh(x), std::sinh(x), std::cosh(x)};
+        },
+        all}},
+      {"tanh",
+       {[](const Time& a) { return tanh(a); },
+        [](double x) {
+          const double c = 1 / std::cosh(x);
+          return A{std::tanh(x), c * c, -2 * std::tanh(x) * c * c};
+        },
+        all}},
+      {"abs",
+       {[](const Time& a) { return abs(a); },
+        [](double x) {
+          return A{std::abs(x), x < 0 ? -1. : 1., 0};
+        },
+        all}},
+      {"atan",
+       {[](const Time& a) { return atan(a); },
+        [](double x) {
+          const double n = 1 + x * x;
+          return A{std::atan(x), 1 / n, -2 * x / (n * n)};
+        },
+        all}},
+      {"atan2",
+       {[](const Time& a) { return atan2(a, Time(2)); },
+        [](double x) {
+          const double n = 4 + x * x;
+          return A{std::atan2(x, 2), 2 / n, -4 * x / (n * n)};
+        },
+        all}},
+      {"atan2",
+       {[](const Time& a) { return atan2(Time(2), a); },
+        [](double x) {
+          const double n = 4 + x * x;
+          return A{std::atan2(2, x), -2 / n, 4 * x / (n * n)};
+        },
+        all}},
+      {"asin",
+       {[](const Time& a) { return asin(a); },
+        [](double x) {
+          const double n = 1 - x * x;
+          return A{std::asin(x), 1 / std::sqrt(n), x / (n * std::sqrt(n))};
+        },
+        small}},
+      {"acos",
+       {[](const Time& a) { return acos(a); },
+        [](double x) {
+          const double n = 1 - x * x;
+          return A{std::acos(x), -1 / std::sqrt(n), -x / (n * std::sqrt(n))};
+        },
+        small}},
+      {"max",
+       {[](const Time& a) { return max(a * a, 1); },
+        [](double x) {
+          return x * x > 1 ? A{x * x, 2 * x, 2} : A{1, 0, 0};
+        },
+        all}},
+      {"max",
+       {[](const Time& a) { return max(1.0, a * a); },
+        [](double x) {
+          return x * x > 1 ? A{x * x, 2 * x, 2} : A{1, 0, 0};
+        },
+        all}},
+      {"max",
+       {[](const Time& a) { return max(a, a * a); },
+        [](double x) {
+          return x * x > x ? A{x * x, 2 * x, 2} : A{x, 1, 0};
+        },
+        all}},
+      {"min",
+       {[](const Time& a) { return min(a * a, 1); },
+        [](double x) {
+          return x * x < 1 ? A{x * x, 2 * x, 2} : A{1, 0, 0};
+        },
+        all}},
+      {"min",
+       {[](const Time& a) { return min(1.0, a * a); },
+        [](double x) {
+          return x * x < 1 ? A{x * x, 2 * x, 2} : A{1, 0, 0};
+        },
+        all}},
+      {"min",
+       {[](const Time& a) { return min(a, a * a); },
+        [](double x) {
+          return x * x < x ? A{x * x, 2 * x, 2} : A{x, 1, 0};
+        },
+        all}},
+      {"inverse",
+       {[](const Time& a) { return inverse(a); },
+        [](double x) {
+          return A{1 / x, -1 / (x * x), 2 / (x * x * x)};
+        },
+        all}},
+  };
+}
+
+std::string text_of(const std::string& file) {
+  std::ifstream in(std::string(lockstep::paths::kSource) + file);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+}  // namespace
+
+TEST_CASE("every function of jets has its derivatives in closed form", "[unit][math]") {
+  for (const auto& [name, k] : known_functions())
+    for (const double x : k.at) {
+      const auto f = k.closed(x);
+      const Time got = k.on_jet(Time(x, 1, 0)), faster = k.on_jet(Time(x, -2, 0.5));
+      INFO(name << " at " << x);
+      CHECK(near(got.v, f[0]));
+      CHECK(near(got.d, f[1]));
+      CHECK(near(got.h, f[2]));
+      CHECK(near(faster.d, -2 * f[1]));
+      CHECK(near(faster.h, 4 * f[2] + 0.5 * f[1]));
+    }
+}
+
+TEST_CASE("the authors' page lists the functions that jets know", "[unit][math]") {
+  const std::string header = text_of("/framework/include/lockstep/jet.h"), page = text_of("/framework/docs/joints.md");
+  std::set<std::string> known, listed, tried;
+  const std::regex function("inline Jet<N, T, D> ([a-z0-9]+)\\("), row("\\n\\| `([a-z0-9_]+)\\([a-z, ]*\\)` \\|");
+  for (std::sregex_iterator it(header.begin(), header.end(), function), end; it != end; ++it) known.insert((*it)[1]);
+  known.erase("chain");  // of jet_detail
+  for (std::sregex_iterator it(page.begin(), page.end(), row), end; it != end; ++it) listed.insert((*it)[1]);
+  for (const auto& entry : known_functions()) tried.insert(entry.first);
+  CHECK(known.size() >= 17);
+  CHECK(known == tried);
+  known.insert("value_of");
+  CHECK(listed == known);
+}
+
+TEST_CASE("functions of std that return one of their arguments know jets", "[unit][math]") {
+  const Time a(1.0, 2.0, 3.0), b(4.0, 5.0, 6.0);
+  CHECK(std::max(a, b).d == 5.0);
+  CHECK(std::min(a, b).d == 2.0);
+  CHECK(std::clamp(Time(7), a, b).d == 5.0);
+  CHECK(max(a, a + 0.0 * b).d == 2.0);  // of equal ones the first
+  std::ostringstream written;
+  written << b;
+  CHECK(written.str() == "4");
 }

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cmath>
+#include <concepts>
 #include <cstddef>
+#include <iosfwd>
 
 #include <Eigen/Core>
 
@@ -33,6 +35,22 @@ struct NoMotion {
   friend NoMotion operator*(double, NoMotion) { return {}; }    ///< nothing
 };
 
+namespace jet_detail {
+/// What a jet may be combined with. A jet is no such number.
+template <class B>
+concept Number = std::convertible_to<B, double>;
+
+// Once for all jets: one error.
+template <class F>
+F not_a_number() {
+  static_assert(
+      !std::same_as<F, long double>,
+      "functions of std know no jets: write sin(x), not std::sin(x), for lockstep's sqrt, sin, cos, tan, exp, "
+      "log, pow, sinh, cosh, tanh, abs, atan, atan2, asin, acos, max and min; value_of(x) is the number alone");
+  return {};
+}
+}  // namespace jet_detail
+
 /// A number with its exact derivatives: N components of a gradient, and two derivatives along a motion. T: number type;
 /// D: type of the derivatives along the motion, T or NoMotion.
 template <int N, class T = double, class D = T>
@@ -53,6 +71,12 @@ struct Jet {
     Jet a(value, first, second);
     a.g[k] = T(1);
     return a;
+  }
+
+  /// A jet is no number. Functions of std take only numbers, and of those this one alone, so that their call leads here.
+  template <std::same_as<long double> F>
+  operator F() const {
+    return jet_detail::not_a_number<F>();
   }
 };
 
@@ -112,43 +136,44 @@ inline Jet<N, T, D> operator/(const Jet<N, T, D>& a, const Jet<N, T, D>& b) {
 
 /// a + b
 template <int N, class T, class D>
-inline Jet<N, T, D> operator+(Jet<N, T, D> a, double b) {
-  return a.v += b, a;
+inline Jet<N, T, D> operator+(Jet<N, T, D> a, const jet_detail::Number auto& b) {
+  return a.v += double(b), a;
 }
 /// a + b
 template <int N, class T, class D>
-inline Jet<N, T, D> operator+(double b, Jet<N, T, D> a) {
-  return a.v += b, a;
+inline Jet<N, T, D> operator+(const jet_detail::Number auto& b, Jet<N, T, D> a) {
+  return a.v += double(b), a;
 }
 /// a - b
 template <int N, class T, class D>
-inline Jet<N, T, D> operator-(Jet<N, T, D> a, double b) {
-  return a.v -= b, a;
+inline Jet<N, T, D> operator-(Jet<N, T, D> a, const jet_detail::Number auto& b) {
+  return a.v -= double(b), a;
 }
 /// b - a
 template <int N, class T, class D>
-inline Jet<N, T, D> operator-(double b, const Jet<N, T, D>& a) {
+inline Jet<N, T, D> operator-(const jet_detail::Number auto& b, const Jet<N, T, D>& a) {
   return -a + b;
 }
 /// a b
 template <int N, class T, class D>
-inline Jet<N, T, D> operator*(Jet<N, T, D> a, double b) {
-  a.v *= b, a.d *= b, a.h *= b, a.g *= b;
+inline Jet<N, T, D> operator*(Jet<N, T, D> a, const jet_detail::Number auto& b) {
+  const double k = double(b);
+  a.v *= k, a.d *= k, a.h *= k, a.g *= k;
   return a;
 }
 /// b a
 template <int N, class T, class D>
-inline Jet<N, T, D> operator*(double b, Jet<N, T, D> a) {
+inline Jet<N, T, D> operator*(const jet_detail::Number auto& b, Jet<N, T, D> a) {
   return a * b;
 }
 /// a/b; b must not be zero.
 template <int N, class T, class D>
-inline Jet<N, T, D> operator/(const Jet<N, T, D>& a, double b) {
-  return a * (1.0 / b);
+inline Jet<N, T, D> operator/(const Jet<N, T, D>& a, const jet_detail::Number auto& b) {
+  return a * (1.0 / double(b));
 }
 /// b/a; a must not be zero.
 template <int N, class T, class D>
-inline Jet<N, T, D> operator/(double b, const Jet<N, T, D>& a) {
+inline Jet<N, T, D> operator/(const jet_detail::Number auto& b, const Jet<N, T, D>& a) {
   return inverse(a) * b;
 }
 /// a = a + b, b a jet or a number
@@ -184,23 +209,23 @@ inline bool operator>(const Jet<N, T, D>& a, const Jet<N, T, D>& b) {
 }
 /// Compares the value.
 template <int N, class T, class D>
-inline bool operator<(const Jet<N, T, D>& a, double b) {
-  return a.v < b;
+inline bool operator<(const Jet<N, T, D>& a, const jet_detail::Number auto& b) {
+  return a.v < double(b);
 }
 /// Compares the value.
 template <int N, class T, class D>
-inline bool operator>(const Jet<N, T, D>& a, double b) {
-  return a.v > b;
+inline bool operator>(const Jet<N, T, D>& a, const jet_detail::Number auto& b) {
+  return a.v > double(b);
 }
 /// Compares the value.
 template <int N, class T, class D>
-inline bool operator<=(const Jet<N, T, D>& a, double b) {
-  return a.v <= b;
+inline bool operator<=(const Jet<N, T, D>& a, const jet_detail::Number auto& b) {
+  return a.v <= double(b);
 }
 /// Compares the value.
 template <int N, class T, class D>
-inline bool operator>=(const Jet<N, T, D>& a, double b) {
-  return a.v >= b;
+inline bool operator>=(const Jet<N, T, D>& a, const jet_detail::Number auto& b) {
+  return a.v >= double(b);
 }
 
 /// Square root; its derivatives are infinite at a = 0.
@@ -271,6 +296,36 @@ template <int N, class T, class D>
 inline Jet<N, T, D> abs(const Jet<N, T, D>& a) {
   return a.v < 0 ? -a : a;
 }
+/// The greater one, with its derivatives; a where both are equal.
+template <int N, class T, class D>
+inline Jet<N, T, D> max(const Jet<N, T, D>& a, const Jet<N, T, D>& b) {
+  return a < b ? b : a;
+}
+/// max of a jet and a number
+template <int N, class T, class D>
+inline Jet<N, T, D> max(const Jet<N, T, D>& a, const jet_detail::Number auto& b) {
+  return max(a, Jet<N, T, D>(b));
+}
+/// max of a number and a jet
+template <int N, class T, class D>
+inline Jet<N, T, D> max(const jet_detail::Number auto& a, const Jet<N, T, D>& b) {
+  return max(Jet<N, T, D>(a), b);
+}
+/// The smaller one, with its derivatives; a where both are equal.
+template <int N, class T, class D>
+inline Jet<N, T, D> min(const Jet<N, T, D>& a, const Jet<N, T, D>& b) {
+  return b < a ? b : a;
+}
+/// min of a jet and a number
+template <int N, class T, class D>
+inline Jet<N, T, D> min(const Jet<N, T, D>& a, const jet_detail::Number auto& b) {
+  return min(a, Jet<N, T, D>(b));
+}
+/// min of a number and a jet
+template <int N, class T, class D>
+inline Jet<N, T, D> min(const jet_detail::Number auto& a, const Jet<N, T, D>& b) {
+  return min(Jet<N, T, D>(a), b);
+}
 /// Arc tangent, rad.
 template <int N, class T, class D>
 inline Jet<N, T, D> atan(const Jet<N, T, D>& a) {
@@ -302,6 +357,12 @@ inline Jet<N, T, D> asin(const Jet<N, T, D>& a) {
 template <int N, class T, class D>
 inline Jet<N, T, D> acos(const Jet<N, T, D>& a) {
   return atan2(sqrt(1.0 - a * a), a);
+}
+
+/// Writes the value.
+template <int N, class T, class D>
+inline std::ostream& operator<<(std::ostream& out, const Jet<N, T, D>& a) {
+  return out << a.v;
 }
 
 /// The number itself: value_of() of what may be a jet or a number.

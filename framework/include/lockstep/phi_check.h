@@ -224,6 +224,10 @@ requires(N < 0) struct Jet<N, double> {
   Jet() = default;
   Jet(double value) : v(value) {}  // NOLINT: a constant is a jet
   Jet(double value, double first, double second) : v(value), d(first), h(second) {}
+  template <std::same_as<long double> F>
+  operator F() const {
+    return jet_detail::not_a_number<F>();
+  }
 };
 
 /// Coordinates on a probe: using those that Phi does not define does not compile.
