@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# exports.sh LIBRARY...: shows every symbol that a library offers beyond namespace lockstep and the record of plugins.
+# exports.sh LIBRARY...: shows every symbol that a library offers beyond namespace lockstep and the record of plugins, and every
+# function of the installed headers that no library offers.
 # 77: no nm here.
 set -euo pipefail
 if ! command -v nm >/dev/null; then
@@ -25,3 +26,20 @@ for symbol in 'typeinfo for lockstep::SceneError' 'typeinfo for lockstep::Lock' 
     ;;
   esac
 done
+# Every function that an installed header declares can be linked. First, planted ones are found.
+here="$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")"
+planted='namespace lockstep {
+int lost(int); LOCKSTEP_API int kept(int); inline int here() { return 1; } template <class T> T made(T);
+struct Loose { int f() const { return lost(1); } int gone() const; std::function<int(int)> call; };
+class LOCKSTEP_API Whole { int there(); };
+}'
+found="$(awk -f "$here/unexported.awk" - <<<"$planted" | sed 's/^[^:]*: *//')"
+if [ "$found" != $'int lost(int)\nint gone() const' ]; then
+  printf 'of the planted functions these were found:\n%s\n' "$found"
+  exit 1
+fi
+found="$(awk -f "$here/unexported.awk" "$here"/../../framework/include/lockstep/*.h)"
+if [ -n "$found" ]; then
+  printf 'declared in installed headers, and not exported:\n%s\n' "$found"
+  exit 1
+fi

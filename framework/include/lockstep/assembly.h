@@ -52,8 +52,8 @@ struct AssemblyReport {
   /// start velocity is given.
   std::vector<std::string> warnings{};
 
-  bool is_notable() const;   ///< whether a violation or a change was more than 1e-6 m, rad or m/s
-  std::string text() const;  ///< all of it in one sentence
+  LOCKSTEP_API bool is_notable() const;   ///< whether a violation or a change was more than 1e-6 m, rad or m/s
+  LOCKSTEP_API std::string text() const;  ///< all of it in one sentence
 };
 
 /// When assembling ends.

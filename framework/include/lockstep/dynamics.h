@@ -319,7 +319,7 @@ struct Solution : Evaluated {
   SolveReport report;            ///< without what costs time to find out
 
   /// The whole report: residual, pivots, detector.
-  SolveReport full_report() const;
+  LOCKSTEP_API SolveReport full_report() const;
 };
 
 /// What an integrator asks of a mechanism: rates, solutions, projections, factors. It holds one evaluation and one

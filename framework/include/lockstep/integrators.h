@@ -58,8 +58,8 @@ struct EmbeddedOptions {
   bool fixed = false;                         ///< steps of the length asked for, without error control
   StagesWhen stages = StagesWhen::automatic;  ///< when stages are on the constraints; automatic is plain where `fixed`
 
-  static Keys keys();                          ///< its keys in scenes: "fixed", "stages"
-  static EmbeddedOptions from(const Params&);  ///< from parameters checked against keys()
+  LOCKSTEP_API static Keys keys();                          ///< its keys in scenes: "fixed", "stages"
+  LOCKSTEP_API static EmbeddedOptions from(const Params&);  ///< from parameters checked against keys()
 };
 
 /// Explicit Runge-Kutta method by an EmbeddedScheme: base of rk4, dopri5 and dop853. The projection moves the end of a

@@ -240,7 +240,8 @@ class LOCKSTEP_API Params {
   double number(std::string_view key) const;     ///< in SI units
   int integer(std::string_view key) const;       ///< a whole number
   bool boolean(std::string_view key) const;      ///< true or false
-  std::string text(std::string_view key) const;  ///< of Form::text and Form::choice
+  /// Of Form::text and Form::choice. Of a key named "file": a path, from the folder of the file in which it stands on.
+  std::string text(std::string_view key) const;
   Vec3 vector3(std::string_view key) const;      ///< of Form::vector3, in SI units, and of Form::axis, length 1
   Quat orientation(std::string_view key) const;  ///< unit quaternion
   std::vector<double> numbers(std::string_view key) const;              ///< in SI units

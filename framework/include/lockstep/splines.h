@@ -97,9 +97,8 @@ class LOCKSTEP_API SplineCurve {
 /// First (and for the quintic second) derivatives at the points, one column per component: row i of the result for a
 /// cubic, rows 2 i and 2 i + 1 for a quintic. Solves a system of blocks of 1 or 2, tridiagonal, with a border when
 /// periodic.
-MatX spline_nodes(const std::vector<double>& t, const MatX& y, int degree, SplineEnds, const SplineEndRates&,
-                  double turn);
-
+LOCKSTEP_API MatX spline_nodes(const std::vector<double>& t, const MatX& y, int degree, SplineEnds,
+                               const SplineEndRates&, double turn);
 
 // Translation law 'path'.
 
