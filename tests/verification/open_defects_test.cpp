@@ -1,0 +1,293 @@
+// Defects that are known and not mended yet, by what a run gives: see tests/support/open_defect.h.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <lockstep/error.h>
+#include <lockstep/integrators.h>
+#include <lockstep/report.h>
+#include <lockstep/simulation.h>
+#include <lockstep/solvers.h>
+#include "framework/tools/precision/work_precision.h"
+#include "tests/support/catch.h"
+#include "tests/support/open_defect.h"
+#include "tests/support/run_scene.h"
+#include "tests/support/worst.h"
+
+namespace open_defects_test {
+
+using namespace lockstep;
+using namespace lockstep::testing;
+
+namespace {
+
+constexpr double kG = 9.81;
+const std::string kOneIdea = "One idea", kSmallProgram = "A small program", kAnswers = "Answers";
+
+struct Way {
+  std::string integrator;
+  Formulation formulation = Formulation::automatic;
+  std::string solver = "schur";
+  double step = 0, tolerance = 0;  ///< 0: of the scene
+
+  void apply(RunSettings& run) const {
+    run.integrator = {integrator}, run.formulation = formulation, run.solver = {solver};
+    if (step > 0) run.step = step;
+    if (tolerance > 0) run.tolerance = {tolerance, 1e-2 * tolerance};
+  }
+};
+
+/// The table of a run, or the words of the error that ended it.
+struct Ended {
+  std::string error;
+  Table table;
+};
+Ended end_of(const std::string& scene, const Way& way) {
+  try {
+    return {"", run_scene(defect_scene(scene), [&](RunSettings& run) { way.apply(run); }).table};
+  } catch (const Error& error) {
+    return {error.what(), {}};
+  }
+}
+
+bool says(const Ended& ended, const std::string& words) { return ended.error.find(words) != std::string::npos; }
+
+}  // namespace
+
+// Crank and arm, both of length l, turn evenly against one another, so that for the crank's angle q the slider is at
+// 2 l cos q. The moments on the arm about the crank's pin give the force of the guide, with cos q cancelled in every term:
+// it is smooth through q = 90 degrees, where the arm by itself leaves it free. The drive's torque is dE/dq.
+TEST_CASE("reactions in a singular pose are those on both sides of it", "[defect][one idea]") {
+  constexpr double l = 0.3, rate = 1.5, crank = 1.5, arm = 2.5, slider = 4;
+  const double first = std::atan2(0.11682550269259515, 0.2763182982008655), pose = (0.5 * kPi - first) / rate;
+  double worst_force = 0, worst_torque = 0;
+  for (const Way& way : {Way{"dop853"}, Way{"dop853", Formulation::omega}, Way{"dop853", Formulation::omega, "dense"},
+                         Way{"dop853", Formulation::omega, "sparse"}, Way{"radau5", Formulation::omega}}) {
+    const Ended ended = end_of("pose_forces", way);
+    INFO(way.integrator << ", " << way.solver << ": " << ended.error);
+    REQUIRE(ended.table.n_rows() == 7);
+    for (std::size_t k = 0; k < 7; ++k) {
+      const double t = ended.table["t"][k], q = first + rate * t, force = ended.table["guide"][k];
+      const double right = (slider + 0.5 * arm) * kG - (2 * slider + arm) * l * rate * rate * std::sin(q);
+      const double torque =
+          (std::sin(q) * l * l * rate * rate * (4 * slider + 2 * arm) + 0.5 * kG * l * (crank + arm)) * std::cos(q);
+      CAPTURE(t, force, right);
+      CHECK(ended.table["slider.x"][k] == Approx(2 * l * std::cos(q)).margin(1e-7));
+      if (std::abs(t - pose) > 5e-4 && way.integrator == "dop853") CHECK(force == Approx(right).epsilon(1e-5));
+      keep_worst(worst_force, std::abs(force - right));
+      keep_worst(worst_torque, std::abs(ended.table["T"][k] - torque));
+    }
+  }
+  CAPTURE(worst_force, worst_torque);
+  expect_defect("pose_forces", kOneIdea, worst_force > 10, worst_force < 0.05 && worst_torque < 1e-5);
+}
+
+// Where the crossed parallelogram lies flat, each rate is a fixed multiple of the first crank's and has an extremum there,
+// so that alpha = -V' / I by Lagrange, of the inertia I and the potential V of a turn of that crank.
+TEST_CASE("accelerations at a start in a change point are those of the branch that it moves on", "[defect][one idea]") {
+  struct Part {
+    double mass, length, y, turn;  ///< y: rate of the mass centre's height for a turn of the first crank
+  };
+  const double coupler = -1 / 0.7, right = -0.85 / 0.35;
+  const Part parts[] = {
+      {0.8, 0.25, 0.125, 1}, {1.1, 0.6, 0.25 + 0.3 * coupler, coupler}, {0.8, 0.25, 0.125 * right, right}};
+  double inertia = 0, potential = 0;
+  for (const Part& p : parts) {
+    inertia += p.mass * (p.y * p.y + p.length * p.length / 12 * p.turn * p.turn);
+    potential += p.mass * kG * p.y;
+  }
+  const double alpha = -potential / inertia;
+  const Table table = run_scene(defect_scene("start_in_change_point")).table;
+  REQUIRE(table.n_rows() == 6);
+  const std::vector<double>&left = table["left.alpha_world_z"], &other = table["right.alpha_world_z"];
+  CAPTURE(alpha, left, other, table["Ax"]);
+  CHECK(left[1] == Approx(alpha).epsilon(1e-4));  // the rows that follow the start are right
+  CHECK(other[1] == Approx(right * alpha).epsilon(1e-4));
+  // The reaction grows as 1/t towards the start: there it has no value.
+  expect_defect("start_in_change_point", kOneIdea,
+                std::abs(left[0] - alpha) > 10 && std::abs(left[0] - other[0]) < 1e-9 && std::abs(table["Ax"][0]) < 10,
+                std::abs(left[0] - alpha) < 1e-3 && std::abs(other[0] - right * alpha) < 1e-3 &&
+                    !(std::abs(table["Ax"][0]) < 10));
+}
+
+// How two aligned hinges share radial forces is the solver's choice; whatever it is, the run goes on.
+TEST_CASE("a door on two hinges with friction turns", "[defect][one idea]") {
+  const Ended dense = end_of("door_with_friction", {"dop853", Formulation::automatic, "dense"});
+  const Ended coarse = end_of("door_with_friction", {"dopri5", Formulation::automatic, "schur", 0, 1e-6});
+  REQUIRE((dense.error + coarse.error).empty());
+  const double angle = dense.table["low.angle_z"].back();
+  CHECK(coarse.table["low.angle_z"].back() == Approx(angle).margin(1e-5));
+  const Ended ended = end_of("door_with_friction", {"dop853"});
+  INFO(ended.error);
+  expect_defect("door_with_friction", kOneIdea, says(ended, "'low.friction'") || says(ended, "jams"),
+                ended.error.empty() && std::abs(ended.table["low.angle_z"].back() - angle) < 1e-5);
+}
+
+// Turned about x by 1 rad, then about the new y by 0.5 rad.
+TEST_CASE("a start may ask for both angles of a universal joint", "[defect][one idea]") {
+  const Ended ended = end_of("universal_two_angles", {"dopri5"});
+  INFO(ended.error);
+  expect_defect(
+      "universal_two_angles", kOneIdea, says(ended, "U.rx and U.ry cannot hold together"),
+      ended.error.empty() && std::abs(std::abs(ended.table["b.qw"][0]) - std::cos(0.5) * std::cos(0.25)) < 1e-9);
+}
+
+// A rod that turns about one end at 1.5 rad/s is caught by the other: its angular momentum about that end stays,
+// (1/12 - 1/4) m L^2 w = 1/3 m L^2 w'.
+TEST_CASE("changes of links within a rounding of one another are one change", "[defect][one idea]") {
+  const double after = 1.5 * (1.0 / 12 - 0.25) * 3;
+  int right = 0, refused = 0, stopped = 0;
+  const std::vector<Way> ways = {{"rk4", Formulation::automatic, "schur", 0.01}, {"dopri5"}, {"dop853"}, {"radau5"}};
+  for (const Way& way : ways) {
+    const Ended ended = end_of("swap_almost_at_once", way);
+    refused += says(ended, "cannot hold together") ? 1 : 0;
+    if (!ended.error.empty()) continue;
+    const double rate = ended.table["rod.omega_world_z"].back();
+    CAPTURE(way.integrator, rate);
+    CHECK(ended.table["rod.omega_world_z"][5] == Approx(1.5).epsilon(1e-6));
+    stopped += std::abs(rate) < 1e-9 ? 1 : 0;
+    right += std::abs(rate - after) < 1e-6 ? 1 : 0;
+  }
+  CAPTURE(right, refused, stopped);
+  expect_defect("swap_almost_at_once", kOneIdea, refused + stopped > 0, right == static_cast<int>(ways.size()));
+}
+
+// The uprights of a parallelogram of like rods turn as one: alpha = -2 m g cos(q) / (2 J + m), J about the end of a rod
+// whose radius is a fiftieth of its length. At a distance of 1e-3 rad from the flat position, errors of the motion grow a
+// thousandfold in it, and by as much again.
+TEST_CASE("accelerations near a flat position are as good as elsewhere", "[defect][one idea]") {
+  const double per_cosine = 2 * kG / (2 * (1.0 / 3 + 1e-4) + 1);
+  double near = 0, away = 0;
+  for (const double tolerance : {1e-9, 1e-10}) {
+    const SceneRun run =
+        run_scene(std::string(paths::kSource) + "/tests/verification/scenes/parallelogram.json", [&](RunSettings& s) {
+          s.formulation = Formulation::joint;
+          s.tolerance = {tolerance, 1e-2 * tolerance};
+          s.until = 4, s.output = 0;
+          for (const double passage : {0.708, 1.2148, 2.6321, 3.1389})
+            for (int k = -50; k < 50; ++k) s.times.push_back(passage + 4e-5 * k);
+          s.times.push_back(3.6), s.times.push_back(4);
+          s.record = {{"left.angle_z", ""}, {"left.alpha_world_z", ""}};
+        });
+    REQUIRE(run.table.n_rows() == 402);
+    int n_near = 0;
+    for (std::size_t k = 0; k < 402; ++k) {
+      const double q = run.table["left.angle_z"][k], off = std::abs(std::remainder(q, kPi));
+      const double error = std::abs(run.table["left.alpha_world_z"][k] + per_cosine * std::cos(q));
+      if (off > 0.1) keep_worst(away, error);
+      if (off < 2e-4 || off > 2e-3) continue;
+      keep_worst(near, error), ++n_near;
+    }
+    CHECK(n_near > 20);
+  }
+  CAPTURE(near, away);
+  CHECK(away < 1e-8);
+  expect_defect("accelerations near a flat position", kOneIdea, near > 1e-5, near < 1e-7);
+}
+
+namespace {
+
+/// As Rk4, and every step is told `cost` times.
+class Counted final : public Integrator {
+ public:
+  Counted(long* steps, long cost) : steps_(steps), cost_(cost) {}
+  IntegratorInfo info() const override { return method_.info(); }
+  void begin(Dynamics& dynamics, const State& state) override { method_.begin(dynamics, state); }
+  StepReport step(Dynamics& dynamics, State& state, double h) override {
+    *steps_ += cost_;
+    return method_.step(dynamics, state, h);
+  }
+
+ private:
+  Rk4 method_;
+  long* steps_;
+  long cost_;
+};
+
+}  // namespace
+
+// Clock and cost are counts of steps. The dear method comes near the truth within the budget, though not within its half.
+TEST_CASE("in a chart each method has its first hit before another has its second", "[defect][a small program]") {
+  long n_steps = 0;
+  WorkPrecisionOptions options;
+  options.integrators = {{"cheap", [&] { return std::make_unique<Counted>(&n_steps, 1); }},
+                         {"dear", [&] { return std::make_unique<Counted>(&n_steps, 400); }}};
+  options.solvers = {{"sparse", [] { return std::make_unique<SparseSolver>(); }}};
+  options.formulations = {Formulation::omega};
+  options.stabilizations = {Stabilization::Kind::project};
+  options.references = {{"dop853", [] { return std::make_unique<Dop853>(); }},
+                        {"dopri5", [] { return std::make_unique<Dopri5>(); }}};
+  options.reference_tolerance = 1e-9;
+  options.repeats = 1;
+  options.steps = {1, 2, 4, 8, 16, 32, 64, 128};
+  options.clock = options.cpu = [&] { return static_cast<double>(n_steps); };
+  const Trajectory swinging{.make =
+                                [] {
+                                  auto sys = std::make_shared<System>(System::Options{Vec3(0, -kG, 0)});
+                                  Body& bar = sys->add_body("rod", shapes::rod(1.0, {0, 0, 0}, {1, 0, 0}));
+                                  sys->add<Revolute>("hinge", bar, sys->ground(), pose_at({0, 0, 0}));
+                                  sys->setup();
+                                  return Subject{sys, sys.get(), sys->start()};
+                                },
+                            .length = 1.0,
+                            .outputs = 10};
+  std::vector<WorkPrecisionRun> order;
+  double spent = 0;
+  options.measured = [&](const WorkPrecisionRun& run) { order.push_back(run); };
+  const auto first_hits = [&](double budget) {
+    n_steps = 0, order.clear(), options.budget = budget;
+    const WorkPrecision result = work_precision(swinging, options);
+    const auto hit = [&](const WorkPrecisionRun& run) {
+      return run.done() && std::all_of(kErrorKinds.begin(), kErrorKinds.end(), [&](ErrorKind kind) {
+               return run.error.of(kind) <= options.first_hit * result.size.of(kind);
+             });
+    };
+    std::vector<std::string> hits;
+    spent = 0;  // by the dear one up to its first hit
+    for (const WorkPrecisionRun& run : order) {
+      if (run.integrator == "dear" && std::count(hits.begin(), hits.end(), "dear") == 0) spent += run.cpu;
+      if (hit(run)) hits.push_back(run.integrator);
+    }
+    return hits;
+  };
+  const auto position = [](const std::vector<std::string>& hits, const std::string& name, int nth) {
+    for (std::size_t k = 0; k < hits.size(); ++k)
+      if (hits[k] == name && --nth == 0) return k;
+    return std::numeric_limits<std::size_t>::max();
+  };
+  const std::vector<std::string> ample = first_hits(1e6);
+  const std::vector<std::string> scarce = first_hits(1.3 * spent);
+  CAPTURE(ample, scarce);
+  CHECK(position(ample, "dear", 1) < position(ample, "cheap", 2));
+  REQUIRE(position(scarce, "cheap", 1) < scarce.size());
+  expect_defect("first hits of a chart", kSmallProgram, position(scarce, "cheap", 2) < position(scarce, "dear", 1),
+                position(scarce, "dear", 1) < position(scarce, "cheap", 2));
+}
+
+// Poses fill a page: a hundred bodies at 3200 instants stand in for one body at 400 000.
+TEST_CASE("the page of a long run stays within twenty megabytes", "[defect][answers]") {
+  constexpr double kBudget = 20e6;
+  const auto size_of = [](int instants) {
+    System system(System::Options{Vec3(0, 0, -kG)});
+    for (int k = 0; k < 100; ++k) {
+      Body& body = system.add_body("body " + std::to_string(k), shapes::sphere(1.0, 0.1));
+      body.start.w = Vec3(0.1 * k, 1, 0.3);
+    }
+    system.setup();
+    Simulation run(system, {.integrator = "semi_implicit_euler", .step = 1e-3, .output = 1e-3});
+    run.record({"energy.total"});
+    Report report(run.recorder());
+    run.add_observer(report);
+    run.run_until(1e-3 * instants);
+    CHECK(run.table().n_rows() == static_cast<std::size_t>(instants) + 1);
+    return static_cast<double>(report.page({.title = "a long run"}).size());
+  };
+  const double small = size_of(100), large = size_of(3200);
+  CAPTURE(small, large);
+  CHECK(small < kBudget);
+  expect_defect("the report's budget", kAnswers, large > kBudget, large <= kBudget);
+}
+
+}  // namespace open_defects_test
