@@ -10,6 +10,7 @@
 
 #include "framework/tools/program/options.h"
 #include "tests/faults/failing.h"
+#include "tests/support/open_defect.h"
 
 namespace ends_test {
 
@@ -147,6 +148,25 @@ TEST_CASE("every verb that prints says that a full standard output is full", "[f
     CHECK(r.exit == 8);
     CHECK(contains(r.text, "standard output"));
   }
+}
+
+// Nobody reads for half a second, so that what is printed waits in the pipe, where signals meet it.
+TEST_CASE("what a signal interrupts on its way to standard output is written again", "[defect][a small program]") {
+  fs::create_directories(kFolder);
+  const std::string file = kFolder + "/interrupted.txt", ended = kFolder + "/interrupted_exit.txt";
+  const auto printed = [&](const std::string& wish) {
+    shell("{ LOCKSTEP_FAIL='" + wish + "' LD_PRELOAD='" + kFailing + "' lockstep schema; echo $? > '" + ended +
+          "'; } | { sleep 0.5; cat; } > '" + file + "'");
+    return std::pair{bytes_of(ended), bytes_of(file)};
+  };
+  const auto [quiet, whole] = printed("");
+  CHECK(quiet == "0\n");
+  REQUIRE(whole.size() > 1 << 16);  // more than a pipe holds
+  const auto [code, text] = printed("alarm:50");
+  CAPTURE(code, whole.size(), text.size());
+  CHECK(whole.starts_with(text.substr(0, 1 << 12)));
+  expect_defect("signals during a write to standard output", "A small program",
+                code == "8\n" && text.size() < whole.size(), code == "0\n" && text == whole);
 }
 
 }  // namespace ends_test

@@ -1,11 +1,14 @@
 // Loaded before a program (LD_PRELOAD), makes one call of the system fail. LOCKSTEP_FAIL="malloc:17" is the 17th request
 // for memory after main has begun, "malloc:17+" that and all later ones, "write:3" the third write (the disk is full),
-// "fsync:1", "rename:1". LOCKSTEP_FAIL_COUNT names a file for the number of calls that were made of each kind.
+// "fsync:1", "rename:1". "alarm:20" is a signal every 20 ms, whose handler lets calls of the system end early (EINTR).
+// LOCKSTEP_FAIL_COUNT names a file for the number of calls that were made of each kind.
 #include <dlfcn.h>
 #include <errno.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/time.h>
 #include <sys/types.h>
 #include <sys/uio.h>
 #include <unistd.h>
@@ -44,9 +47,20 @@ Function next(const char* name) {
   return reinterpret_cast<Function>(dlsym(RTLD_NEXT, name));
 }
 
+// As a library does that handles signals without SA_RESTART.
+void alarm_every(long ms) {
+  struct sigaction action {};
+  action.sa_handler = [](int) {};
+  sigaction(SIGALRM, &action, nullptr);
+  const timeval interval{ms / 1000, 1000 * (ms % 1000)};
+  const itimerval timer{interval, interval};
+  setitimer(ITIMER_REAL, &timer, nullptr);
+}
+
 void read_wish() {
   const char* wish = getenv("LOCKSTEP_FAIL");
   if (wish == nullptr) return;
+  if (strncmp(wish, "alarm:", 6) == 0) alarm_every(atol(wish + 6));
   for (int k = 0; k < kCalls; ++k) {
     const size_t n = strlen(kNames[k]);
     if (strncmp(wish, kNames[k], n) != 0 || wish[n] != ':') continue;
