@@ -232,6 +232,26 @@ TEST_CASE("copies in lanes pass singular positions in as many steps as alone", "
   expect_defect("lanes_parallelogram", kOneText, in_lanes > 5 * single, in_lanes <= 2 * single);
 }
 
+// To 0.71 s, beyond the first flat position, about 20 steps are enough; a run that ends 1.5e-4 rad behind it creeps.
+TEST_CASE("a run that ends beside a flat position makes no more steps than one that passes it", "[defect][one idea]") {
+  const std::string scene = quoted(std::string(paths::kSource) + "/tests/verification/scenes/parallelogram.json");
+  const auto steps_to = [&](const std::string& until, const std::string& tolerance) {
+    const Called ran = run(scene, "beside_flat",
+                           "--json --set bodies.bar.rod.mass=0.6666666666666666 " +
+                               ("--set run.max_steps=200 --until " + until) + " --tolerance " + tolerance);
+    INFO(ran.text);
+    if (contains(ran.text, "has made its 200 steps")) return 200L;
+    REQUIRE(ran.exit == 0);
+    return Json::parse(ran.text)["steps"].get<long>();
+  };
+  long beside = 0, beyond = 0;
+  for (const std::string tolerance : {"1e-10", "3e-11"})
+    beside = std::max(beside, steps_to("0.7", tolerance)), beyond = std::max(beyond, steps_to("0.71", tolerance));
+  CAPTURE(beside, beyond);
+  CHECK(beyond < 60);
+  expect_defect("steps beside a flat position", kOneIdea, beside > 100, beside <= 60);
+}
+
 // A crank of 18 mm in place of 15 mm: at 171 degrees the legs are drawn straight.
 TEST_CASE("a mechanism that locks names its crank and the loop that cannot follow", "[defect][plain words]") {
   const Called ran = run(defect("locks_jansen"), "locks_jansen");
