@@ -239,6 +239,49 @@ TEST_CASE("a refusal says the column, what is wrong and what was expected", "[un
   }
 }
 
+TEST_CASE("each function takes as many arguments as it says, no fewer and no more", "[unit][expression]") {
+  const std::map<std::string, int> exactly = {
+      {"sin", 1},  {"cos", 1}, {"tan", 1}, {"asin", 1},  {"acos", 1},  {"atan", 1}, {"sinh", 1},  {"cosh", 1},
+      {"tanh", 1}, {"exp", 1}, {"log", 1}, {"abs", 1},   {"sign", 1},  {"sqrt", 1}, {"floor", 1}, {"ceil", 1},
+      {"norm", 1}, {"mod", 2}, {"dot", 2}, {"round", 1}, {"atan2", 2}, {"cross", 2}};
+  const auto called = [](const std::string& name, int n) {
+    const std::string one = name == "norm" || name == "dot" || name == "cross" ? "A" : "1";
+    std::string text = "=" + name + "(";
+    for (int k = 0; k < n; ++k) text += (k > 0 ? ", " : "") + one;
+    return text + ")";
+  };
+  for (const auto& [name, count] : exactly)
+    for (const int n : {count - 1, count + 1}) {
+      if (n == 0) continue;
+      const std::string message = refusal(called(name, n));
+      CAPTURE(name, n, message);
+      CHECK(message.find(name + " takes " + std::to_string(count) + " argument") != std::string::npos);
+    }
+  for (const std::string name : {"min", "max", "hypot"}) {
+    const std::string one = refusal(called(name, 1)), seventeen = refusal(called(name, 17));
+    CAPTURE(name, one, seventeen);
+    CHECK(one.find(name + " takes 2 or more arguments") != std::string::npos);
+    CHECK(seventeen.find(name + " takes 2 or more arguments") != std::string::npos);
+    CHECK(refusal(called(name, 16)) == "no error");
+  }
+}
+
+TEST_CASE("functions of pure numbers take no angle, and none of an angle takes a length", "[unit][expression]") {
+  for (const std::string name : {"sin", "cos", "tan"}) {
+    CAPTURE(name);
+    CHECK(refusal("=" + name + "(30 deg)") == "no error");
+    CHECK(refusal("=" + name + "(1 m)").find(name + " of a length; an angle or a pure number is expected") !=
+          std::string::npos);
+  }
+  for (const std::string name :
+       {"asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "floor", "ceil", "round"})
+    for (const auto& [given, what] : {std::pair("30 deg", "an angle"), std::pair("1 m", "a length")}) {
+      const std::string message = refusal("=" + name + "(" + given + ")");
+      CAPTURE(name, message);
+      CHECK(message.find(name + " of " + what + "; a pure number is expected") != std::string::npos);
+    }
+}
+
 TEST_CASE("a function of variables refuses what is no number by its cause", "[unit][expression]") {
   struct Bad {
     const char* text;
