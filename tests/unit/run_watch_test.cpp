@@ -308,6 +308,23 @@ TEST_CASE("events say what they leave out", "[unit][dynamics]") {
   check_words(run.report().warnings[0], {"event 'up'", "at the start already"});
 }
 
+// The steps end at multiples of 1/4 s exactly, so the condition is 0 to the last bit where the third begins.
+TEST_CASE("a condition that a later step leaves from exactly zero has fired there, and is not said to begin so",
+          "[unit][dynamics]") {
+  Stone stone;
+  Dynamics dynamics = dynamics_of(stone.system);
+  StepLoop run(dynamics, std::make_unique<Rk4>(), {.step = 0.25});
+  run.set_state(stone.thrown(10));
+  int fired = 0;
+  Event event{.name = "half", .once = false};
+  event.value = [](const Sample& s) { return s.state.t - 0.5; };
+  event.change = [&](State&) { ++fired; };
+  run.add_event(event);
+  run.run_until(1.5);
+  CHECK(fired == 1);
+  CHECK(run.report().warnings.empty());
+}
+
 TEST_CASE("a law that jumps in position is refused by name, however drift is removed", "[unit][dynamics]") {
   const auto kind = GENERATE(Stabilization::Kind::project, Stabilization::Kind::baumgarte, Stabilization::Kind::none);
   const auto formulation = GENERATE(Formulation::omega, Formulation::automatic);
