@@ -1,10 +1,12 @@
 #include "framework/tools/analysis/doubts.h"
 
 #include <spdlog/fmt/fmt.h>
+#include <spdlog/fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include <lockstep/text.h>
 #include "framework/dynamics/solvers/graph.h"
 
 namespace lockstep {
@@ -80,6 +82,12 @@ std::string times_of(const std::vector<double>& first, std::size_t n) {
   const std::size_t shown = std::min(Doubts::kNamed, first.size());
   for (std::size_t k = 0; k < shown; ++k) words += fmt::format("{}{:.6g}", k > 0 ? ", " : "", first[k]);
   return words + (n > shown ? ", ... s" : " s");
+}
+
+std::string first_of(const std::vector<std::string>& names) {
+  constexpr std::size_t kMost = 24;  // in one line
+  if (names.size() <= kMost) return text::join(names);
+  return fmt::format("{} and {} more", fmt::join(names.begin(), names.begin() + kMost, ", "), names.size() - kMost);
 }
 
 bool records_reactions(const RunSettings& run) {

@@ -42,6 +42,9 @@ class LOCKSTEP_API Doubts final : public Observer {
 /// "0.51, 1.02, 1.53, ... s": the first of n instants.
 LOCKSTEP_API std::string times_of(const std::vector<double>& first, std::size_t n);
 
+/// "A, B and C", or the first of them "and 7 more".
+LOCKSTEP_API std::string first_of(const std::vector<std::string>& names);
+
 /// Whether columns are recorded that depend on reactions.
 LOCKSTEP_API bool records_reactions(const RunSettings&);
 

@@ -1,10 +1,13 @@
 #include "framework/tools/analysis/singular_watch.h"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include <lockstep/error.h>
 #include "framework/dynamics/solvers/graph.h"
+#include "framework/tools/analysis/doubts.h"
 #include "framework/tools/analysis/fading_rows.h"
 
 namespace lockstep {
@@ -206,6 +209,24 @@ void SingularWatch::find_between(const Look& before, const Look& lowest, const L
     passed_.back().links = fading_links(system_, regular_.state, best);
   } catch (const Error&) {  // where no row can be evaluated none is named
   }
+}
+
+std::string passed_words(const std::vector<PassedPosition>& passed, long n, const IntegratorInfo& method,
+                         bool projects) {
+  std::vector<double> times;
+  std::vector<std::string> links;
+  for (const PassedPosition& p : passed) {
+    times.push_back(p.t);
+    for (const std::string& name : p.links)
+      if (std::ranges::find(links, name) == links.end()) links.push_back(name);
+  }
+  const std::string where = links.empty() ? "" : fmt::format(" (links {})", first_of(links));
+  const char* next = !projects ? "--stabilization project with --integrator dop853"
+                     : method.name == "dop853" || method.name == "dopri5" ? "stages auto, and no fixed steps"
+                                                                          : "--integrator dop853";
+  return fmt::format(
+      "passed {} singular position{} with plain stages, at t = {}{}; the motion after {} may be another: take {}", n,
+      n == 1 ? "" : "s", times_of(times, static_cast<std::size_t>(n)), where, n == 1 ? "it" : "them", next);
 }
 
 }  // namespace lockstep

@@ -1,23 +1,10 @@
 #include "framework/tools/program/check_dependencies.h"
 
 #include <spdlog/fmt/fmt.h>
-#include <spdlog/fmt/ranges.h>
 
 #include <lockstep/text.h>
 
 namespace lockstep {
-
-namespace {
-
-constexpr std::size_t kMostNames = 24;  // in one line
-
-}  // namespace
-
-std::string first_of(const std::vector<std::string>& names) {
-  if (names.size() <= kMostNames) return text::join(names);
-  return fmt::format("{} and {} more", fmt::join(names.begin(), names.begin() + kMostNames, ", "),
-                     names.size() - kMostNames);
-}
 
 std::string words_of(const Dependency& d) {
   return d.too_many > 0 ? fmt::format("    {}: {} too many\n", first_of(d.rows), d.too_many) : std::string();

@@ -9,11 +9,10 @@
 #include <lockstep/analysis.h>
 #include <lockstep/scene.h>
 #include <lockstep/uniqueness.h>
+#include "framework/tools/analysis/doubts.h"
 
 namespace lockstep {
 
-/// "A, B and C", or the first of them "and 7 more".
-std::string first_of(const std::vector<std::string>& names);
 /// A line for what is too many: "    A.z, B.z and C.z: 1 too many".
 std::string words_of(const Dependency&);
 /// A line for rows that nearly depend on one another, and what was decided: "  nearly redundant    ...".

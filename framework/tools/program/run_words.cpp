@@ -55,24 +55,6 @@ Json columns_of(const RowEnvelope& rows) {
   return all;
 }
 
-std::string passed_words(const std::vector<PassedPosition>& passed, long n, const IntegratorInfo& method,
-                         bool projects) {
-  std::vector<double> times;
-  std::vector<std::string> links;
-  for (const PassedPosition& p : passed) {
-    times.push_back(p.t);
-    for (const std::string& name : p.links)
-      if (std::ranges::find(links, name) == links.end()) links.push_back(name);
-  }
-  const std::string where = links.empty() ? "" : fmt::format(" (links {})", first_of(links));
-  const char* next = !projects ? "--stabilization project with --integrator dop853"
-                     : method.name == "dop853" || method.name == "dopri5" ? "stages auto, and no fixed steps"
-                                                                          : "--integrator dop853";
-  return fmt::format(
-      "passed {} singular position{} with plain stages, at t = {}{}; the motion after {} may be another: take {}", n,
-      n == 1 ? "" : "s", times_of(times, static_cast<std::size_t>(n)), where, n == 1 ? "it" : "them", next);
-}
-
 }  // namespace
 
 std::vector<std::string> doubts_of(const EndedRun& ended) {
@@ -89,7 +71,7 @@ std::vector<MissedEvent> missed_events(Mechanism& m, const StepLoop& sim) {
   const std::vector<EventCourse> courses = sim.event_courses();
   for (std::size_t i = 0; i < m.events.size(); ++i)
     if (const EventRequest& e = m.events[i]; courses[i].last < 0)
-      missed.push_back({e, courses[i], e.channel.empty() ? "s" : make_channel(m.system, e.channel).unit});
+      missed.push_back({e, courses[i], e.channel.empty() ? "s" : make_channel(system_of(m), e.channel).unit});
   return missed;
 }
 

@@ -1,6 +1,7 @@
 // A Simulation of a scene: what the program runs, as one object.
 #include <limits>
 
+#include "framework/tools/analysis/doubts.h"
 #include "framework/tools/analysis/singular_watch.h"
 #include "framework/tools/scene_run/rows_at_jumps.h"
 #include "framework/tools/scene_run/scene_run.h"
@@ -34,14 +35,21 @@ struct SceneParts final : HeldMechanism, Simulation::Parts {
     State start = assembled_start(by, mechanism, &report);
     if (settings.at_jumps) run.add_observer(at_jumps);
     run.add_observer(*audit);
+    const bool adaptive = run.integrator().info().adaptive;
+    doubts = std::make_unique<Doubts>(records_reactions(settings), adaptive ? settings.tolerance.relative : 0.0);
+    run.add_observer(*doubts);
     if (SingularWatch::is_needed(by, start, run.integrator().info())) run.add_observer(singular);
     for (const Event& event : events) run.add_event(event);
     return start;
   }
   RunVerdict verdict() const override {
     if (!loop) throw ModelError("simulation: verdict() before the run began; call it after run()");
-    RunVerdict found{audit->result()};
-    found.right = !found.audit.is_wrong(loop->integrator().info().adaptive);
+    RunVerdict found{audit->result(), doubts->words(loop->report().steps)};
+    found.right = !found.audit.is_wrong();
+    if (!singular.passed().empty())
+      found.doubts.insert(found.doubts.begin(),
+                          passed_words(singular.passed(), singular.n_passed(), loop->integrator().info(),
+                                       settings.stabilization.kind == Stabilization::Kind::project));
     return found;
   }
   double last_instant() const {
@@ -53,6 +61,7 @@ struct SceneParts final : HeldMechanism, Simulation::Parts {
   RowsAtJumps at_jumps;
   SingularWatch singular;
   std::unique_ptr<EnergyAudit> audit;
+  std::unique_ptr<Doubts> doubts;
 };
 
 }  // namespace
