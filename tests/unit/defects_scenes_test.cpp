@@ -12,7 +12,7 @@
 #include <lockstep/joints.h>
 #include <lockstep/simulation.h>
 #include <lockstep/sweep.h>
-#include "framework/tools/sweep/scene_run.h"
+#include "framework/tools/scene_run/scene_run.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 

@@ -14,7 +14,7 @@
 #include <lockstep/lockstep.h>
 #include <lockstep/modes.h>
 #include <lockstep/sweep.h>
-#include "framework/tools/sweep/scene_run.h"
+#include "framework/tools/scene_run/scene_run.h"
 #include "framework/tools/sweep/sweep_lanes.h"
 #include "tests/support/catch.h"
 #include "tests/support/program.h"
@@ -90,7 +90,7 @@ TEST_CASE("a mast that falls out of its plane is unstable, and the system is pla
 
 TEST_CASE("a plane that was asked for is that of the verdict", "[verification][defects]") {
   Mechanism m = mast();
-  m.system.set_planar(Plane{2});
+  system_of(m).set_planar(Plane{2});
   Dynamics dynamics = make_dynamics(m, builtin_registry());
   State state = m.system.start();
   const EquilibriumReport report = find_equilibrium(dynamics, state);
@@ -114,7 +114,7 @@ TEST_CASE("downhill the mast leaves its plane, and the system with it", "[verifi
   CHECK(x[1] == Approx(0.5 * kLength * cosine).epsilon(1e-8));
   CHECK(std::abs(x[2]) == Approx(0.5 * kLength * std::sqrt(1 - cosine * cosine)).epsilon(1e-8));
   CHECK(unbalanced(dynamics, state, report.lambda) < 1e-6);
-  m.system.changed();  // states stay valid over a setup
+  system_of(m).changed();  // states stay valid over a setup
   dynamics.set_up();
   CHECK(body_pose(m.system.body("mast"), state).x == x);
 }

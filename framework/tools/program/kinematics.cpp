@@ -81,7 +81,7 @@ void refuse_columns_of_masses(const Mechanism& m, const std::vector<std::string>
 void refuse_integrated_columns(Mechanism& m) {
   for (const ChannelRequest& request : m.run.record) {
     const std::size_t before = m.system.auxiliaries().size();
-    make_channel(m.system, request.channel);
+    make_channel(system_of(m), request.channel);
     for (std::size_t k = before; k < m.system.auxiliaries().size(); ++k)
       refuse(request.where, "run.record",
              "\"" + request.channel + "\" needs '" + m.system.auxiliaries()[k]->name() +

@@ -1,3 +1,4 @@
+#include "framework/description/scene/system_of.h"
 #include "framework/tools/program/run_words.h"
 
 #include <spdlog/fmt/fmt.h>

@@ -9,7 +9,6 @@
 #include "framework/mechanism/params/refusals.h"
 #include "framework/mechanism/params/units.h"
 #include "framework/tools/record/start_of_angle.h"
-#include "framework/tools/sweep/scene_run.h"
 
 namespace lockstep {
 
@@ -68,12 +67,12 @@ Event make_event(Mechanism& m, const EventRequest& request, Recorder& recorder) 
 
 Mechanism build_observed(const Scene& scene, const Registry& registry) {
   return build_mechanism(scene, registry, [](Mechanism& m, SceneErrors& wrong) {
-    if (!wrong.attempt(Value(), [&] { m.system.setup(); })) return;
+    if (!wrong.attempt(Value(), [&] { system_of(m).setup(); })) return;
     const auto look_for = [&](const std::string& channel, const Where& where, const std::string& context) {
       if (channel.empty()) return;
       Value name(channel);
       name.where = where;
-      wrong.attempt(Value::List{name}, [&] { placed(where, context, [&] { make_channel(m.system, channel); }); });
+      wrong.attempt(Value::List{name}, [&] { placed(where, context, [&] { make_channel(system_of(m), channel); }); });
     };
     for (const ChannelRequest& r : m.run.record) look_for(r.channel, r.where, "run.record");
     for (const EventRequest& e : m.events)
