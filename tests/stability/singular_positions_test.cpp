@@ -178,18 +178,25 @@ TEST_CASE("regular positions of overconstrained mechanisms are no singular ones"
 
 namespace {
 
-/// A force that counts how often it is asked.
-class Asked final : public Force {
+/// A law that counts how often it is asked.
+class Asked final : public MotionLaw {
  public:
-  explicit Asked(long& times) : Force("asked"), times_(times) {}
-  std::string_view type() const override { return "asked"; }
-  std::vector<const Marker*> markers() const override { return {}; }
-  void setup() override {}
-  void apply(const Inputs&, WrenchSum&) const override { ++times_; }
+  explicit Asked(long& times) : times_(times) {}
+  LawValue at(double) const override {
+    ++times_;
+    return {};
+  }
 
  private:
   long& times_;
 };
+
+/// A slide that its law holds, apart from everything else: each gathering of the rows asks the law.
+void count_gatherings(System& system, long& times) {
+  Body& slide = system.add_body("slide", MassProperties{1, Vec3::Zero(), Mat3::Identity()}, {Vec3(0, -9, 0), {}});
+  system.add<Prismatic>("counted", slide, system.ground(), pose_at({0, -9, 0}))
+      .drive(Axis::z, std::make_shared<Asked>(times));
+}
 
 /// Flat parallelograms that have nothing to do with one another, free rods, and a chain that hangs on the first.
 std::string flat_parallelograms(int n, int n_free, int n_chain) {
@@ -219,7 +226,7 @@ std::string flat_parallelograms(int n, int n_free, int n_chain) {
 TEST_CASE("what is beside a loop neither hides its branches nor adds to their cost", "[stability][analysis]") {
   Mechanism m = build_mechanism(scene_from_text(flat_parallelograms(1, 300, 70), "scene.json"), builtin_registry());
   long times = 0;
-  system_of(m).add(std::make_unique<Asked>(times));
+  count_gatherings(system_of(m), times);
   Dynamics dynamics(system_of(m), std::make_unique<SchurSolver>(), {Formulation::omega, {}});
   dynamics.set_up();
   const State state = m.system.start();
@@ -244,7 +251,7 @@ TEST_CASE("a singular position is told in few evaluations, however many motions 
   const int n = GENERATE(2, 6, 12);
   Mechanism m = build_mechanism(scene_from_text(flat_parallelograms(n, 0, 0), "scene.json"), builtin_registry());
   long times = 0;
-  system_of(m).add(std::make_unique<Asked>(times));
+  count_gatherings(system_of(m), times);
   Dynamics dynamics(system_of(m), std::make_unique<SchurSolver>(), {Formulation::omega, {}});
   dynamics.set_up();
   times = 0;

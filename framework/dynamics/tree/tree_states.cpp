@@ -1,4 +1,6 @@
 // States along a tree: motions, rates, variations, and coordinates that are read off. How it is grown: joint_tree.cpp.
+#include <boost/container/small_vector.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -56,7 +58,7 @@ void laws_at(const TreeNode& n, double t, const VecX& s, Imposed& now) {
 }
 
 Motion JointTree::motion(const State& y, int slot) const {
-  std::vector<const TreeNode*> path;
+  boost::container::small_vector<const TreeNode*, 64> path;
   for (int k = node_of_[static_cast<std::size_t>(slot)]; k >= 0; k = path.back()->parent)
     path.push_back(&nodes_[static_cast<std::size_t>(k)]);
   Motion p, own;

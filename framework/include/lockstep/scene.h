@@ -104,7 +104,9 @@ struct EventRequest {
 class HeldSystem {
  public:
   HeldSystem() = default;
+  /// Bodies, markers, links and forces stay where they are in memory.
   HeldSystem(HeldSystem&& other) noexcept : own_(std::move(other.own_)) {}
+  /// The same.
   HeldSystem& operator=(HeldSystem&& other) noexcept {
     own_ = std::move(other.own_);
     return *this;

@@ -57,8 +57,8 @@ class LOCKSTEP_API Simulation {
   /// tolerance and singular configurations are watched: verdict(). In liblockstep-tools. Throws SceneError with the
   /// place in the file of a channel that does not exist.
   explicit Simulation(Mechanism mechanism);
-  Simulation(Simulation&&) noexcept;
-  Simulation& operator=(Simulation&&) noexcept;
+  Simulation(Simulation&&) noexcept;             ///< the run goes on in the new one
+  Simulation& operator=(Simulation&&) noexcept;  ///< the same; the run that was here ends
   ~Simulation();
 
   /// Integrator, tolerance, step, outputs and end; what is changed here before the run begins holds in it. Throws
