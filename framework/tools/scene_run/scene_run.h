@@ -7,6 +7,7 @@
 #include <lockstep/scene.h>
 #include "framework/description/scene/system_of.h"
 #include "framework/dynamics/simulate/start_turns.h"
+#include "framework/tools/simulation/simulation_parts.h"
 
 namespace lockstep {
 
@@ -57,15 +58,6 @@ inline State assembled_start(Dynamics& dynamics, Mechanism& m, AssemblyReport* r
   }
   if (const std::string words = uncounted_angles(m); !words.empty()) log_warning(words);
   return start;
-}
-
-inline StepLoopOptions loop_options(const RunSettings& run) {
-  return {.step = run.step,
-          .tolerance = run.tolerance,
-          .output = run.output,
-          .output_times = run.times,
-          .max_steps = run.max_steps,
-          .limits = run.limits};
 }
 
 }  // namespace lockstep

@@ -61,6 +61,13 @@ struct SystemParts final : SystemSettings, Simulation::Parts {
   }
 };
 
+void assemble_start(const RunSettings& settings, Dynamics& by, State& start, AssemblyReport& report) {
+  if (settings.assemble)
+    report = assemble(by, start);
+  else
+    begin_turns(by, start);
+}
+
 }  // namespace
 
 Simulation::Parts::~Parts() = default;
@@ -71,13 +78,7 @@ StepLoop& Simulation::Parts::begun() {
   std::unique_ptr<Integrator> method = make_method();
   auto evaluates = std::make_unique<Dynamics>(system, make_solver(),
                                               DynamicsOptions{settings.formulation, settings.stabilization});
-  auto runs = std::make_unique<StepLoop>(*evaluates, std::move(method),
-                                         StepLoopOptions{.step = settings.step,
-                                                         .tolerance = settings.tolerance,
-                                                         .output = settings.output,
-                                                         .output_times = settings.times,
-                                                         .max_steps = settings.max_steps,
-                                                         .limits = settings.limits});
+  auto runs = std::make_unique<StepLoop>(*evaluates, std::move(method), loop_options(settings));
   runs->add_observer(*recorder);
   runs->set_state(begin(*evaluates, *runs, assembly));
   dynamics = std::move(evaluates), loop = std::move(runs);
@@ -88,19 +89,13 @@ StepLoop& Simulation::Parts::begun() {
 State Simulation::Parts::begin(Dynamics& by, StepLoop&, AssemblyReport& report) {
   if (const std::string words = channels::uncounted(system, {}, recorded); !words.empty()) log_warning(words);
   State start = system.start();
-  if (settings.assemble)
-    report = assemble(by, start);
-  else
-    begin_turns(by, start);
+  assemble_start(settings, by, start, report);
   return start;
 }
 
 void Simulation::Parts::start_from(State start) {
   begun();
-  if (settings.assemble)
-    assembly = assemble(*dynamics, start);
-  else
-    begin_turns(*dynamics, start);
+  assemble_start(settings, *dynamics, start, assembly);
   loop->set_state(std::move(start));
 }
 

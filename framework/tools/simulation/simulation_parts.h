@@ -9,6 +9,16 @@
 
 namespace lockstep {
 
+/// Steps and outputs as settings give them.
+inline StepLoopOptions loop_options(const RunSettings& run) {
+  return {.step = run.step,
+          .tolerance = run.tolerance,
+          .output = run.output,
+          .output_times = run.times,
+          .max_steps = run.max_steps,
+          .limits = run.limits};
+}
+
 struct LOCKSTEP_API Simulation::Parts {
   Parts(System& of, RunSettings& by, std::unique_ptr<Recorder> to)
       : system(of), settings(by), recorder(std::move(to)) {}
