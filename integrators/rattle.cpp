@@ -79,15 +79,16 @@ void Rattle::begin(Dynamics& dynamics, const State& state) {
 void Rattle::refuse_unsuited(Dynamics& dynamics, const State& state) const {
   const System& system = dynamics.system();
   const std::string advice = "; use dopri5 or dop853, or generalized_alpha if it is stiff";
-  if (system.n_error_controlled_states() > 0) {
-    std::string who;
-    for (const auto& link : system.links())
-      if (link->n_own_states() > 0) who = "link '" + link->name() + "' (driven by its speed)";
-    for (const auto& auxiliary : system.auxiliaries())
-      if (auxiliary->controls_error() && auxiliary->size() > 0) who = "'" + auxiliary->name() + "'";
+  std::string who;
+  for (const auto& link : system.links())
+    if (const bool holds = link->jointed() != nullptr && link->jointed()->imposed().hold;  // by constants
+        link->n_own_states() > 0 && !holds)
+      who = "link '" + link->name() + "' (driven by its speed)";
+  for (const auto& auxiliary : system.auxiliaries())
+    if (auxiliary->controls_error() && auxiliary->size() > 0) who = "'" + auxiliary->name() + "'";
+  if (!who.empty())
     throw ModelError(
         fmt::format("{}: {} integrates its own state, which is not a motion of bodies", scheme_.name, who) + advice);
-  }
   for (const Force* force : dynamics.gather(state).reacting())
     throw ModelError(fmt::format("{}: force '{}' ({}) depends on the reactions of links, as friction does; the method "
                                  "keeps the energy",

@@ -50,6 +50,31 @@ TEST_CASE("what others evaluate between two steps of rattle changes nothing", "[
   CHECK((calm.q - disturbed.q).norm() < 1e-13);
 }
 
+// Two equal rotors on one axis, one of them at rest: J w = 2 J w'.
+TEST_CASE("rattle takes a link that holds its bodies where they stand", "[unit][integrators]") {
+  const int order = GENERATE(2, 4);
+  System system;
+  const MassProperties wheel{1.0, Vec3::Zero(), Vec3(1, 1, 2).asDiagonal()};
+  Body &a = system.add_body("a", wheel), &b = system.add_body("b", wheel, {Vec3(0, 0, 1), {}});
+  system.add<Revolute>("A", a, system.ground(), pose_at({0, 0, 0}));
+  system.add<Revolute>("B", b, system.ground(), pose_at({0, 0, 1}));
+  GenericLock& clutch = system.add<GenericLock>("clutch", a, b, pose_at({0, 0, 0.5}), Mask::e3);
+  clutch.hold();
+  clutch.set_active_at_start(false);
+  a.start.w = {0, 0, 2};
+  Dynamics dynamics = dynamics_of(system);
+  StepLoop run(dynamics, std::make_unique<Rattle>(order), {.step = 1.0 / 128});
+  run.add_event({.name = "close", .at = 0.5, .activate = {"clutch"}});
+  run.run_until(1);
+  for (const Body* each : {&a, &b}) CHECK(body_twist(*each, run.state()).w.z() == Approx(1).epsilon(1e-10));
+  const auto angle = [&](const Body& of) {
+    const Quat e = body_pose(of, run.state()).q;
+    return 2 * std::atan2(e.vec()[2], e.w);
+  };
+  CHECK(angle(a) == Approx(2 * 0.5 + 0.5).epsilon(1e-9));
+  CHECK(angle(b) == Approx(0.5).epsilon(1e-9));
+}
+
 TEST_CASE("rattle refuses a damper by its name", "[unit][integrators]") {
   const int order = GENERATE(2, 4);
   RodPendulum pendulum;
