@@ -197,35 +197,54 @@ inline Jet<N, T, D>& operator/=(Jet<N, T, D>& a, const B& b) {
   return a = a / b;
 }
 
-/// Compares the values only, as all comparisons of jets do.
+namespace jet_detail {
+double value_of(Number auto a) { return double(a); }
 template <int N, class T, class D>
-inline bool operator<(const Jet<N, T, D>& a, const Jet<N, T, D>& b) {
-  return a.v < b.v;
+const T& value_of(const Jet<N, T, D>& a) {
+  return a.v;
+}
+template <class A, class B>
+inline constexpr bool is_pair = false;
+template <int N, class T, class D>
+inline constexpr bool is_pair<Jet<N, T, D>, Jet<N, T, D>> = true;
+template <int N, class T, class D, Number B>
+inline constexpr bool is_pair<Jet<N, T, D>, B> = true;
+template <Number A, int N, class T, class D>
+inline constexpr bool is_pair<A, Jet<N, T, D>> = true;
+/// Two jets, or a jet and a number.
+template <class A, class B>
+concept Pair = is_pair<A, B>;
+}  // namespace jet_detail
+
+/// Compares the values only, as all comparisons of jets do: with jets and with numbers.
+template <class A, class B>
+  requires jet_detail::Pair<A, B>
+inline bool operator<(const A& a, const B& b) {
+  return jet_detail::value_of(a) < jet_detail::value_of(b);
 }
 /// Compares the values.
-template <int N, class T, class D>
-inline bool operator>(const Jet<N, T, D>& a, const Jet<N, T, D>& b) {
-  return a.v > b.v;
+template <class A, class B>
+  requires jet_detail::Pair<A, B>
+inline bool operator>(const A& a, const B& b) {
+  return jet_detail::value_of(a) > jet_detail::value_of(b);
 }
-/// Compares the value.
-template <int N, class T, class D>
-inline bool operator<(const Jet<N, T, D>& a, const jet_detail::Number auto& b) {
-  return a.v < double(b);
+/// Compares the values.
+template <class A, class B>
+  requires jet_detail::Pair<A, B>
+inline bool operator<=(const A& a, const B& b) {
+  return jet_detail::value_of(a) <= jet_detail::value_of(b);
 }
-/// Compares the value.
-template <int N, class T, class D>
-inline bool operator>(const Jet<N, T, D>& a, const jet_detail::Number auto& b) {
-  return a.v > double(b);
+/// Compares the values.
+template <class A, class B>
+  requires jet_detail::Pair<A, B>
+inline bool operator>=(const A& a, const B& b) {
+  return jet_detail::value_of(a) >= jet_detail::value_of(b);
 }
-/// Compares the value.
-template <int N, class T, class D>
-inline bool operator<=(const Jet<N, T, D>& a, const jet_detail::Number auto& b) {
-  return a.v <= double(b);
-}
-/// Compares the value.
-template <int N, class T, class D>
-inline bool operator>=(const Jet<N, T, D>& a, const jet_detail::Number auto& b) {
-  return a.v >= double(b);
+/// Compares the values.
+template <class A, class B>
+  requires jet_detail::Pair<A, B>
+inline bool operator==(const A& a, const B& b) {
+  return jet_detail::value_of(a) == jet_detail::value_of(b);
 }
 
 /// Square root; its derivatives are infinite at a = 0.
