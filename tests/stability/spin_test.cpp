@@ -1,8 +1,10 @@
 // Fast rotors and long runs of turns: the turn in a step, and the length of quaternions.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
 #include <numbers>
+#include <string>
 #include <vector>
 
 #include <lockstep/batch.h>
@@ -64,7 +66,10 @@ TEST_CASE("a rotor that turns by ten radians a step comes to its angle, or is to
     const Outcome o = outcome_of(filled(text, "$f", formulation));
     CAPTURE(formulation, o.error);
     const bool right = o.ended() && std::abs(o.table.last("b.angle_z") - 500) < 1e-9;
-    CHECK((right || o.told()));
+    const bool told = std::ranges::any_of(o.report.warnings, [](const std::string& warning) {
+      return warning.find("body 'b' turned by up to 10 rad within a step") != std::string::npos;
+    });
+    CHECK((right || told));
     if (formulation == std::string(R"("joint")")) CHECK(right);
   }
 }

@@ -409,13 +409,13 @@ TEST_CASE("advance gives what one call gives, and rows at outputs alone", "[unit
 }
 
 TEST_CASE("a controller's calls take no memory and no more evaluations than their steps", "[unit][dynamics]") {
-  if (!allocations_are_counted()) return;
+  if (!allocations_are_counted()) WARN("skipped: memory is not counted where a sanitizer owns the heap");
   struct Expected {
     const char* method;
     long evaluations;  // a call; 0: as many as Newton's method takes
   };
   const auto [method, evaluations] = GENERATE(from_range(std::vector<Expected>{
-      {"semi_implicit_euler", 1}, {"rk4", 4}, {"dopri5", 7}, {"generalized_alpha", 0}, {"radau5", 0}}));
+      {"semi_implicit_euler", 1}, {"rk4", 4}, {"dopri5", 7}, {"dop853", 12}, {"generalized_alpha", 0}, {"radau5", 0}}));
   const int way = GENERATE(0, 1, 2);
   CAPTURE(method, way);
   FourBar bar;
@@ -435,7 +435,8 @@ TEST_CASE("a controller's calls take no memory and no more evaluations than thei
   run.recorder().reserve(1000);
   calls(60);
   const long before = run.dynamics().work().evaluations;
-  CHECK(allocations_of([&] { calls(100); }) == 0);
+  const long taken = allocations_of([&] { calls(100); });
+  if (allocations_are_counted()) CHECK(taken == 0);
   if (evaluations > 0) CHECK(run.dynamics().work().evaluations - before <= evaluations * 100 + 10);
 }
 

@@ -64,7 +64,7 @@ TEST_CASE("the clock outputs its interval, the start and the end", "[unit][dynam
   Rk4 method;
   const StepLoopOptions options{.step = 0.25, .output = 0.5};
   Clock clock(system, method, options);
-  clock.set_end(1.7);
+  clock.set_end(1.7, 0, 0);
   clock.start(0);
   clock.begin(0, 0);
   CHECK_FALSE(clock.adaptive());

@@ -21,8 +21,11 @@ class LOCKSTEP_API Clock {
     bool jump = false;  ///< a law jumps at t
   };
 
-  /// The end of the run; infinity: single steps.
-  void set_end(double t) { pace_.slow_from = t == t_end_ ? pace_.slow_from : -1, t_end_ = t; }
+  /// The end of the run, which has made n steps and reached t; infinity: single steps. The pace is that towards one end.
+  void set_end(double end, double t, long n) {
+    if (end != t_end_) pace_.measure_from(t, n);
+    t_end_ = end;
+  }
   double end() const { return t_end_; }
   /// A new run from t.
   void start(double t);

@@ -121,6 +121,17 @@ void engage_links(Dynamics& dynamics, State& state, const std::vector<std::strin
   }
 }
 
+namespace {
+
+// Whether all that is wanting where its markers are apart is to hold them as they stand.
+bool could_hold(const Lock& link) {
+  const Jointed* joint = link.jointed();
+  return joint != nullptr && joint->imposed().empty() && joint->mask() != Mask::none && !link.unilateral() &&
+         link.row_count() == count_rows(joint->mask());
+}
+
+}  // namespace
+
 void check_links(Dynamics& dynamics, const State& state, const std::vector<std::string>& links,
                  const std::string& cause, double limit) {
   const Evaluation& at = dynamics.gather_rows(state);
@@ -138,7 +149,7 @@ void check_links(Dynamics& dynamics, const State& state, const std::vector<std::
           fmt::format("{} activates link '{}' at t = {:.9g} s, where it is {:.3g} m apart (limit {:.3g} m); "
                       "activate it when its markers meet{}",
                       cause, name, state.t, violation, limit,
-                      link.jointed() != nullptr ? ", or let it \"hold\" where its bodies stand" : ""));
+                      could_hold(link) ? ", or let it \"hold\" where its bodies stand" : ""));
   }
 }
 
@@ -169,8 +180,13 @@ void make_consistent(Dynamics& dynamics, State& state, const std::string& cause,
 }
 
 PositionJump::PositionJump(Dynamics& dynamics, const State& state) {
-  VecX Cd;
-  dynamics.gather_rows(state).residuals(before_, Cd);
+  dynamics.gather_rows(state).residuals(before_, rates_before_);
+}
+
+bool PositionJump::changes_rows(Dynamics& dynamics, const State& state) const {
+  VecX C, Cd;
+  dynamics.gather_rows(state).residuals(C, Cd);
+  return C != before_ || Cd != rates_before_;
 }
 
 std::string PositionJump::refusal(Dynamics& dynamics, const State& state, double limit) const {

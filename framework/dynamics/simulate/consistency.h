@@ -36,16 +36,19 @@ double before_jump(double jump, double span);
 /// Crosses what is left to t with the rates now, in the slots' own coordinates. `rate`: scratch.
 void cross_rest(Dynamics&, State&, double t, StateRate& rate);
 
-/// Whether rows change at an instant at which time crosses the jump of a law: then the law jumps in position.
+/// Whether rows change at an instant at which time crosses the jump of a law, or an input that laws read was set: then the
+/// law jumps in position.
 class PositionJump {
  public:
   /// Before the jump.
   PositionJump(Dynamics&, const State&);
+  /// After it, at the same state: whether it changes a row's residual, or its rate, by any number.
+  bool changes_rows(Dynamics&, const State&) const;
   /// After it: why no motion follows, naming the row that jumped most, if one did by more than the limit; else "".
   std::string refusal(Dynamics&, const State&, double limit) const;
 
  private:
-  VecX before_;
+  VecX before_, rates_before_;
 };
 
 }  // namespace lockstep

@@ -5,6 +5,7 @@
 
 #include <lockstep/error.h>
 #include "framework/dynamics/solvers/graph.h"
+#include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
 namespace {
@@ -65,7 +66,7 @@ void refuse_switch_of_decided(const System& system, const std::vector<bool>& mod
                        (system.held_down_to() > 0 ? "rows hold that nearly depend on others" : "rows were left out") +
                        ": what was decided at the start is wrong then; leave it told "
                        "(\"nearly_redundant\", decide_nearly_redundant())",
-                   {.thing = {.kind = "event", .name = event.name}});
+                   {.thing = event.name.empty() ? thing_of(*link) : Thing{.kind = "event", .name = event.name}});
 }
 
 }  // namespace lockstep

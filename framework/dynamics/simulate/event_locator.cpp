@@ -20,15 +20,22 @@ bool is_past(Event::Crossing crossing, double value) {
   return crossing == Event::Crossing::rising ? value > 0 : crossing == Event::Crossing::falling && value < 0;
 }
 
-// Throws ModelError for a name that neither a link nor a force has.
-const Lock* link_named(const System& system, const std::string& name, const std::string& who) {
-  std::vector<std::string> names;
-  for (const auto& link : system.links()) {
+const Lock* link_named(const System& system, const std::string& name) {
+  for (const auto& link : system.links())
     if (link->name() == name) return link.get();
-    names.push_back(link->name());
-  }
+  return nullptr;
+}
+
+// `events`: what else the name might have been of.
+[[noreturn]] void refuse_unknown(const System& system, const std::string& name, const std::string& who,
+                                 const std::deque<Event>& events) {
+  std::vector<std::string> names;
+  for (const auto& link : system.links()) names.push_back(link->name());
   for (const auto& force : system.forces()) names.push_back(force->name());
-  throw ModelError(fmt::format("{}: unknown link or force \"{}\"{}", who, name, text::suggestion(name, names)));
+  for (const Event& event : events) names.push_back(event.name);
+  throw ModelError(fmt::format("{}: unknown {} \"{}\"{}", who,
+                               events.empty() ? "link or force" : "link, force or event", name,
+                               text::suggestion(name, names)));
 }
 
 }  // namespace
@@ -62,11 +69,23 @@ void EventLocator::check_switched(const Event& event, const std::string& who) co
         if (force->switch_memory() < 0)
           throw ModelError(fmt::format(
               "{}: force '{}' cannot be switched; call its set_switched() before the system is set up", who, name));
-      } else if (const Lock* link = link_named(system, name, who); system.merged(*link))
+      } else if (const Lock* link = link_named(system, name); link == nullptr)
+        refuse_unknown(system, name, who, {});
+      else if (system.merged(*link))
         throw ModelError(
             fmt::format("{}: link '{}' is merged into one slot and cannot be switched; keep it, as in "
                         "set_merge(true, {{&link}})",
                         who, name));
+}
+
+bool EventLocator::turn(const std::string& name, bool on) {
+  const System& system = dynamics_.system();
+  if (link_named(system, name) != nullptr || force_named(system, name) != nullptr) return false;
+  bool found = false;
+  for (Event& event : events_)
+    if (event.name == name) event.on = on, found = true;
+  if (!found) refuse_unknown(system, name, "a call", events_);
+  return true;
 }
 
 void EventLocator::join(const State& state) {
@@ -89,8 +108,10 @@ double EventLocator::next_instant(double t) const {
 }
 
 void EventLocator::watch(const State& state) {
-  for (std::size_t i = 0; i < events_.size(); ++i)
+  for (std::size_t i = 0; i < events_.size(); ++i) {
+    watched_[i].off = !events_[i].on;
     if (events_[i].value && events_[i].on && !watched_[i].over) watched_[i].value = value_of(i, state);
+  }
 }
 
 double EventLocator::value_of(std::size_t event, const State& state) {
@@ -132,7 +153,6 @@ bool EventLocator::locate(State& state) {
   for (std::size_t i = 0; i < events_.size(); ++i) {
     Watched& w = watched_[i];
     w.met = false, w.at = kNever;
-    w.over = w.over || (!events_[i].on && !events_[i].value && events_[i].at <= t1);
     w.off = w.off || !events_[i].on;
     if (!events_[i].value || w.over || !events_[i].on) continue;
     if (w.off) w.value = value_of(i, interval_.from()), w.off = false;
@@ -155,6 +175,11 @@ bool EventLocator::locate(State& state) {
   note_left_zero();
   for (Watched& w : watched_) w.value = w.now, w.first = false;
   return std::isfinite(first);
+}
+
+void EventLocator::pass(double t) {
+  for (std::size_t i = 0; i < events_.size(); ++i)
+    watched_[i].over = watched_[i].over || (!events_[i].on && !events_[i].value && events_[i].at <= t);
 }
 
 // Of what was seen up to t, where the step ends.
@@ -256,9 +281,10 @@ void EventLocator::load(SnapshotReader& in) {
   if (n != static_cast<long>(events_.size()))
     throw ModelError(fmt::format("the run was saved with {} events and has {}; add the same before it is loaded", n,
                                  events_.size()));
-  watched_.assign(events_.size(), {});
+  std::vector<Watched> watched(events_.size());
+  std::vector<bool> on(events_.size());
   for (std::size_t i = 0; i < events_.size(); ++i) {
-    Watched& w = watched_[i];
+    Watched& w = watched[i];
     if (const std::string name = in.get_text(); name != events_[i].name)
       throw ModelError(
           fmt::format("the run was saved with the event '{}' where it has '{}' now; add the same in the same order",
@@ -269,8 +295,10 @@ void EventLocator::load(SnapshotReader& in) {
       throw ModelError(fmt::format("event '{}' has the stage {}, which no event has: the checkpoint is damaged",
                                    events_[i].name, stage));
     w.over = stage == kStageOver, w.first = stage == kStageFirst;
-    w.met = in.get_flag(), events_[i].on = in.get_flag(), w.off = in.get_flag();
+    w.met = in.get_flag(), on[i] = in.get_flag(), w.off = in.get_flag();
   }
+  watched_ = std::move(watched);
+  for (std::size_t i = 0; i < events_.size(); ++i) events_[i].on = on[i];
 }
 
 }  // namespace lockstep

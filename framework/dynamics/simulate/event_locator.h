@@ -25,6 +25,8 @@ class EventLocator {
   Event& add(Event);
   /// Throws ModelError for a link or force that `who`, in words, cannot switch.
   void check_switched(const Event&, const std::string& who) const;
+  /// Turns the events of this name on or off; false for the name of a link or force. Throws ModelError for an unknown name.
+  bool turn(const std::string& name, bool on);
   /// Starts the event added last in a run that has reached this state.
   void join(const State&);
   bool empty() const { return events_.empty(); }
@@ -39,6 +41,8 @@ class EventLocator {
   void watch(const State&);
   /// Cuts the step that ended with `state` at the first condition met; true when one was met.
   bool locate(State& state);
+  /// A step to t is accepted: events by time that were off up to then are missed.
+  void pass(double t);
 
   enum class Due { no, by_time, by_condition };
   /// Whether event i happens at t.
@@ -69,7 +73,7 @@ class EventLocator {
     Sampled nearest{kNever, kNever};                         ///< to zero, of all that was seen
     bool over = false, met = false;
     bool first = true;  ///< no step was made yet since it is watched
-    bool off = false;   ///< it was off in the last step
+    bool off = false;   ///< it was off in the last step, or when its condition was to be remembered
   };
   double value_of(std::size_t event, const State&);
   Sampled point(std::size_t event, double t);

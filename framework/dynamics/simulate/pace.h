@@ -20,6 +20,8 @@ struct LOCKSTEP_API Pace {
   static constexpr long kPaced = 10000;  ///< steps over which the pace is measured
 
   void start(double t) { *this = {t}; }
+  /// Measures anew from t, after n steps: the run is to come to another end.
+  void measure_from(double t, long n) { from = t, from_n = n, slow_from = -1; }
   /// Before the next step of a run that has made n of them and stands at t; asked again before the same step, as when that
   /// step failed, it answers the same. Returns a warning, once, where the rest will take very many steps; ""
   /// otherwise. Throws StepError where it has no end in sight, or max_steps are made.

@@ -25,7 +25,9 @@ class StepInterval {
   const IntegratorInfo& method() const { return info_; }
   /// Whether the method may keep accelerations from step to step. Those with a scheme() evaluate each stage anew, and so do
   /// the explicit ones of the library that take joint coordinates.
-  bool keeps_accelerations() const { return method_.scheme() == nullptr && (info_.implicit || !info_.joint); }
+  bool keeps_accelerations() const {
+    return method_.scheme() == nullptr && (info_.implicit || !info_.joint || method_.origin() != "built in");
+  }
   const State& from() const { return from_; }
   const StepReport& report() const { return report_; }
   bool has_dense() const { return has_dense_; }

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include <lockstep/error.h>
-#include "framework/dynamics/integrate/tolerance.h"
 #include "framework/dynamics/simulate/along_laws.h"
 #include "framework/dynamics/simulate/consistency.h"
 #include "framework/dynamics/simulate/damping.h"
@@ -139,9 +138,15 @@ const SimulationReport& StepLoop::advance(double h) {
   return report_;
 }
 
+// A stop that a switching call came to is kept for the call that follows.
+void StepLoop::aim_at(double end) {
+  if (phase_ == Phase::none && !keeps_stop_) report_.stopped = false, report_.stopped_by.clear();
+  keeps_stop_ = false;
+  parts_->clock.set_end(end, state_.t, report_.steps);
+}
+
 void StepLoop::go_to(double t, bool with_output) try {
-  if (phase_ == Phase::none) report_.stopped = false, report_.stopped_by.clear();
-  parts_->clock.set_end(t);
+  aim_at(t);
   start();
   while (!report_.stopped && state_.t < t) {
     make_step(t, 0);
@@ -164,8 +169,7 @@ StepReport StepLoop::step(double h) {
     throw ModelError(fmt::format("a step of {} s must be > 0, or 0 for the method's own", h));
   exclusively("step", [&] {
     constexpr double kOpen = std::numeric_limits<double>::infinity();
-    parts_->clock.set_end(kOpen);
-    if (phase_ == Phase::none) report_.stopped = false, report_.stopped_by.clear();
+    aim_at(kOpen);
     start();
     if (!report_.stopped) make_step(kOpen, h);
     parts_->interval.note_acting(state_);
@@ -180,22 +184,13 @@ void StepLoop::start() {
   if (!begun_) return start_run();
   if (phase_ == Phase::none) parts_->told = 0;
   conclude();
+  const bool taken = take_inputs();
   if (stale_)
     begin_method();
-  else if (inputs_were_set() || parts_->interval.acts_otherwise(state_))
+  else if (taken || parts_->interval.acts_otherwise(state_))
     begin_steps();
   stale_ = false;
   if (parts_->events.any_due(state_.t)) settle_now();
-}
-
-bool StepLoop::inputs_were_set() {
-  std::vector<double>& seen = inputs_seen_;
-  const std::deque<ControlInput>& inputs = system().control_inputs();
-  const auto value = [](const ControlInput& input) { return input.value(); };
-  if (std::ranges::equal(inputs, seen, {}, value)) return false;
-  seen.resize(inputs.size());
-  std::ranges::transform(inputs, seen.begin(), value);
-  return parts_->interval.keeps_accelerations();
 }
 
 // A start that fails is made again, as if it had not been made.
@@ -213,6 +208,7 @@ void StepLoop::start_run() {
 void StepLoop::make_start() {
   auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause,
          detailed] = *parts_;
+  before_change = {};
   system().check_size(state_);
   check_start(dynamics_, state_, options_.start_limit);
   check_formulation(dynamics_, state_, *method_);
@@ -234,7 +230,7 @@ void StepLoop::make_start() {
   if (clock.output_due(state_.t)) output(sample);
   to_coordinates(dynamics_, *method_, method, state_, &before_change);
   dynamics_.forget_rows(state_);  // only the start was asked for all of them
-  inputs_were_set();
+  begin_inputs();
   begin_method();
   stale_ = false;
   if (state_.coordinates && !state_.coordinates->has_rows() &&
@@ -280,7 +276,7 @@ void StepLoop::make_step(double limit, double largest) {
   if (parts_->clock.paced(report_.steps) == 0) parts_->contacts.forget_engaged();
   if (!dynamics_.has_current_coordinates(state_))
     begin_method();  // the system was changed
-  else if (inputs_were_set())
+  else if (take_inputs())
     begin_steps();
   const bool passing = interval.report().manifold;  // a singular position, of which the method keeps what it knows
   if (!passing && state_.coordinates && state_.coordinates->take_off_turns(state_)) interval.begin(state_);
@@ -307,6 +303,7 @@ void StepLoop::make_step(double limit, double largest) {
     throw;
   }
   ++report_.steps;
+  events.pass(state_.t);
   phase_ = Phase::inside;  // from here on the state is accepted: whoever throws, its outputs follow
   for (const std::string& name : events.take_left_zero())
     warn(

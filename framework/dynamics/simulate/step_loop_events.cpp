@@ -69,15 +69,21 @@ void StepLoop::settle_now() {
   conclude();
 }
 
-void StepLoop::activate(const std::string& name) { switch_now("activate", {.name = {}, .activate = {name}}); }
-void StepLoop::deactivate(const std::string& name) { switch_now("deactivate", {.name = {}, .deactivate = {name}}); }
+void StepLoop::activate(const std::string& name) {
+  if (!parts_->events.turn(name, true)) switch_now("activate", {.name = {}, .activate = {name}});
+}
+
+void StepLoop::deactivate(const std::string& name) {
+  if (!parts_->events.turn(name, false)) switch_now("deactivate", {.name = {}, .deactivate = {name}});
+}
 
 // All of the change or nothing, as of an event; a call that fails is not made again.
 void StepLoop::switch_now(const char* call, const Event& change) {
   dynamics_.set_up();
   parts_->events.check_switched(change, "a call");
   exclusively(call, [&] {
-    parts_->clock.set_end(std::numeric_limits<double>::infinity());
+    aim_at(std::numeric_limits<double>::infinity());
+    keeps_stop_ = true;
     start();
     struct Guard {
       const Event*& by_call;

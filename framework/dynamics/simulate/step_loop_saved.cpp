@@ -4,6 +4,8 @@
 #include <array>
 #include <boost/core/demangle.hpp>
 #include <typeinfo>
+#include <utility>
+#include <vector>
 
 #include <lockstep/error.h>
 #include "framework/dynamics/simulate/step_loop_parts.h"
@@ -127,33 +129,42 @@ void StepLoop::save(Snapshot& out) {
 }
 
 void StepLoop::load(SnapshotReader in) {
+  dynamics_.set_up();
+  const std::string saved = in.get_text(), now = signature(system(), *method_, dynamics_, options_);
+  if (saved != now) throw ModelError("the checkpoint is of another run: " + difference(saved, now));
   exclusively("load", [&] {
+    State before = state_;
     try {
       load_parts(in);
     } catch (...) {
-      begun_ = false, phase_ = Phase::none;
+      if (!begun_) state_ = std::move(before), dynamics_.to_slots(state_), report_ = {}, phase_ = Phase::none;
       throw;
     }
   });
 }
 
+// Until what hosts may have made otherwise is read, nothing is changed; a run that fails later has not begun.
 void StepLoop::load_parts(SnapshotReader& in) {
   auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause,
          detailed] = *parts_;
-  dynamics_.set_up();
-  const std::string saved = in.get_text(), now = signature(system(), *method_, dynamics_, options_);
-  if (saved != now) throw ModelError("the checkpoint is of another run: " + difference(saved, now));
-  dynamics_.load_state(state_, in);
-  before_change = {};
-  if (in.get_flag()) dynamics_.load_state(before_change, in);
-  report_ = load_report(in);
-  for (ControlInput& input : dynamics_.control_inputs()) input.set(in.get());
-  stale_ = in.get_flag(), warned_of_turns_ = in.get_flag();
+  State state, before;
+  dynamics_.load_state(state, in);
+  if (in.get_flag()) dynamics_.load_state(before, in);
+  SimulationReport report = load_report(in);
+  std::vector<double> inputs(system().control_inputs().size());
+  for (double& value : inputs) value = in.get();
+  const bool stale = in.get_flag(), warned = in.get_flag();
+  SnapshotReader of_clock = in;
+  Clock(clock).load(in), events.load(in);
+  begun_ = false;
+  state_ = std::move(state), before_change = std::move(before), report_ = std::move(report);
+  for (std::size_t k = 0; k < inputs.size(); ++k) dynamics_.control_inputs()[k].set(inputs[k]);
+  stale_ = stale, warned_of_turns_ = warned, keeps_stop_ = false;
   const IntegratorInfo& method = interval.method();
   measures_turns_ = !method.adaptive || method.implicit;
   interval.start(state_);
-  inputs_were_set();
-  clock.load(in), events.load(in), contacts.load(in), interval.load(state_, in);
+  begin_inputs();
+  clock.load(of_clock), contacts.load(in), interval.load(state_, in);
   constexpr double kMostBehind = 1000;  // outputs; what lies behind is past between two steps
   if (options_.output > 0 && !(state_.t - clock.next_output() < kMostBehind * options_.output))
     throw ModelError("the saved outputs do not belong to the time of the saved state: the checkpoint is damaged");

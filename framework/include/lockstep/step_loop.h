@@ -197,10 +197,12 @@ class LOCKSTEP_API StepLoop {
   /// is not switched (Force::set_switched).
   Event& add_event(Event);
   /// Brings this link into force, or has this force act, at once: with all that an event of the present time does to the
-  /// state, but by this call. Begins the run if it has not begun. Throws as add_event(), and AssemblyError for a link that
-  /// does not fit; the state is then as it was.
+  /// state, but by this call. Begins the run if it has not begun. The name of an event, if no link or force has it, turns
+  /// that event on (Event::on). Throws as add_event(), and AssemblyError for a link that does not fit; the state is then as
+  /// it was. What contacts and observers throw afterwards leaves the switch made; the next call goes on with them.
   void activate(const std::string& name);
-  void deactivate(const std::string& name);  ///< releases this link, or has this force act no more; as activate()
+  /// Releases this link, has this force act no more, or turns this event off; as activate().
+  void deactivate(const std::string& name);
   /// A number that forces and laws read (System::add_input), to be set between two steps; keep the reference. Throws
   /// ModelError with the closest name.
   ControlInput& input(const std::string& name) { return dynamics_.input(name); }
@@ -236,7 +238,8 @@ class LOCKSTEP_API StepLoop {
   /// is then equal to the last bit to the one that was saved. One snapshot serves any number of runs, in any threads. Throws
   /// ModelError where one of them is seen to be another: the method's name, the options, the number of events and
   /// observers; names and types of bodies, links and forces, masses, places of markers, gravity. The parameters of links,
-  /// forces, laws and events are not compared.
+  /// forces, laws and events are not compared. A snapshot of another run, or with other events, leaves the run as it was;
+  /// after a later error it begins anew, at the state that it had, with inputs and events as they were read.
   void load(SnapshotReader);
   /// Adds a warning to the report and logs it (log.h).
   void warn(const std::string& text);
@@ -257,8 +260,14 @@ class LOCKSTEP_API StepLoop {
   void go_to(double t, bool with_output);
   /// One accepted step, not past `limit`, and all that depends on it.
   void make_step(double limit, double largest);
-  /// Whether an input was set since this was asked last.
-  bool inputs_were_set();
+  /// Whether the method is to begin anew, since inputs were set; what that changes of laws is settled.
+  bool take_inputs();
+  bool cross_inputs();
+  void note_inputs();
+  /// Inputs are those of a run that begins.
+  void begin_inputs();
+  /// What every call begins with: the end that it runs to, s; infinity: none.
+  void aim_at(double end);
   void switch_now(const char* call, const Event&);
   void settle_now();
   void begin_steps();
@@ -294,6 +303,8 @@ class LOCKSTEP_API StepLoop {
   std::unique_ptr<Parts> parts_;
   bool begun_ = false, running_ = false, stale_ = false;  // stale: the method's history is that of a failed step
   bool measures_turns_ = false, warned_of_turns_ = false;
+  bool has_laws_ = false;    // links may read inputs, by laws
+  bool keeps_stop_ = false;  // the last call switched: a stop that it came to is still to end a run
   Phase phase_ = Phase::none;
   const Event* by_call_ = nullptr;   // what a call switches
   std::vector<double> inputs_seen_;  // values of the inputs

@@ -54,6 +54,8 @@ class LOCKSTEP_API StateEditor {
 /// A named number that a host sets while a mechanism runs, as a controller does, and that forces and laws read by
 /// reference. What is set between two steps acts from the next one on, whatever the method. It keeps its value from run to
 /// run; checkpoints save it and bring it back. Set it in the thread of the run, and outside of forces, links and laws.
+/// Where it makes the law of a drive jump, velocities jump with it; in position no motion follows: an AssemblyError of the
+/// next step, which is gone once the input is set back.
 class LOCKSTEP_API ControlInput {
  public:
   /// As System::add_input().
