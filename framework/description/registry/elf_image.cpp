@@ -168,6 +168,11 @@ const Elf64_Phdr* ElfImage::segment(std::uint32_t type) const {
   return found != segments_.end() ? &*found : nullptr;
 }
 
+PluginStamp stamp_of(const std::string& file) {
+  const std::vector<char> bytes = bytes_of(file);
+  return {bytes.size(), hash_of({bytes.data(), bytes.size()})};
+}
+
 PluginStamp ElfImage::stamp() const { return {bytes_.size(), hash_of({bytes_.data(), bytes_.size()})}; }
 
 void ElfImage::need_in_file(std::string_view what, std::uint64_t offset, std::uint64_t count, std::uint64_t each,

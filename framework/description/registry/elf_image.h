@@ -18,6 +18,9 @@ namespace lockstep {
 inline constexpr std::int64_t kPackedSize = 35, kPacked = 36, kPackedEntry = 37;
 using PackedRelocation = std::uint64_t;
 
+/// Size and checksum of a file, whatever it holds. Throws PluginError when it is not a regular file or cannot be read.
+PluginStamp stamp_of(const std::string& file);
+
 /// The file of a shared library that this machine's loader can map. Addresses are those in the file: the loader adds
 /// the library's place. Each refusal is a PluginError with the file, what is wrong, its value and the limit.
 class ElfImage {

@@ -5,6 +5,7 @@
 #include <lockstep/loader.h>
 #include <lockstep/error.h>
 #include <lockstep/log.h>
+#include "framework/description/registry/elf_image.h"
 #include "framework/foundation/support/thrown.h"
 
 namespace lockstep {
@@ -26,18 +27,26 @@ std::vector<std::pair<std::string, std::string>> things_of(const Registry& regis
   return things;
 }
 
+// Size, checksum and build of the file, as far as they can be read; none of its code runs.
+void read_head(PluginCandidate& c) {
+  try {
+    c.stamp = stamp_of(c.file);
+    c.build = abi_words(read_abi(c.file));
+  } catch (const Error&) {  // ask_plugin() finds it, too
+  }
+}
+
 }  // namespace
 
 void ask_plugin(PluginCandidate& c, const Registry& base) {
   try {
-    c.build = abi_words(read_abi(c.file));
-    c.stamp = check_plugin_file(c.file);
+    const PluginStamp stamp = check_plugin_file(c.file);
     const std::string name = plugin_name(c.file);
     if (name != "built in")
       c.brings = things_of(base, name);  // a part of the library itself, where that loads its parts as plugins
     if (c.brings.empty()) {
       Registry registry = base;
-      load_plugin(registry, c.file, {}, c.stamp);
+      load_plugin(registry, c.file, {}, stamp);
       c.brings = things_of(registry, plugin_name(c.file));
     }
     c.state = PluginCandidate::State::loaded;
@@ -62,6 +71,7 @@ std::vector<PluginCandidate> survey_plugins(const std::vector<std::string>& fold
     } else if (!found.problem.empty()) {
       c.why = found.problem;
     } else {
+      read_head(c);
       ask(c);
     }
     all.push_back(std::move(c));

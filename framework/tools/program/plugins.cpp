@@ -53,8 +53,7 @@ constexpr std::string_view kAnswer = "\nlockstep plugin: ";
 constexpr unsigned kPatience = 10;  // s, for one file
 
 void take_answer(const Json& answer, PluginCandidate& c) {
-  c.why = answer["why"], c.build = answer["build"];
-  c.stamp = {answer["size"], std::stoull(answer["checksum"].get<std::string>(), nullptr, 16)};
+  c.why = answer["why"];
   for (const Json& thing : answer["brings"]) c.brings.emplace_back(thing["kind"], thing["name"]);
   c.state = answer["state"] == "loads" ? PluginCandidate::State::loaded : PluginCandidate::State::refused;
 }
@@ -84,7 +83,7 @@ std::string printed_by_process(std::string file, int& status) {
   close(pipe[1]);
   std::string text;
   char block[4096];
-  for (ssize_t n = 1; failed == 0 && (n > 0 || errno == EINTR);)
+  for (ssize_t n = 1; failed == 0 && (n > 0 || (n < 0 && errno == EINTR));)
     if (n = read(pipe[0], block, sizeof block); n > 0) text.append(block, static_cast<std::size_t>(n));
   close(pipe[0]);
   if (failed != 0) throw FileError("'" + program + "' cannot be started: " + std::strerror(failed));
