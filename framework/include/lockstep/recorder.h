@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <functional>
 #include <iosfwd>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -137,6 +138,8 @@ class LOCKSTEP_API Recorder : public Observer {
   /// Reserves memory for n rows in all; beyond them the table grows geometrically.
   void reserve(std::size_t n) { table_.reserve(n); }
   const Table& table() const { return table_; }  ///< what is recorded so far
+  /// Time of the last row, s, also if the table does not keep it; infinity: there is none.
+  double last_instant() const { return last_; }
   /// Gives each row to `tell` when it is made: one number per column, the time first, valid during the call. The table then
   /// keeps no rows, unless `keep`. What it throws ends the call of the run as a UserCodeError, and the row is made and given
   /// again when the run goes on. An empty function: rows go to the table again.
@@ -161,6 +164,7 @@ class LOCKSTEP_API Recorder : public Observer {
   std::vector<double> row_;
   std::function<void(std::span<const double>)> tell_;
   bool keeps_ = true;
+  double last_ = std::numeric_limits<double>::infinity();
 };
 
 // EnergyAudit: an observer that finds out whether a run conserved energy, and whether it kept to its constraints.

@@ -3,7 +3,7 @@
 namespace lockstep {
 
 void RunRows::start(const Sample& s) {
-  n_taken_ = 0, last_ = std::numeric_limits<double>::infinity();
+  n_taken_ = 0;
   rows_.clear();
   if (!goes_on_) csv_.start(s);
 }
@@ -18,14 +18,8 @@ void RunRows::finish(const Sample& s) {
   take();
 }
 
-double RunRows::last_instant() const {
-  const std::vector<double>& times = recorder_.table().columns().front().values;
-  return times.empty() ? last_ : times.back();
-}
-
 void RunRows::take() {
   const Table& table = recorder_.table();
-  last_ = last_instant();
   for (; n_taken_ < table.n_rows(); ++n_taken_) rows_.add(table, n_taken_);
   if (keeps_) return;
   recorder_.drop_rows();
@@ -36,14 +30,12 @@ void RunRows::save(Snapshot& out) const {
   out.put(static_cast<double>(file_.length()));
   out.put_bits(file_.hash());
   rows_.save(out);
-  out.put(last_);
 }
 
 void RunRows::load(SnapshotReader& in) {
   const long length = in.get_count();
   const std::uint64_t hash = in.get_bits();
   rows_.load(in);
-  last_ = in.get();
   file_.go_on(length, hash);
 }
 

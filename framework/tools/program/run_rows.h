@@ -1,8 +1,6 @@
 // RunRows: where the rows of a run go: to its file as they come, and to an envelope in memory.
 #pragma once
 
-#include <limits>
-
 #include "framework/tools/program/growing_file.h"
 #include "framework/tools/program/row_envelope.h"
 
@@ -17,9 +15,9 @@ class RunRows final : public Observer {
 
   /// The run goes on from a checkpoint: the file is not begun anew.
   void go_on() { goes_on_ = true; }
-  const RowEnvelope& rows() const { return rows_; }
   /// The instant of the recorder's last row, s; before the first, infinity.
-  double last_instant() const;
+  double last_instant() const { return recorder_.last_instant(); }
+  const RowEnvelope& rows() const { return rows_; }
 
   void start(const Sample&) override;
   void output(const Sample&) override;
@@ -35,7 +33,6 @@ class RunRows final : public Observer {
   GrowingCsv csv_;
   RowEnvelope rows_;
   std::size_t n_taken_ = 0;  // of the recorder's rows
-  double last_ = std::numeric_limits<double>::infinity();  // instant of the last of them
   const bool keeps_;
   bool goes_on_ = false;
 };

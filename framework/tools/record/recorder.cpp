@@ -63,7 +63,7 @@ void call_at(const Sample& sample, Hook Channel::*hook, const std::vector<Channe
 }  // namespace
 
 void Recorder::start(const Sample& sample) {
-  table_.clear_rows();
+  table_.clear_rows(), last_ = std::numeric_limits<double>::infinity();
   call(&Channel::restart, channels_, followed_);
   step(sample);
 }
@@ -78,6 +78,7 @@ void Recorder::output(const Sample& sample) try {
     row_[k + 1] = user_code("channel", channels_[k].name, sample.state.t, [&] { return channels_[k].value(sample); });
   if (tell_) function_code("on_row", tell_, sample.state.t, std::span<const double>(row_));
   if (keeps_) table_.add_row(row_);
+  last_ = row_[0];
 } catch (...) {
   ask_again(*this);
   throw;
@@ -85,11 +86,13 @@ void Recorder::output(const Sample& sample) try {
 
 void Recorder::save(Snapshot& out) const {
   save_rows(table_, out);
+  out.put(last_);
   call(&Channel::save, channels_, followed_, out);
 }
 
 void Recorder::load(SnapshotReader& in) {
   load_rows(table_, in);
+  last_ = in.get();
   call(&Channel::load, channels_, followed_, in);
 }
 

@@ -7,14 +7,14 @@
 
 namespace lockstep {
 
-RowsAtJumps::RowsAtJumps(std::function<void(const Sample&)> add, std::function<double()> last_instant)
-    : add_(std::move(add)), last_instant_(std::move(last_instant)) {}
+RowsAtJumps::RowsAtJumps(std::function<void(const Sample&)> add, const Recorder& rows)
+    : add_(std::move(add)), rows_(rows) {}
 
 double RowsAtJumps::spacing() const { return std::numeric_limits<double>::infinity(); }
 
 void RowsAtJumps::before_jump(const Sample& sample) {
   acted_ = sample.state.t;
-  if (last_instant_() != acted_) add(sample);
+  if (rows_.last_instant() != acted_) add(sample);
 }
 
 void RowsAtJumps::jumped(const Sample& sample) {

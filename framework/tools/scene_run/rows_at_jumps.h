@@ -3,6 +3,7 @@
 
 #include <functional>
 
+#include <lockstep/recorder.h>
 #include "framework/dynamics/simulate/detail_observer.h"
 
 namespace lockstep {
@@ -11,9 +12,9 @@ namespace lockstep {
 /// recorder.
 class LOCKSTEP_API RowsAtJumps final : public DetailObserver {
  public:
-  /// `add`: adds a row of this state; `last_instant`: of the last row, s, infinity before the first. Where that is the
-  /// instant of the jump, at an output, the row before it is there already.
-  RowsAtJumps(std::function<void(const Sample&)> add, std::function<double()> last_instant);
+  /// `add`: adds a row of this state to `rows`. If the last of them is of the instant of the jump, as at an output, it is
+  /// the one before.
+  RowsAtJumps(std::function<void(const Sample&)> add, const Recorder& rows);
   double spacing() const override;
   void between(const Sample&) override {}
   void before_jump(const Sample&) override;
@@ -24,7 +25,7 @@ class LOCKSTEP_API RowsAtJumps final : public DetailObserver {
  private:
   void add(const Sample&);
   std::function<void(const Sample&)> add_;
-  std::function<double()> last_instant_;
+  const Recorder& rows_;
   double acted_ = -1;  // when something acted last, s
 };
 

@@ -33,7 +33,7 @@ ColumnRange range_of(const std::vector<double>& values) {
 class HistoryRows {
  public:
   explicit HistoryRows(Recorder& recorder)
-      : recorder_(recorder), at_jumps_([this](const Sample& s) { add(s); }, [this] { return last_instant(); }) {}
+      : recorder_(recorder), at_jumps_([this](const Sample& s) { add(s); }, recorder) {}
   HistoryRows(const HistoryRows&) = delete;
   HistoryRows& operator=(const HistoryRows&) = delete;
 
@@ -56,10 +56,6 @@ class HistoryRows {
   void add(const Sample& sample) {
     added_.push_back(recorder_.table().n_rows());
     recorder_.output(sample);
-  }
-  double last_instant() const {
-    const std::vector<double>& times = recorder_.table().columns().front().values;
-    return times.empty() ? std::numeric_limits<double>::infinity() : times.back();
   }
   Recorder& recorder_;
   std::vector<std::size_t> added_;  // rows, rising
