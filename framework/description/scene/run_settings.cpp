@@ -7,7 +7,6 @@
 #include <lockstep/text.h>
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/run_outputs.h"
-#include "framework/dynamics/integrate/tolerance.h"
 #include "framework/mechanism/params/refusals.h"
 
 namespace lockstep {

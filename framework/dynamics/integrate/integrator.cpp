@@ -5,7 +5,6 @@
 #include <typeinfo>
 
 #include <lockstep/text.h>
-#include "framework/dynamics/integrate/tolerance.h"
 #include "framework/foundation/support/thrown.h"
 
 namespace lockstep {
@@ -31,6 +30,13 @@ void check_tolerance(const Tolerance& t) {
                      " is less than rounding leaves of numbers of 16 "
                      "digits (" +
                      text::brief(kRounding) + "), and no step meets it; take 1e-13 or more");
+}
+
+void UnmetTolerance::count(double error, double t) {
+  constexpr double kJust = 1 + 1e-6;  // an error of 1 is met
+  if (!(error > kJust)) return;
+  if (steps++ == 0) first = t;
+  largest = std::max(largest, error);
 }
 
 Tolerance tolerance_of(double relative) {

@@ -48,6 +48,7 @@ struct CopyReport {
   long rejected = 0;     ///< rejected attempts
   bool finished = true;  ///< whether it reached the last time
   bool alone = false;    ///< whether it ran, from some instant on, by the ordinary Dynamics and integrator
+  UnmetTolerance unmet;  ///< of the steps that it made alone; in lanes every step meets the tolerance
   std::string error;     ///< why it did not finish; "" if it did
 };
 

@@ -31,6 +31,20 @@ struct Tolerance {
   double relative = 1e-6;  ///< relative to the increments of the step
   double atol_x = 1e-8;    ///< absolute: m, rad, m/s and rad/s
 };
+/// This relative tolerance with a hundredth of it as the absolute one, as "tolerance" of a scene has it. Throws as
+/// check_tolerance().
+LOCKSTEP_API Tolerance tolerance_of(double relative);
+/// Throws ModelError for a tolerance that is not above zero, that no number of 16 digits meets, or that allows any error.
+LOCKSTEP_API void check_tolerance(const Tolerance&);
+
+/// Steps of a run whose errors stayed above the tolerance because nothing better could be reached.
+struct UnmetTolerance {
+  long steps = 0;      ///< how many
+  double first = 0,    ///< end of the first of them, s
+      largest = 0;     ///< the largest of their errors, in tolerances
+  /// Counts a step that ended at t if its error is such a one.
+  LOCKSTEP_API void count(double error, double t);
+};
 
 /// What one step did.
 struct StepReport {

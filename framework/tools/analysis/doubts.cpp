@@ -13,7 +13,6 @@ namespace lockstep {
 
 namespace {
 
-constexpr double kJust = 1 + 1e-6;   // an error of 1 is met
 constexpr double kUncertain = 1e-2;  // of a reaction
 constexpr double kGrowth = 5;        // measured: an error of the motion becomes this, over the indicator, of a reaction
 constexpr double kFixed = 1e-9;      // error of the motion for a method that promises none: that of its projection,
@@ -23,27 +22,23 @@ constexpr double kLeastError = 1e-13;  // and of one that promises more than rou
 
 void Doubts::start(const Sample& sample) {
   loops_ = has_loops(sample.system(), sample.state.modes);
-  beyond_ = n_uncertain_ = 0, largest_ = first_ = 0;
+  unmet_ = {}, n_uncertain_ = 0;
   uncertain_.clear();
 }
 
 void Doubts::save(Snapshot& out) const {
-  out.put(static_cast<double>(beyond_)), out.put(largest_), out.put(first_);
+  out.put(static_cast<double>(unmet_.steps)), out.put(unmet_.largest), out.put(unmet_.first);
   out.put(static_cast<double>(n_uncertain_));
   out.put_all(uncertain_);
 }
 
 void Doubts::load(SnapshotReader& in) {
-  beyond_ = in.get_count(), largest_ = in.get(), first_ = in.get();
+  unmet_.steps = in.get_count(), unmet_.largest = in.get(), unmet_.first = in.get();
   n_uncertain_ = in.get_count();
   in.get_all(uncertain_);
 }
 
-void Doubts::step(const Sample& sample) {
-  if (!(sample.report.error > kJust)) return;
-  if (beyond_++ == 0) first_ = sample.state.t;
-  largest_ = std::max(largest_, sample.report.error);
-}
+void Doubts::step(const Sample& sample) { unmet_.count(sample.report.error, sample.state.t); }
 
 // Beside a singular position, at the distance theta, an error of the motion appears in the extra direction divided by
 // theta, and in what its velocity asks of the rows by theta once more; the indicator falls as theta^2. At a residual the
@@ -62,12 +57,12 @@ void Doubts::output(const Sample& sample) {
 std::vector<std::string> Doubts::words(long steps) const {
   constexpr double kMostRounding = 1e-7;  // relative error: beyond, it is not rounding that spoils a step
   std::vector<std::string> all;
-  if (beyond_ > 0)
+  if (unmet_.steps > 0)
     all.push_back(fmt::format(
         "the tolerance of {:g} was not reached in {} of {} step{}, from t = {:.6g} s on: {} errors of up to {:.2g} "
         "times it there; the run went on with what can be reached",
-        tolerance_, beyond_, steps, steps == 1 ? "" : "s", first_,
-        tolerance_ * largest_ > kMostRounding ? "a singular position leaves" : "rounding leaves", largest_));
+        tolerance_, unmet_.steps, steps, steps == 1 ? "" : "s", unmet_.first,
+        tolerance_ * unmet_.largest > kMostRounding ? "a singular position leaves" : "rounding leaves", unmet_.largest));
   if (const long n = n_uncertain_; n > 0)
     all.push_back(fmt::format(
         "the reactions at t = {}{} are uncertain by more than 1 %: {} in or beside a singular position, where they "

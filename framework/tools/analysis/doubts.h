@@ -28,14 +28,14 @@ class LOCKSTEP_API Doubts final : public Observer {
 
   /// In sentences, of a run of so many steps; none where nothing is doubtful.
   std::vector<std::string> words(long steps) const;
+  /// Takes the steps of a run whose steps it was not shown.
+  void take(const UnmetTolerance& unmet) { unmet_ = unmet; }
 
  private:
   bool reactions_, loops_ = false;
   double tolerance_;
-  long beyond_ = 0,      // steps whose error is above the tolerance,
-      n_uncertain_ = 0;  // and instants beside a singular position: reactions may be off by more than a hundredth
-  double largest_ = 0,   // error of those steps, in tolerances,
-      first_ = 0;        // and the end of the first of them, s
+  UnmetTolerance unmet_;
+  long n_uncertain_ = 0;  // instants beside a singular position: reactions may be off by more than a hundredth
   std::vector<double> uncertain_;  // the first of those instants, kNamed at most, s
 };
 

@@ -8,7 +8,6 @@
 #include <lockstep/text.h>
 #include "framework/description/scene/read.h"
 #include "framework/description/scene/reading.h"
-#include "framework/dynamics/integrate/tolerance.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/method_specs.h"

@@ -196,6 +196,7 @@ std::vector<SweepRun> sweep_lanes(std::span<const Scene> scenes, const Registry&
     SweepRun run = recorded_run(lanes[i]->recorder->table());
     run.steps = reports[i].steps, run.cpu = cpu;
     judge(*lanes[i], run);
+    lanes[i]->doubts->take(reports[i].unmet);
     run.doubts = lanes[i]->doubts->words(run.steps);
     runs.push_back(std::move(run));
     if (history != nullptr) *history = lanes[i]->recorder->table();
