@@ -6,6 +6,8 @@
 
 #include <lockstep/assembly.h>
 #include <lockstep/error.h>
+#include <lockstep/step_loop.h>
+#include "framework/dynamics/simulate/consistency.h"
 #include "framework/tools/analysis/motion_words.h"
 #include "framework/tools/program/check_dependencies.h"
 
@@ -19,7 +21,10 @@ State counted_start(Dynamics& dynamics, Mechanism& m, const State& typed, Mobili
   NearRows& near = found.near;
   State start = decided_start(dynamics, m, &near);
   try {
-    if (m.run.assemble) assemble(dynamics, start, m.start_speeds, m.assembly);
+    if (m.run.assemble)
+      assemble(dynamics, start, m.start_speeds, m.assembly);
+    else
+      check_start(dynamics, start, StepLoopOptions().start_limit);
   } catch (const Error&) {
     found.refused = std::current_exception(), start = typed;
   }

@@ -247,7 +247,7 @@ class ProgramRun {
         report_(args, loaded_, m_, *recorder_, csv_),
         rows_(file_, *recorder_, report_ || args.certify, outputs_.units),  // both read the rows afterwards
         details_(picture_rows(m_, csv_, rows_, args)),
-        at_jumps_([this](const Sample& s) { recorder_->output(s); }, [this] { return rows_.last_instant(); }),
+        at_jumps_([this](const Sample& s) { recorder_->output(s); }, *recorder_),
         singular_(system_of(m_)),
         audit_(args.quiet ? nullptr : std::make_unique<EnergyAudit>(system_of(m_), m_.run.limits)),
         dynamics_(make_dynamics(m_, loaded_.registry)),
@@ -425,14 +425,11 @@ class ProgramRun {
           checkpoints_ ? "; go on with: lockstep resume " + in_quotes(checkpoints_.file()) : std::string()));
       return kExitInterrupted;
     }
-    if (args_.strict)
-      if (const std::vector<std::string> all = doubts_of(end); !all.empty()) {
-        for (const std::string& doubt : all) tell(fmt::format("lockstep: --strict: {}\n", doubt));
-        return kExitDoubtful;
-      }
+    const std::vector<std::string> doubts = args_.strict ? doubts_of(end) : std::vector<std::string>();
+    for (const std::string& doubt : doubts) tell(fmt::format("lockstep: --strict: {}\n", doubt));
     if (!uncertified_.empty()) tell(fmt::format("lockstep: --certify: {}\n", uncertified_));
     if (end.audit.is_wrong()) return kExitNotConserved;
-    return uncertified_.empty() ? kExitOk : kExitDoubtful;
+    return doubts.empty() && uncertified_.empty() ? kExitOk : kExitDoubtful;
   }
 
   const Arguments& args_;

@@ -83,12 +83,14 @@ std::string words_of(const MissedEvent& e) {
   if (e.asked.channel.empty())
     return fmt::format("event '{}': its instant, {:g} s, did not come", e.course.name, e.asked.event.at);
   const Event::Crossing way = e.asked.event.crossing;
-  return fmt::format("event '{}': {} did not {} {:g}{}; nearest {:.6g}{} at t = {:.6g} s", e.course.name,
-                     e.asked.channel,
-                     way == Event::Crossing::rising    ? "rise through"
-                     : way == Event::Crossing::falling ? "fall through"
-                                                       : "cross",
-                     e.asked.crosses, unit, e.asked.crosses + e.course.nearest, unit, e.course.at);
+  std::string words = fmt::format("event '{}': {} did not {} {:g}{}", e.course.name, e.asked.channel,
+                                  way == Event::Crossing::rising    ? "rise through"
+                                  : way == Event::Crossing::falling ? "fall through"
+                                                                    : "cross",
+                                  e.asked.crosses, unit);
+  if (std::isfinite(e.course.nearest))
+    words += fmt::format("; nearest {:.6g}{} at t = {:.6g} s", e.asked.crosses + e.course.nearest, unit, e.course.at);
+  return words;
 }
 
 Json json_of(const MissedEvent& e) {
