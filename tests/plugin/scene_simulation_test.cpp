@@ -1,6 +1,7 @@
 // Simulations of scenes: a host runs a scene as the program does.
 #include <lockstep/simulation.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -116,6 +117,97 @@ TEST_CASE("a run of a scene may be moved, and changed before it begins", "[simul
   CHECK(further.state().t == 0.45);
 }
 
+TEST_CASE("the verdict of a host's run is that of the program", "[simulation][scene]") {
+  std::string file = paths::kScenes;
+  file.append("/parallelogram.json");
+  const auto verdict = [&](const Set& set) {
+    Simulation run(read_mechanism(file, builtin(), set));
+    run.run();
+    return run.verdict();
+  };
+  const auto program = [&](const Set& set, const std::string& options = "") {
+    std::string words = "run '" + file + "' --no-picture --record host.csv " + options;
+    for (const auto& [name, value] : set) words += " --set '" + name + "=" + value + "'";
+    return call(words);
+  };
+  const Set lossy = {{"run.integrator", "semi_implicit_euler"}, {"run.step", "0.02 s"}, {"run.until", "3 s"}};
+  CHECK(!verdict(lossy).right);
+  CHECK(program(lossy).exit == 9);
+  CHECK(program(lossy, "--strict").exit == 9);  // doubts do not hide it
+  const Set fine = {{"run.tolerance", "1e-12"}, {"run.until", "3.3 s"}, {"bodies.bar.rod.mass", "0.77 kg"}};
+  const RunVerdict doubtful = verdict(fine);
+  CHECK(doubtful.right);
+  REQUIRE(!doubtful.doubts.empty());
+  const Called r = program(fine, "--strict");
+  CHECK(r.exit == 11);
+  for (const std::string& doubt : doubtful.doubts) check_words(r.text, {doubt});
+}
+
+TEST_CASE("columns that a host adds are treated as those of the scene", "[simulation][scene]") {
+  const std::string far = scene_file("far", R"~("gravity": [0, -9.81, 0],
+    "bodies": [{"name": "rod", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]}}],
+    "links": [{"name": "A", "type": "revolute", "p": "rod", "s": "ground", "at": [0, 0, 0],
+               "start": {"position": {"rz": 4}}}],
+    "run": {"until": 0.1, "output": 0.1, "record": ["A.angle_z"]})~");
+  Simulation turned(read_mechanism(far, builtin()));
+  turned.record({{"mine", "A.angle_z"}});
+  turned.run();
+  CHECK(std::abs(turned.table().first("mine") - 4) < 1e-9);
+  CHECK(turned.table()["mine"] == turned.table()["A.angle_z"]);
+
+  // A parallelogram that is flat at an output: its reactions are uncertain there.
+  const auto doubts_of = [](const std::string& column) {
+    Mechanism m = read_mechanism(paths::kScenes + std::string("/parallelogram.json"), builtin());
+    m.run.record.clear();
+    Simulation run(std::move(m));
+    run.record({column});
+    run.run();
+    return run.verdict().doubts;
+  };
+  CHECK(doubts_of("bar.x").empty());
+  check_words(doubts_of("A.force_on_p_world_x").at(0), {"reactions", "uncertain"});
+}
+
+TEST_CASE("a host's force is in the balance that a scene records", "[simulation][scene]") {
+  const std::string file = scene_file("dust", R"~("gravity": [0, 0, 0],
+    "bodies": [{"name": "dust", "mass": 2, "inertia": [1, 1, 1], "velocity": [3, 0, 0]}],
+    "run": {"tolerance": 1e-10, "until": 1, "output": 0.1, "record": ["energy.balance", "energy.total"]})~");
+  Simulation run(read_mechanism(file, builtin()));
+  System& system = run.system();
+  Marker& at = system.add_marker("at", system.body("dust"));
+  Marker& still = system.add_marker("still", system.ground());
+  system.add<Bushing>("air", at, still, Bushing::Options{.damping = {4, 0, 0}});
+  run.run();
+  CHECK(std::abs(run.table().last("energy.total") - 9 * std::exp(-4.0)) < 1e-7);  // v = 3 exp(-c t/m)
+  CHECK(std::abs(run.table().last("energy.balance")) < 1e-7);
+  CHECK(run.verdict().right);
+}
+
+TEST_CASE("rows at jumps reach a host by its function once", "[simulation][scene]") {
+  std::string scene = kCatch;
+  scene.replace(scene.find("\"at\": 0.45"), 10, "\"at\": 0.3 ");  // an output time
+  const std::string file = scene_file("jumps", scene);
+  const auto times = [&](bool keep) {
+    std::vector<double> all;
+    Simulation run(read_mechanism(file, builtin()));
+    run.on_row([&](std::span<const double> row) { all.push_back(row[0]); }, keep);
+    run.run();
+    if (keep) CHECK(all == run.table()["t"]);
+    return all;
+  };
+  const std::vector<double> kept = times(true);
+  CHECK(std::ranges::count(kept, 0.3) >= 1);
+  CHECK(times(false) == kept);
+}
+
+TEST_CASE("a solver that a host names is used", "[simulation][scene]") {
+  Simulation run(read_mechanism(paths::kScenes + std::string("/four_bar.json"), builtin()));
+  run.settings().solver = {"dense"};
+  run.run_until(0.01);
+  CHECK(run.dynamics().options().formulation == Formulation::omega);
+  CHECK(run.dynamics().solver().name() == std::string("dense"));
+}
+
 TEST_CASE("what is wrong with a host's scene is said with its place", "[simulation][scene]") {
   const auto refused = [](const std::string& members, const Set& set = {}) {
     return message_of<Error>([&] {
@@ -127,6 +219,8 @@ TEST_CASE("what is wrong with a host's scene is said with its place", "[simulati
   std::string unknown = kCatch;
   unknown.replace(unknown.find("load.y"), 6, "load.w");
   check_words(refused(unknown), {"wrong.json:", "load.w"});
+  unknown.replace(unknown.find("A.angle_z\", \"crosses"), 9, "A.angle_w");  // of an event: both are reported at once
+  check_words(refused(unknown), {"load.w", "A.angle_w", "event 'drop'"});
   std::string endless = kCatch;
   endless.replace(endless.find("\"until\": 1, "), 12, "");
   check_words(refused(endless), {"run()", "until"});

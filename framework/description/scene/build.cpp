@@ -259,7 +259,10 @@ Mechanism build_mechanism(const Scene& scene, const Registry& registry) { return
 
 Mechanism build_mechanism(const Scene& scene, const Registry& registry, const AlsoWrong& also) {
   Mechanism mechanism;
-  mechanism.methods.integrators = registry.integrators, mechanism.methods.solvers = registry.solvers;
+  Registry& methods = mechanism.methods;
+  methods.integrators = registry.integrators, methods.solvers = registry.solvers;
+  methods.laws = registry.laws, methods.translation_laws = registry.translation_laws;  // a method may have laws as keys
+  methods.rotation_laws = registry.rotation_laws;
   with_formulas(scene, [&] { Builder(scene, registry, mechanism, also).build(); });
   return mechanism;
 }

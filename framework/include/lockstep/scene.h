@@ -129,7 +129,7 @@ struct Mechanism : HeldSystem {
   std::vector<Solid> solids{};                 ///< of the bodies, as far as the scene gives their shapes
   std::vector<Look> looks{};                   ///< of the bodies with a key "visual"
   AssemblyOptions assembly{};                  ///< coordinates that the start is to have, weights of the bodies' poses
-  Registry methods{};                          ///< integrators and solvers that `run` may name
+  Registry methods{};                          ///< integrators and solvers that `run` may name, and laws
 };
 
 /// The same scene, computed in space unless it has a key "planar".

@@ -62,7 +62,8 @@ class LOCKSTEP_API Simulation {
   ~Simulation();
 
   /// Integrator, tolerance, step, outputs and end; what is changed here before the run begins holds in it. Throws
-  /// ModelError once it has begun. Columns and draw are those of record().
+  /// ModelError once it has begun. Columns are added by record(). A solver that is named here means the formulation omega,
+  /// unless `formulation` names another.
   RunSettings& settings();
   System& system();              ///< as given, or that of the scene; add and change before the run begins
   const System& system() const;  ///< the same

@@ -93,18 +93,11 @@ const Quadrature& supplied(System& system) {
   return quadrature(system, "energy.supplied", [&system](const Evaluated& v) { return supply(system, v); });
 }
 
-// total - drives - supplied + dissipated, minus its value at the start. Without links or forces their work is not
-// integrated.
+// total - drives - supplied + dissipated, minus its value at the start; of links and forces that are added later, too.
 void make_balance(System& system, Channel& c) {
-  const Quadrature* const led = system.links().empty() ? nullptr : &drives(system);
-  const Quadrature* const fed = system.forces().empty() ? nullptr : &supplied(system);
-  const Quadrature* const lost = system.forces().empty() ? nullptr : &dissipated(system);
-  const auto sum = [led, fed, lost](const Sample& s) {
-    double e = kinetic(s) + potential(s) + lost_in_impacts(s.system(), s.state);
-    if (led) e -= led->value(s.state);
-    if (fed) e -= fed->value(s.state);
-    if (lost) e += lost->value(s.state);
-    return e;
+  const auto sum = [&led = drives(system), &fed = supplied(system), &lost = dissipated(system)](const Sample& s) {
+    return kinetic(s) + potential(s) + lost_in_impacts(s.system(), s.state) - led.value(s.state) - fed.value(s.state) +
+           lost.value(s.state);
   };
   struct Start {
     bool begun = false;

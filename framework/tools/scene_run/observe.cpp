@@ -20,7 +20,8 @@ bool is_counted(const Mechanism& m, const CoordinateTarget& target) {
          known_turn(m.system, m.system.start(), m.system.link(target.link), axis_index(target.axis) % 3).has_value();
 }
 
-// An angle that the start asks for begins in the turn that is asked for.
+}  // namespace
+
 Channel channel_of(Mechanism& m, const std::string& name) {
   Channel channel = make_channel(system_of(m), name);
   if (!m.run.assemble) return channel;
@@ -30,6 +31,13 @@ Channel channel_of(Mechanism& m, const std::string& name) {
         name == target.link + ".angle_" + "xyz"[axis_index(target.axis) % 3])
       channels::begin_about(channel, target.value);
   return channel;
+}
+
+namespace {
+
+Channel channel_of(Mechanism& m, const EventRequest& request) {
+  return placed(request.where, owner_of("event", request.event.name) + ", when.channel",
+                [&] { return channel_of(m, request.channel); });
 }
 
 }  // namespace
@@ -45,6 +53,8 @@ std::unique_ptr<Recorder> make_recorder(Mechanism& m) {
         recorder->add(std::move(channel));
       });
     });
+  for (const EventRequest& request : m.events)
+    if (!request.channel.empty()) wrong.attempt([&] { channel_of(m, request); });
   wrong.raise();
   return recorder;
 }
@@ -54,8 +64,7 @@ namespace {
 Event make_event(Mechanism& m, const EventRequest& request, Recorder& recorder) {
   Event event = request.event;
   if (request.channel.empty()) return event;
-  const Channel channel = placed(request.where, owner_of("event", event.name) + ", when.channel",
-                                 [&] { return channel_of(m, request.channel); });
+  const Channel channel = channel_of(m, request);
   if (const std::string problem = request.given.empty() ? "" : misfit(request.given, channel.unit); !problem.empty())
     refuse(request.given_where, owner_of("event", event.name) + ", when.crosses", problem);
   recorder.follow(channel);

@@ -12,8 +12,13 @@
 namespace lockstep {
 
 /// Makes a recorder with the channels that the scene asks for. Make it before the StepLoop; the mechanism must stay
-/// where it is in memory. Throws SceneError with the place in the file of a channel that does not exist.
+/// where it is in memory. Throws SceneError with the places in the file of channels that do not exist, also of those of
+/// events.
 LOCKSTEP_API std::unique_ptr<Recorder> make_recorder(Mechanism&);
+
+/// Makes a channel of the scene's system; an angle that the start asks for begins in the turn that is asked for. Throws
+/// ModelError for an unknown name.
+Channel channel_of(Mechanism&, const std::string& name);
 
 /// Makes the scene's events with their conditions; `recorder` keeps their channels up to date. Make them before the
 /// StepLoop too. Throws SceneError with the place in the file of a channel that does not exist.

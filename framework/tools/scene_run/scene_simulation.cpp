@@ -1,6 +1,4 @@
 // A Simulation of a scene: what the program runs, as one object.
-#include <limits>
-
 #include "framework/tools/analysis/doubts.h"
 #include "framework/tools/analysis/singular_watch.h"
 #include "framework/tools/scene_run/rows_at_jumps.h"
@@ -21,16 +19,15 @@ struct SceneParts final : HeldMechanism, Simulation::Parts {
       : HeldMechanism{std::move(m)},
         Parts(system_of(mechanism), mechanism.run, make_recorder(mechanism)),
         events(make_events(mechanism, *recorder)),
-        at_jumps([this](const Sample& s) { recorder->output(s); }, [this] { return last_instant(); }),
+        at_jumps([this](const Sample& s) { recorder->output(s); }, *recorder),
         singular(system) {}
 
   std::unique_ptr<Integrator> make_method() const override { return make_integrator(settings, mechanism.methods); }
   std::unique_ptr<LinearSolver> make_solver() const override {
     return lockstep::make_solver(settings, mechanism.methods);
   }
-  void before() override {
-    if (!audit) audit = std::make_unique<EnergyAudit>(system, settings.limits);
-  }
+  Channel channel(const std::string& name) override { return channel_of(mechanism, name); }
+  void before() override { audit = std::make_unique<EnergyAudit>(system, settings.limits); }
   State begin(Dynamics& by, StepLoop& run, AssemblyReport& report) override {
     State start = assembled_start(by, mechanism, &report);
     if (settings.at_jumps) run.add_observer(at_jumps);
@@ -51,10 +48,6 @@ struct SceneParts final : HeldMechanism, Simulation::Parts {
                           passed_words(singular.passed(), singular.n_passed(), loop->integrator().info(),
                                        settings.stabilization.kind == Stabilization::Kind::project));
     return found;
-  }
-  double last_instant() const {
-    const std::vector<double>& times = recorder->table().columns().front().values;
-    return times.empty() ? std::numeric_limits<double>::infinity() : times.back();
   }
 
   std::vector<Event> events;

@@ -6,7 +6,6 @@
 #include <lockstep/log.h>
 #include <lockstep/registry.h>
 #include <lockstep/text.h>
-#include "framework/dynamics/integrate/tolerance.h"
 #include "framework/dynamics/simulate/start_turns.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/record/start_of_angle.h"
@@ -74,6 +73,8 @@ Simulation::Parts::~Parts() = default;
 
 StepLoop& Simulation::Parts::begun() {
   if (loop) return *loop;
+  if (settings.solver.type != solver && settings.formulation == Formulation::automatic)
+    settings.formulation = Formulation::omega;  // joint coordinates have no use for a solver that is named
   before();
   std::unique_ptr<Integrator> method = make_method();
   auto evaluates = std::make_unique<Dynamics>(system, make_solver(),
@@ -87,6 +88,8 @@ StepLoop& Simulation::Parts::begun() {
 
 /// Channels may add quadratures to the system, so everything that takes its sizes is made when the run begins.
 State Simulation::Parts::begin(Dynamics& by, StepLoop&, AssemblyReport& report) {
+  std::vector<std::string> recorded;
+  for (const ChannelRequest& request : settings.record) recorded.push_back(request.channel);
   if (const std::string words = channels::uncounted(system, {}, recorded); !words.empty()) log_warning(words);
   State start = system.start();
   assemble_start(settings, by, start, report);
@@ -119,10 +122,10 @@ const System& Simulation::system() const { return parts_->system; }
 const Table& Simulation::record(std::vector<Request> requests) {
   if (parts_->loop) throw ModelError("simulation: record() after the run began; ask for all columns before run_until()");
   for (Request& request : requests) {
-    Channel channel = make_channel(parts_->system, request.channel);
-    parts_->recorded.push_back(std::move(request.channel));
-    channel.name = std::move(request.name);
+    Channel channel = parts_->channel(request.channel);
+    channel.name = request.name;
     parts_->recorder->add(std::move(channel));
+    parts_->settings.record.push_back({std::move(request.channel), std::move(request.name), {}});
   }
   return table();
 }

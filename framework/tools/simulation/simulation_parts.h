@@ -21,11 +21,13 @@ inline StepLoopOptions loop_options(const RunSettings& run) {
 
 struct LOCKSTEP_API Simulation::Parts {
   Parts(System& of, RunSettings& by, std::unique_ptr<Recorder> to)
-      : system(of), settings(by), recorder(std::move(to)) {}
+      : system(of), settings(by), recorder(std::move(to)), solver(by.solver.type) {}
   virtual ~Parts();
 
   virtual std::unique_ptr<Integrator> make_method() const = 0;
   virtual std::unique_ptr<LinearSolver> make_solver() const = 0;
+  /// A channel of this name, for a column.
+  virtual Channel channel(const std::string& name) { return make_channel(system, name); }
   /// Called before the dynamics is made: what adds integrated states to the system.
   virtual void before() {}
   /// Adds observers and events, and returns the assembled start.
@@ -40,7 +42,7 @@ struct LOCKSTEP_API Simulation::Parts {
   System& system;
   RunSettings& settings;
   std::unique_ptr<Recorder> recorder;
-  std::vector<std::string> recorded;  // names of the channels that record() added
+  const std::string solver;  // as it was given
   std::unique_ptr<Dynamics> dynamics;
   std::unique_ptr<StepLoop> loop;
   AssemblyReport assembly;
