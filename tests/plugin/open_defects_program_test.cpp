@@ -70,7 +70,7 @@ std::string with_reactions(const std::string& file, const std::string& name, con
 TEST_CASE("a homokinetic joint that is folded back is refused or named", "[defect][one idea]") {
   const Called ran = run(defect("homokinetic_folded"), "homokinetic_folded");
   INFO(ran.text);
-  const bool named = contains(ran.text, "'J'");
+  const bool named = contains(ran.text, "'J'") && contains(ran.text, "fold");
   double behind = 0;
   if (ran.exit == 0) {
     const Table table = table_of("homokinetic_folded");
@@ -270,8 +270,11 @@ TEST_CASE("numbers that no machine has are named", "[defect][plain words]") {
   INFO(checked.text << ran.text);
   CHECK((checked.exit == 0 && ran.exit == 0));
   CHECK(table_of("implausible").n_rows() == 11);
-  const auto warned = [](const Called& called) { return contains(called.text, "warning"); };
-  expect_defect("implausible", kPlainWords, !warned(checked) && !warned(ran), warned(checked) && warned(ran));
+  const auto warned = [](const Called& called) {
+    return contains(called.text, "gravity") && contains(called.text, "gyration");
+  };
+  const auto silent = [](const Called& called) { return !contains(called.text, "warning"); };
+  expect_defect("implausible", kPlainWords, silent(checked) && silent(ran), warned(checked) && warned(ran));
 }
 
 TEST_CASE("a line of progress fits a terminal of 40 columns", "[defect][a small program]") {
