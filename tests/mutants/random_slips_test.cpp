@@ -1,0 +1,188 @@
+// What random slips (tests/mutants/random) got past.
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <lockstep/error.h>
+#include <lockstep/frame_laws.h>
+#include <lockstep/laws.h>
+#include <lockstep/math.h>
+#include <lockstep/memory.h>
+#include <lockstep/recorder.h>
+#include <lockstep/registry.h>
+#include <lockstep/relative.h>
+#include <lockstep/scene.h>
+#include <lockstep/text.h>
+#include "framework/foundation/support/thrown.h"
+#include "framework/mechanism/expression/dimensions.h"
+#include "framework/mechanism/params/units.h"
+#include "tests/support/catch.h"
+#include "tests/support/messages.h"
+
+namespace lockstep {
+
+// A class of the library's namespace with a function of const objects.
+struct WithLambda {
+  auto lambda() const {
+    return [] {};
+  }
+};
+
+}  // namespace lockstep
+
+namespace random_slips_test {
+
+using namespace lockstep;
+using lockstep::testing::message_of, lockstep::testing::says;
+
+// -- foundation
+
+TEST_CASE("two letters that are exchanged count as one change, also the first two", "[mutants][text]") {
+  const auto near = [](const std::string& word, const std::string& name) {
+    return text::closest_name(word, std::vector<std::string>{name}) == name;
+  };
+  CHECK(near("ba", "ab"));     // one exchange, or two changes
+  CHECK(near("acb", "abc"));
+  CHECK(!near("xb", "ax"));    // the letter after it is another one: two changes
+  CHECK(!near("cb", "bd"));
+}
+
+TEST_CASE("a list of names is cut after twelve", "[mutants][text]") {
+  std::vector<std::string> names;
+  for (int k = 0; k < 13; ++k) names.push_back("name_" + std::to_string(k));
+  CHECK(text::suggestion("zzz", names).ends_with("name_11, ..."));
+  names.pop_back();
+  CHECK(text::suggestion("zzz", names).ends_with("name_11"));
+}
+
+TEST_CASE("a snapshot refuses numbers that are no letters, and counts that no double has", "[mutants][snapshot]") {
+  for (const double letter : {-1.0, 256.0}) {
+    Snapshot saved;
+    saved.put(1), saved.put(letter);
+    SnapshotReader in(saved);
+    CHECK_THROWS_AS(in.get_text(), ModelError);
+  }
+  const double most = std::ldexp(1.0, 53);
+  for (const double count : {most, -most}) {
+    Snapshot saved;
+    saved.put(count), saved.put(1.5 * count);
+    SnapshotReader in(saved);
+    CHECK(in.get_count() == static_cast<long>(count));
+    CHECK_THROWS_AS(in.get_count(), ModelError);
+  }
+}
+
+TEST_CASE("tables in UTF-16 are refused by name, of both orders of bytes", "[mutants][csv]") {
+  for (const std::string mark : {"\xFF\xFE", "\xFE\xFF"}) {
+    std::istringstream file(mark + "t [s]\n1\n");
+    CHECK(says(message_of<FileError>([&] { read_csv(file, "wide.csv"); }), {"UTF-16"}));
+  }
+}
+
+TEST_CASE("half a turn is positive about the vector part of its quaternion", "[mutants][math]") {
+  CHECK((rotation_vector(Quat(0, 1, 0, 0)) - Vec3(std::numbers::pi, 0, 0)).norm() < 1e-15);
+}
+
+TEST_CASE("functions within the library's own are its own, also of const objects", "[mutants][errors]") {
+  CHECK(is_of_lockstep(typeid(WithLambda().lambda())));
+  CHECK(!is_of_lockstep(typeid([] {})));
+}
+
+namespace {
+
+struct Told {
+  std::string words;
+  bool nested;  // what was thrown is in it
+};
+
+// What becomes of an error that leaves code of this thing.
+Told told(const ModelError& thrown, const ErrorContext& context) {
+  try {
+    try {
+      throw ModelError(thrown);
+    } catch (...) {
+      rethrow_in(context);
+    }
+  } catch (const ModelError& error) {
+    return {error.what(), dynamic_cast<const std::nested_exception*>(&error) != nullptr};
+  }
+}
+
+}  // namespace
+
+TEST_CASE("what a host's maker refuses gets a label unless it names the thing itself", "[mutants][errors]") {
+  const ErrorContext making{.thing = {.kind = "force", .name = "wind"}, .refuses = true};
+  CHECK(told(ModelError("force 'wind': no speed"), making).words == "force 'wind': no speed");
+  CHECK(told(ModelError("no speed"), making).words == "force 'wind': no speed");
+}
+
+TEST_CASE("an error that names the thing gets its type and origin too", "[mutants][errors]") {
+  ModelError error("no speed", {.thing = {.kind = "force", .name = "wind"}});
+  error.attribute({.kind = "force", .name = "wind", .type = "drag", .origin = "air"}, "");
+  CHECK(error.thing.type == "drag");
+  error.attribute({.kind = "body", .name = "rod", .type = "other"}, "");
+  CHECK(error.thing.type == "drag");
+}
+
+TEST_CASE("a parameter that a built-in law refuses is not a law that is asked where it has no value", "[mutants][errors]") {
+  const ErrorContext force{.thing = {.kind = "force", .name = "wind", .type = "drag", .origin = "built in"}, .t = 2};
+  ErrorData of_law{.thing = {.kind = "law", .name = "ramp", .origin = "built in"}};
+  CHECK(told(ModelError("beyond its end", of_law), force).nested);
+  of_law.key = "duration";
+  CHECK(!told(ModelError("below 0", of_law), force).nested);
+}
+
+// -- mechanism
+
+namespace {
+
+Mechanism made(const std::string& members) {
+  return build_mechanism(scene_from_text("{\"lockstep\": 1, " + members + "}", "slips.json"), builtin_registry());
+}
+
+}  // namespace
+
+TEST_CASE("units have powers up to the sixth", "[mutants][units]") {
+  CHECK(dimension_of("m^6") == Dimension{.m = 6});
+  CHECK(!dimension_of("m^7"));
+  CHECK(dimension_of("m^-6") == Dimension{.m = -6});
+}
+
+TEST_CASE("a constant that a formula names brings its unit", "[mutants][expression]") {
+  const std::vector<expression::Constant> length = {{.name = "L", .value = {2}, .dimension = {.m = 1}}};
+  const auto check = [&](std::optional<Dimension> of_x) {
+    expression::check_dimensions("x + L", {{"x", of_x}}, length, {});
+  };
+  CHECK_NOTHROW(check(Dimension{.m = 1}));
+  CHECK_THROWS_AS(check(Dimension{.kg = 1}), ModelError);
+}
+
+TEST_CASE("a formula may have as many characters as it says", "[mutants][expression]") {
+  const auto gravity = [](int blanks) {
+    return made("\"gravity\": [0, 0, \"=" + std::string(static_cast<std::size_t>(blanks), ' ') + "9.5\"]").system.gravity();
+  };
+  CHECK(gravity(3997).z() == 9.5);
+  CHECK_THROWS_AS(gravity(3998), SceneError);
+}
+
+TEST_CASE("a marker that a law turns about the normal stays in the plane", "[mutants][plane]") {
+  MarkerFrame frame;
+  frame.rotation_law = std::make_shared<AxisRotation>(Vec3(0, 0, 1), laws::law([](auto t) { return t; }));
+  CHECK(frame.stays_in_plane({2}));
+  CHECK(!frame.stays_in_plane({0}));
+}
+
+TEST_CASE("rounding of a large force does not take a mechanism out of its plane", "[mutants][plane]") {
+  const auto pushed = [](const std::string& force) {
+    return made(R"~("planar": "z", "bodies": [{"name": "b", "mass": 1, "inertia": [1, 1, 1]}],
+                    "forces": [{"name": "push", "type": "applied_force", "p": "b", "at": [0, 0, 0], "force": )~" +
+                force + "}]");
+  };
+  CHECK_NOTHROW(pushed("[1e8, 0, 1e-6]"));
+  CHECK_THROWS_AS(pushed("[1, 0, 1e-3]"), ModelError);
+}
+
+}  // namespace random_slips_test
