@@ -15,6 +15,7 @@
 #include <lockstep/registry.h>
 #include <lockstep/relative.h>
 #include <lockstep/scene.h>
+#include <lockstep/simulation.h>
 #include <lockstep/text.h>
 #include "framework/foundation/support/thrown.h"
 #include "framework/mechanism/expression/dimensions.h"
@@ -153,19 +154,20 @@ TEST_CASE("units have powers up to the sixth", "[mutants][units]") {
 
 TEST_CASE("a constant that a formula names brings its unit", "[mutants][expression]") {
   const std::vector<expression::Constant> length = {{.name = "L", .value = {2}, .dimension = {.m = 1}}};
-  const auto check = [&](std::optional<Dimension> of_x) {
-    expression::check_dimensions("x + L", {{"x", of_x}}, length, {});
+  const auto check = [&](Dimension of_x, std::optional<Dimension> value = {}) {
+    expression::check_dimensions("x + L", {{"x", of_x}}, length, value);
   };
-  CHECK_NOTHROW(check(Dimension{.m = 1}));
-  CHECK_THROWS_AS(check(Dimension{.kg = 1}), ModelError);
+  CHECK_NOTHROW(check({.m = 1}));
+  CHECK_THROWS_AS(check({.kg = 1}), ModelError);
+  CHECK_THROWS_AS(check({.m = 1}, Dimension{.kg = 1}), ModelError);  // the sum has the unit of one of its parts
 }
 
 TEST_CASE("a formula may have as many characters as it says", "[mutants][expression]") {
   const auto gravity = [](int blanks) {
     return made("\"gravity\": [0, 0, \"=" + std::string(static_cast<std::size_t>(blanks), ' ') + "9.5\"]").system.gravity();
   };
-  CHECK(gravity(3997).z() == 9.5);
-  CHECK_THROWS_AS(gravity(3998), SceneError);
+  CHECK(gravity(3996).z() == 9.5);  // with its sign "="
+  CHECK_THROWS_AS(gravity(3997), SceneError);
 }
 
 TEST_CASE("a marker that a law turns about the normal stays in the plane", "[mutants][plane]") {
@@ -182,7 +184,24 @@ TEST_CASE("rounding of a large force does not take a mechanism out of its plane"
                 force + "}]");
   };
   CHECK_NOTHROW(pushed("[1e8, 0, 1e-6]"));
-  CHECK_THROWS_AS(pushed("[1, 0, 1e-3]"), ModelError);
+  CHECK_THROWS_AS(pushed("[1, 0, 1e-3]"), SceneError);
+}
+
+// -- dynamics
+
+// The rod is S of its joint, and hangs on it alone: it turns the other way.
+TEST_CASE("a start turns the body that hangs on a joint as its S", "[mutants][start]") {
+  for (const double turn : {0.4, 3.0, 4.0, -5.0}) {
+    CAPTURE(turn);
+    Simulation run(made(R"~("bodies": [{"name": "rod", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]}}],
+      "links": [{"name": "A", "type": "revolute", "p": "ground", "s": "rod", "at": [0, 0, 0], "start": {"position": {"rz": )~" +
+                        std::to_string(turn) + R"~(}}}], "run": {"until": 0, "record": ["A.angle_z"]})~"));
+    run.run();
+    CHECK(std::abs(run.table().first("A.angle_z") - turn) < 1e-9);
+    const Body& rod = run.system().body("rod");
+    const Pose pose = body_pose(rod, run.state());
+    CHECK((pose.x - Vec3(0.5 * std::cos(turn), -0.5 * std::sin(turn), 0)).norm() < 1e-9);
+  }
 }
 
 }  // namespace random_slips_test

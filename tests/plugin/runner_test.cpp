@@ -410,7 +410,7 @@ TEST_CASE("what is said without effect gives a warning, what is nothing is not s
   INFO(r.text);
   CHECK(r.exit == 0);
   CHECK(contains(r.text, "run.times: 3 s lies beyond"));
-  CHECK(contains(r.text, "event 'late': 5 s lies beyond"));
+  CHECK(contains(r.text, "event 'late': its instant, 5 s, did not come"));
   CHECK(contains(r.text, "\"rk4\" takes fixed steps"));
   CHECK(contains(r.text, "(1 row)"));
   CHECK(contains(r.text, "nothing moved"));

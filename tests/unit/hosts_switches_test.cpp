@@ -52,7 +52,8 @@ struct Driven {
     }));
   }
   void begin(const char* method, Formulation formulation) {
-    SimulationOptions options{.integrator = method, .dynamics = {.formulation = formulation}};
+    SimulationOptions options{.integrator = method};
+    options.dynamics.formulation = formulation;
     if (std::string(method) == "rk4" || std::string(method) == "generalized_alpha") options.step = 0.0625;
     run = std::make_unique<Simulation>(system, options);
     run->add_observer(causes);

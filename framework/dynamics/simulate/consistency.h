@@ -19,7 +19,7 @@ VecX start_distances(const Evaluation&, const VecX& C);
 /// The largest of them; NaN where one is.
 double start_distance(const Evaluation&, const VecX& C);
 /// Throws AssemblyError, naming the row that is violated most, if a start violates the constraints.
-void check_start(Dynamics&, const State&, double limit);
+LOCKSTEP_API void check_start(Dynamics&, const State&, double limit);
 /// Initialises the own states of links that are activated: a driven speed starts from the present coordinate.
 void engage_links(Dynamics&, State&, const std::vector<std::string>& links);
 /// Throws AssemblyError, naming `cause`, unless the constraints of these links already hold.

@@ -36,8 +36,12 @@ Channel channel_of(Mechanism& m, const std::string& name) {
 namespace {
 
 Channel channel_of(Mechanism& m, const EventRequest& request) {
-  return placed(request.where, owner_of("event", request.event.name) + ", when.channel",
-                [&] { return channel_of(m, request.channel); });
+  const std::string owner = owner_of("event", request.event.name);
+  Channel channel =
+      placed(request.where, owner + ", when.channel", [&] { return channel_of(m, request.channel); });
+  if (const std::string problem = request.given.empty() ? "" : misfit(request.given, channel.unit); !problem.empty())
+    refuse(request.given_where, owner + ", when.crosses", problem);
+  return channel;
 }
 
 }  // namespace
@@ -65,8 +69,6 @@ Event make_event(Mechanism& m, const EventRequest& request, Recorder& recorder) 
   Event event = request.event;
   if (request.channel.empty()) return event;
   const Channel channel = channel_of(m, request);
-  if (const std::string problem = request.given.empty() ? "" : misfit(request.given, channel.unit); !problem.empty())
-    refuse(request.given_where, owner_of("event", event.name) + ", when.crosses", problem);
   recorder.follow(channel);
   event.value = [value = channel.value, crosses = request.crosses](const Sample& s) { return value(s) - crosses; };
   return event;
