@@ -8,6 +8,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/frame_laws.h>
+#include <lockstep/joints.h>
 #include <lockstep/laws.h>
 #include <lockstep/math.h>
 #include <lockstep/memory.h>
@@ -17,6 +18,7 @@
 #include <lockstep/scene.h>
 #include <lockstep/simulation.h>
 #include <lockstep/text.h>
+#include "framework/description/scene/json.h"
 #include "framework/foundation/support/thrown.h"
 #include "framework/mechanism/expression/dimensions.h"
 #include "framework/mechanism/params/units.h"
@@ -202,6 +204,38 @@ TEST_CASE("a start turns the body that hangs on a joint as its S", "[mutants][st
     const Pose pose = body_pose(rod, run.state());
     CHECK((pose.x - Vec3(0.5 * std::cos(turn), -0.5 * std::sin(turn), 0)).norm() < 1e-9);
   }
+}
+
+TEST_CASE("the one state of a driven speed goes on from step to step", "[mutants][integrators]") {
+  for (const char* method : {"radau5", "dopri5", "dop853"}) {
+    CAPTURE(method);
+    System system;
+    Body& wheel = system.add_body("wheel", shapes::sphere(1.0, 0.1));
+    Revolute& hinge = system.add<Revolute>("hinge", wheel, system.ground(), pose_at({0, 0, 0}));
+    hinge.drive_speed(Axis::rz, laws::law([](auto t) { return 1.0 + t; }));
+    SimulationOptions options{.integrator = method, .tolerance = 1e-10, .step = 0.1};
+    options.dynamics.formulation = Formulation::omega;  // joint coordinates take such a speed without a state
+    Simulation run(system, options);
+    run.run_until(2);
+    CHECK(run.state().s.size() == 1);
+    CHECK(run.loop().report().steps >= 20);
+    const Quat q = body_pose(wheel, run.state()).q;  // turned by 2 + 2^2/2 rad
+    CHECK(std::abs(std::abs(q.w * std::cos(2.0) + q.z * std::sin(2.0)) - 1) < 1e-9);
+  }
+}
+
+// -- description
+
+TEST_CASE("a text that ends with a word that is no number says so", "[mutants][json]") {
+  for (const char* text : {"nan", "-inf"})
+    CHECK(says(message_of<SceneError>([&] { read_json(text, "word.json"); }), {"NaN and infinity"}));
+}
+
+TEST_CASE("a method's key may be an empty text", "[mutants][methods]") {
+  const std::vector<TypeInfo> types = {{"mine", "", {{"label", Form::text, Unit::none, "x", "a text"}}}};
+  const MethodSpec method = read_method_spec("mine:label=\"\"", types);
+  REQUIRE(method.keys.find("label") != nullptr);
+  CHECK(*method.keys.find("label")->text() == "");
 }
 
 }  // namespace random_slips_test

@@ -130,6 +130,7 @@ TEST_CASE("damaged meshes are refused with file and line", "[unit][scene]") {
   check_words(said("none.stl", "solid a\nendsolid a\n"), {"none.stl", "no triangle"});
   check_words(said("flat.stl", header(1) + std::string(50, '\0')), {"flat.stl", "no triangle"});
   check_words(said("corner.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n"), {"corner.obj:4", "\"4\"", "3 points"});
+  check_words(said("tail.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3x\n"), {"tail.obj:4", "\"3x\""});
   check_words(said("zero.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n"), {"zero.obj:4", "\"0\""});
   check_words(said("early.obj", "f 1 2 3\n"), {"early.obj:1", "0 points"});
   check_words(said("few.obj", "v 0 0 0\nv 1 0 0\nf 1 2\n"), {"few.obj:3", "three corners"});
