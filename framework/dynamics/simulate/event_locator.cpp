@@ -186,8 +186,12 @@ void EventLocator::pass(double t) {
 void EventLocator::note_nearest(double t) {
   for (std::size_t k = 0; k < searched_.size(); ++k) {
     Watched& w = watched_[searched_[k]];
+    Sampled before{t, 0};
     const auto see = [&](const Sampled& s) {
+      if (before.g * s.g < 0 && w.nearest.g != 0)  // the way that does not count
+        w.nearest = {before.t + (s.t - before.t) * before.g / (before.g - s.g), 0};
       if (std::abs(s.g) < std::abs(w.nearest.g)) w.nearest = s;
+      before = s;
     };
     for (std::size_t j = 0; j < times_.size() && times_[j] < t; ++j) see(sampled(k, j));
     see({t, w.now});

@@ -88,7 +88,9 @@ std::string words_of(const MissedEvent& e) {
                                   : way == Event::Crossing::falling ? "fall through"
                                                                     : "cross",
                                   e.asked.crosses, unit);
-  if (std::isfinite(e.course.nearest))
+  if (way != Event::Crossing::any && e.course.nearest == 0)
+    words += fmt::format("; it passed there the other way at t = {:.6g} s", e.course.at);
+  else if (std::isfinite(e.course.nearest))
     words += fmt::format("; nearest {:.6g}{} at t = {:.6g} s", e.asked.crosses + e.course.nearest, unit, e.course.at);
   return words;
 }
