@@ -231,6 +231,12 @@ TEST_CASE("a text that ends with a word that is no number says so", "[mutants][j
     CHECK(says(message_of<SceneError>([&] { read_json(text, "word.json"); }), {"NaN and infinity"}));
 }
 
+TEST_CASE("a key with its colon does not lack one", "[mutants][json]") {
+  const auto said = [](const char* text) { return message_of<SceneError>([&] { read_json(text, "colon.json"); }); };
+  CHECK(says(said("{\"a\" 1}"), {"a colon is missing"}));
+  CHECK(!says(said("{\"a\": }"), {"a colon is missing"}));
+}
+
 TEST_CASE("a method's key may be an empty text", "[mutants][methods]") {
   const std::vector<TypeInfo> types = {{"mine", "", {{"label", Form::text, Unit::none, "x", "a text"}}}};
   const MethodSpec method = read_method_spec("mine:label=\"\"", types);

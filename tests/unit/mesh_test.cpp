@@ -104,6 +104,10 @@ TEST_CASE("what programs write into meshes is read", "[unit][scene]") {
   CHECK(five.triangles.size() == 3);
   CHECK(five.points.size() == 5);
   CHECK(area(five) == 5);
+  // Triangles of which two corners are one point are left out, whichever two.
+  const TriangleMesh one =
+      read_mesh(folder.write("one.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 1 2\nf 1 2 2\nf 2 1 2\n"));
+  CHECK(one.triangles.size() == 1);
 }
 
 TEST_CASE("damaged meshes are refused with file and line", "[unit][scene]") {
