@@ -10,6 +10,7 @@
 #include <lockstep/frame_laws.h>
 #include <lockstep/joints.h>
 #include <lockstep/laws.h>
+#include <lockstep/linearization.h>
 #include <lockstep/math.h>
 #include <lockstep/memory.h>
 #include <lockstep/recorder.h>
@@ -24,6 +25,7 @@
 #include "framework/mechanism/params/units.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
+#include "tests/support/paths.h"
 
 namespace lockstep {
 
@@ -242,6 +244,22 @@ TEST_CASE("a method's key may be an empty text", "[mutants][methods]") {
   const MethodSpec method = read_method_spec("mine:label=\"\"", types);
   REQUIRE(method.keys.find("label") != nullptr);
   CHECK(*method.keys.find("label")->text() == "");
+}
+
+// -- tools
+
+TEST_CASE("linear equations have a note on each one-sided link, and on no other", "[mutants][linearize]") {
+  const auto notes_of = [](const std::string& scene) {
+    std::string file = paths::kScenes;
+    Simulation run(read_mechanism(file.append("/").append(scene).append(".json")));
+    std::string all;
+    LinearMotionOptions options;
+    options.frozen = true;
+    for (const std::string& note : linear_motion(run.dynamics(), run.state(), options).notes) all += note + "\n";
+    return all;
+  };
+  CHECK(says(notes_of("bouncing_pendulum"), {"one-sided link 'hinge", "is open and left out"}));
+  CHECK(!says(notes_of("pendulum"), {"one-sided"}));
 }
 
 }  // namespace random_slips_test

@@ -249,8 +249,22 @@ TEST_CASE("every scene of the samples gives a report", "[report]") {
     REQUIRE(rows.size() >= width);
     for (std::size_t i = 0; i < 13 * mechanism["moving"].size(); ++i) CHECK(std::isfinite(rows[i]));
     std::size_t n_solids = 0;
-    for (const Json& body : mechanism["bodies"]) n_solids += body["solids"].size();
+    for (const Json& body : mechanism["bodies"]) {
+      n_solids += body["solids"].size();
+      std::vector<Json> sizes, drawn;
+      for (const Solid& s : m.solids)
+        if (s.body == body["name"]) sizes.push_back(Json::array({s.size[0], s.size[1], s.size[2]}));
+      for (const Json& solid : body["solids"]) drawn.push_back(solid["size"]);
+      CHECK(drawn == sizes);
+    }
     CHECK(n_solids == m.solids.size());
+    for (const Json& link : mechanism["links"])  // circles and cams: points in the plane of the marker
+      for (const Json& curve : link.value("curves", Json::array()))
+        if (curve["closed"]) {
+          const auto points = curve["points"].get<std::vector<double>>();
+          CHECK((points.size() == 3 * 96 || points.size() == 3 * 240));
+          for (std::size_t k = 2; k < points.size(); k += 3) CHECK(points[k] == 0);
+        }
     most = std::max(most, page.text.size());
   }
   CHECK(report::page_with("", "{}", "").size() < 1'000'000);  // without data
