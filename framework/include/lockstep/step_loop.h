@@ -147,9 +147,8 @@ struct StepLoopOptions {
 struct EventCourse {
   std::string name;                                           ///< of the event
   double last = -std::numeric_limits<double>::infinity();     ///< when it happened last, s; below zero: never
-  /// Value of its condition that was nearest to zero: 0 if it passed zero the other way. NaN: it has none, or no step was
-  /// made.
-  double nearest = std::numeric_limits<double>::quiet_NaN();
+  double nearest = std::numeric_limits<double>::quiet_NaN();  ///< value of its condition that was nearest to zero; NaN:
+                                                              ///< it has none, or no step was made
   double at = std::numeric_limits<double>::quiet_NaN();       ///< when that was, s
 };
 
