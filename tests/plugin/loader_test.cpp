@@ -78,6 +78,8 @@ TEST_CASE("each field that must agree is told apart", "[plugin]") {
   CHECK(contains(with([](auto& r) { r.abi = 99; }), "ABI 99"));
   CHECK(contains(with([](auto& r) { r.cxx_level = 201703; }), "C++ 201703"));
   CHECK(contains(with([](auto& r) { r.library_version = 1; }), "the standard library"));
+  CHECK_FALSE(contains(with([](auto& r) { r.library_version = 1; }), "old strings"));
+  CHECK(contains(with([](auto& r) { r.library_abi = 0; }), "(old strings)"));
   CHECK(contains(with([](auto& r) { r.eigen_version[1] = 77; }), "Eigen 3.77"));
   CHECK(contains(with([](auto& r) { r.alignment = 64; }), "alignment 64"));
   CHECK(contains(with([](auto& r) { std::strcpy(r.flags, "fast-math "); }), "settings fast-math"));

@@ -351,6 +351,8 @@ TEST_CASE("a scene is a part of another, with a prefix and parameters", "[unit][
   write("self.json", R"("include": [{"scene": "self.json"}])");
   check_words(refused(R"("include": [{"scene": "self.json"}])"), {"self.json:1:", "includes itself"});
   check_words(refused(R"("include": [{"scene": "gone.json"}])"), {"gone.json", "No such file"});
+  write("half.json", R"("bodies": [{"name": "r", "rod": {"mass": 1, "from": [0, 0, 0]}}])");  // it is moved, and refused
+  check_words(refused(R"("include": [{"scene": "half.json", "at": [1, 0, 0]}])"), {"half.json:1:", "\"to\""});
   check_words(refused(R"("include": [{"scene": "leg.json"}, {"scene": "leg.json"}])"), {"already"});
   check_words(refused(R"("include": [{"scene": "leg.json", "parameters": {"l": 2}}])"),
               {"robot.json", "include[0].parameters", "no parameter \"l\"", "did you mean \"L\""});
