@@ -164,6 +164,7 @@ TEST_CASE("a constant that a formula names brings its unit", "[mutants][expressi
   CHECK_NOTHROW(check({.m = 1}));
   CHECK_THROWS_AS(check({.kg = 1}), ModelError);
   CHECK_THROWS_AS(check({.m = 1}, Dimension{.kg = 1}), ModelError);  // the sum has the unit of one of its parts
+  CHECK_THROWS_AS(expression::check_dimensions("2*L", {}, length, Dimension{.kg = 1}), ModelError);
 }
 
 TEST_CASE("a formula may have as many characters as it says", "[mutants][expression]") {
