@@ -9,6 +9,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/configuration.h"
 #include "tests/support/mechanism.h"
+#include "tests/support/messages.h"
 
 namespace implicit_test {
 
@@ -86,6 +87,11 @@ TEST_CASE("NewtonMatrix solves what it gathered, redundant rows and all", "[unit
     CHECK(report.residual <= 1e-12);
     CHECK(residual(N, sys, 1.0, h, h * h, f, r, x, l) <= 1e-10);
   }
+  const std::string m = std::to_string(r.size()), n = std::to_string(f.size());
+  CHECK(lockstep::testing::message_of<ModelError>([&] { N.solve(f, VecX(VecX::Zero(1)), x, l); }).find(
+            "a vector of the rows has 1 numbers where " + m + " are needed") != std::string::npos);
+  CHECK(lockstep::testing::message_of<ModelError>([&] { N.solve(VecX(VecX::Zero(5)), r, x, l); }).find(
+            "a vector of the slots has 5 numbers where " + n + " are needed") != std::string::npos);
 }
 
 TEST_CASE("NewtonMatrix: a complex system is two real ones", "[unit][dynamics]") {
