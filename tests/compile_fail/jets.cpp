@@ -25,7 +25,8 @@ T of_std(const T& a, const T& b) {
   const long n = 3;
   const T c = a > 0 ? a : 0.0, d = a <= 1 ? 0 : 2 * a, e = std::max(a, b) - std::min(a, b);
   const bool all = 0.5 < a && b <= a && a >= b && 1 >= a && a == b && a != 0 && 2 > b;
-  return (all ? 1 : 0) + sin(a) + pow(b, 2) + max(a, 0.0) - min(1, b) + kTeeth * c / 2 + n * d * 2.0F - e + max(a, b) - (1 - a) + 1 / b;
+  return (all ? 1 : 0) + sin(a) + pow(b, 2) + max(a, 0.0) - min(1, b) + kTeeth * c / 2 + n * d * 2.0F - e + max(a, b) -
+         (1 - a) + 1 / b;
 }
 #endif
 

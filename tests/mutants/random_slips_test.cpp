@@ -49,9 +49,9 @@ TEST_CASE("two letters that are exchanged count as one change, also the first tw
   const auto near = [](const std::string& word, const std::string& name) {
     return text::closest_name(word, std::vector<std::string>{name}) == name;
   };
-  CHECK(near("ba", "ab"));     // one exchange, or two changes
+  CHECK(near("ba", "ab"));  // one exchange, or two changes
   CHECK(near("acb", "abc"));
-  CHECK(!near("xb", "ax"));    // the letter after it is another one: two changes
+  CHECK(!near("xb", "ax"));  // the letter after it is another one: two changes
   CHECK(!near("cb", "bd"));
 }
 
@@ -132,7 +132,8 @@ TEST_CASE("an error that names the thing gets its type and origin too", "[mutant
   CHECK(error.thing.type == "drag");
 }
 
-TEST_CASE("a parameter that a built-in law refuses is not a law that is asked where it has no value", "[mutants][errors]") {
+TEST_CASE("a parameter that a built-in law refuses is not a law that is asked where it has no value",
+          "[mutants][errors]") {
   const ErrorContext force{.thing = {.kind = "force", .name = "wind", .type = "drag", .origin = "built in"}, .t = 2};
   ErrorData of_law{.thing = {.kind = "law", .name = "ramp", .origin = "built in"}};
   CHECK(told(ModelError("beyond its end", of_law), force).nested);
@@ -169,7 +170,8 @@ TEST_CASE("a constant that a formula names brings its unit", "[mutants][expressi
 
 TEST_CASE("a formula may have as many characters as it says", "[mutants][expression]") {
   const auto gravity = [](int blanks) {
-    return made("\"gravity\": [0, 0, \"=" + std::string(static_cast<std::size_t>(blanks), ' ') + "9.5\"]").system.gravity();
+    return made("\"gravity\": [0, 0, \"=" + std::string(static_cast<std::size_t>(blanks), ' ') + "9.5\"]")
+        .system.gravity();
   };
   CHECK(gravity(3996).z() == 9.5);  // with its sign "="
   CHECK_THROWS_AS(gravity(3997), SceneError);

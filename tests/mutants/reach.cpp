@@ -28,8 +28,9 @@ void write_down(void* function) {
   if (path == nullptr || dladdr(function, &module) == 0) return;
   char name[4096], line[4200];
   if (realpath(module.dli_fname, name) == nullptr) return;
-  const int length = std::snprintf(line, sizeof line, "%s %zx\n", name,
-                                   reinterpret_cast<std::uintptr_t>(function) - reinterpret_cast<std::uintptr_t>(module.dli_fbase));
+  const int length =
+      std::snprintf(line, sizeof line, "%s %zx\n", name,
+                    reinterpret_cast<std::uintptr_t>(function) - reinterpret_cast<std::uintptr_t>(module.dli_fbase));
   const int file = open(path, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
   if (file < 0 || write(file, line, static_cast<std::size_t>(length)) != length) std::abort();
   close(file);

@@ -111,7 +111,8 @@ TEST_CASE("an event that never happens is in the summary, with the nearest value
   CHECK_FALSE(contains(met.text, "never      event 'catch'"));
   // One that is passed the other way: rz'^2 = 3 g/L sin(-rz), so that -1 rad is met at 0.375 s.
   const std::string other = " --set events.catch.when.crosses=-1 --set events.catch.when.direction=rising --until 0.9";
-  CHECK(contains(call("run " + scene + other).text, "did not rise through -1 rad; it passed there the other way at t = 0.375"));
+  CHECK(contains(call("run " + scene + other).text,
+                 "did not rise through -1 rad; it passed there the other way at t = 0.375"));
 }
 
 TEST_CASE("a tolerance that rounding does not let anything meet is refused", "[runner]") {

@@ -87,11 +87,13 @@ TEST_CASE("NewtonMatrix solves what it gathered, redundant rows and all", "[unit
     CHECK(report.residual <= 1e-12);
     CHECK(residual(N, sys, 1.0, h, h * h, f, r, x, l) <= 1e-10);
   }
-  const std::string m = std::to_string(r.size()), n = std::to_string(f.size());
-  CHECK(lockstep::testing::message_of<ModelError>([&] { N.solve(f, VecX(VecX::Zero(1)), x, l); }).find(
-            "a vector of the rows has 1 numbers where " + m + " are needed") != std::string::npos);
-  CHECK(lockstep::testing::message_of<ModelError>([&] { N.solve(VecX(VecX::Zero(5)), r, x, l); }).find(
-            "a vector of the slots has 5 numbers where " + n + " are needed") != std::string::npos);
+  const std::string m = "where " + std::to_string(r.size()) + " are", n = "where " + std::to_string(f.size()) + " are";
+  const auto said = [&](const VecX& of_slots, const VecX& of_rows) {
+    return lockstep::testing::message_of<ModelError>([&] { N.solve(of_slots, of_rows, x, l); });
+  };
+  const VecX one = VecX::Zero(1), five = VecX::Zero(5);
+  CHECK(lockstep::testing::says(said(f, one), {"a vector of the rows has 1 numbers", m.c_str()}));
+  CHECK(lockstep::testing::says(said(five, r), {"a vector of the slots has 5 numbers", n.c_str()}));
 }
 
 TEST_CASE("NewtonMatrix: a complex system is two real ones", "[unit][dynamics]") {

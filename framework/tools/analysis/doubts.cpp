@@ -62,7 +62,8 @@ std::vector<std::string> Doubts::words(long steps) const {
         "the tolerance of {:g} was not reached in {} of {} step{}, from t = {:.6g} s on: {} errors of up to {:.2g} "
         "times it there; the run went on with what can be reached",
         tolerance_, unmet_.steps, steps, steps == 1 ? "" : "s", unmet_.first,
-        tolerance_ * unmet_.largest > kMostRounding ? "a singular position leaves" : "rounding leaves", unmet_.largest));
+        tolerance_ * unmet_.largest > kMostRounding ? "a singular position leaves" : "rounding leaves",
+        unmet_.largest));
   if (const long n = n_uncertain_; n > 0)
     all.push_back(fmt::format(
         "the reactions at t = {}{} are uncertain by more than 1 %: {} in or beside a singular position, where they "

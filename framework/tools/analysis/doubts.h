@@ -35,7 +35,7 @@ class LOCKSTEP_API Doubts final : public Observer {
   bool reactions_, loops_ = false;
   double tolerance_;
   UnmetTolerance unmet_;
-  long n_uncertain_ = 0;  // instants beside a singular position: reactions may be off by more than a hundredth
+  long n_uncertain_ = 0;           // instants beside a singular position: reactions may be off by more than a hundredth
   std::vector<double> uncertain_;  // the first of those instants, kNamed at most, s
 };
 

@@ -382,8 +382,9 @@ void print_findings(const Loaded& loaded, const Mechanism& m, const Findings& fo
   fmt::print("  formulation         {}\n", found.formulation);
   if (!found.stages.empty()) fmt::print("  stages              {}\n", found.stages);
   print_dependencies(found.moves, m.run);
-  fmt::print("  start violates      {:.2g} m, {:.2g} m/s{}\n", found.violation, found.violation_v,
-             m.run.assemble && (found.violation > 1e-6 || found.violation_v > 1e-6) ? "; a run assembles it first" : "");
+  fmt::print(
+      "  start violates      {:.2g} m, {:.2g} m/s{}\n", found.violation, found.violation_v,
+      m.run.assemble && (found.violation > 1e-6 || found.violation_v > 1e-6) ? "; a run assembles it first" : "");
   if (!found.taken.empty()) fmt::print("places that are taken, as none is given:\n");
   for (const std::string& text : found.taken) fmt::print("  {}\n", text);
   if (!found.tree.branches.empty())

@@ -37,8 +37,7 @@ namespace {
 
 Channel channel_of(Mechanism& m, const EventRequest& request) {
   const std::string owner = owner_of("event", request.event.name);
-  Channel channel =
-      placed(request.where, owner + ", when.channel", [&] { return channel_of(m, request.channel); });
+  Channel channel = placed(request.where, owner + ", when.channel", [&] { return channel_of(m, request.channel); });
   if (const std::string problem = request.given.empty() ? "" : misfit(request.given, channel.unit); !problem.empty())
     refuse(request.given_where, owner + ", when.crosses", problem);
   return channel;
