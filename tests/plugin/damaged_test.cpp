@@ -63,6 +63,9 @@ TEST_CASE("a plugin that ends the process that opens it is listed with what happ
     auto all = listed(folder, std::string("LC_ALL=C LOCKSTEP_TEST_DEADLY=") + how);
     REQUIRE(all.size() == 2);
     CHECK(all["deadly"]["state"] == "refused");
+    CHECK(all["deadly"]["size"] == std::filesystem::file_size(file));  // read without opening it
+    CHECK(all["deadly"]["checksum"] != "0000000000000000");
+    CHECK(contains(all["deadly"]["build"].get<std::string>(), "ABI "));
     CHECK(all["deadly"]["why"] == "plugin file '" + file + "' ended the process that opened it: " + says +
                                       "; the file is damaged, or its code is wrong; build or install it anew");
     CHECK(all["zeal"]["state"] == "loads");  // the list goes on

@@ -480,4 +480,17 @@ TEST_CASE("events of a scene switch its forces", "[runner]") {
   CHECK(contains(checked.text, "body 'stone' starts at the world's origin"));
 }
 
+TEST_CASE("check ends as run does where a start that is not assembled violates the constraints", "[runner]") {
+  const std::string off = scene_file("unassembled", R"("bodies": [{"name": "a", "mass": 1, "inertia": [1, 1, 1]}],
+    "links": [{"name": "L", "type": "revolute", "p": "a", "s": "ground", "at_p": [0.3, 0, 0], "at_s": [0, 0, 0]}],
+    "run": {"until": 1, "assemble": false, "record": ["a.x"]})");
+  for (const char* verb : {"run", "check"}) {
+    const Called r = call(std::string(verb) + " '" + off + "'");
+    INFO(r.text);
+    CHECK(r.exit == 5);
+    CHECK(contains(r.text, "the start at t = 0 s violates the constraints by 0.3 m"));
+    CHECK_FALSE(contains(r.text, "a run assembles it first"));
+  }
+}
+
 }  // namespace runner_test
