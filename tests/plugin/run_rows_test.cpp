@@ -221,7 +221,7 @@ Ended ended(const Scene& scene, const std::string& reaction, bool pictures) {
   GrowingFile file(name);
   RunRows rows(file, *recorder, false, true);
   std::optional<PictureRows> more;
-  if (pictures) more.emplace(make_recorder(m), rows, m.run.until / 300);
+  if (pictures) more.emplace(make_recorder(m), *recorder, m.run.until / 300);
   std::vector<Event> events = make_events(m, *recorder);
   Dynamics dynamics = make_dynamics(m, registry);
   StepLoop loop(dynamics, make_integrator(m.run, registry), loop_options(m.run));

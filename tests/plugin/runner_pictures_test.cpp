@@ -151,12 +151,10 @@ TEST_CASE("the rows of a picture are dense where the method can interpolate", "[
     Mechanism m = build_mechanism(scene_from_text(text + method, "s.json"), registry);
     const auto recorder = make_recorder(m);
     const StepLoopOptions options{.step = m.run.step, .tolerance = m.run.tolerance, .output = m.run.output};
-    GrowingFile file(kRunnerFolder + "/dense.csv");
-    RunRows own(file, *recorder, true, true);
-    PictureRows rows(make_recorder(m), own, picture_spacing(options, m.run.until));
+    PictureRows rows(make_recorder(m), *recorder, picture_spacing(options, m.run.until));
     Dynamics dynamics(system_of(m), make_solver(m.run, registry));
     StepLoop loop(dynamics, make_integrator(m.run, registry), options);
-    loop.add_observer(*recorder), loop.add_observer(own), loop.add_observer(rows);
+    loop.add_observer(*recorder), loop.add_observer(rows);
     loop.run_until(6);
     const Table all = rows.together(recorder->table());
     CHECK(recorder->table().n_rows() == 5);

@@ -15,7 +15,7 @@ const std::vector<double>& times(const Table& table) { return table.columns().fr
 
 }  // namespace
 
-PictureRows::PictureRows(std::unique_ptr<Recorder> own, const RunRows& rows, double spacing)
+PictureRows::PictureRows(std::unique_ptr<Recorder> own, const Recorder& rows, double spacing)
     : own_(std::move(own)), rows_(rows), spacing_(spacing) {}
 
 void PictureRows::start(const Sample& sample) {

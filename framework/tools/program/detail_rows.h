@@ -7,7 +7,6 @@
 
 #include <lockstep/recorder.h>
 #include "framework/dynamics/simulate/detail_observer.h"
-#include "framework/tools/program/run_rows.h"
 
 namespace lockstep {
 
@@ -16,7 +15,7 @@ namespace lockstep {
 class PictureRows final : public DetailObserver {
  public:
   /// `own`: a recorder of the same columns as `rows`. `spacing`: of the rows, s; infinity: none but at jumps.
-  PictureRows(std::unique_ptr<Recorder> own, const RunRows& rows, double spacing);
+  PictureRows(std::unique_ptr<Recorder> own, const Recorder& rows, double spacing);
   double spacing() const override { return spacing_; }
   void start(const Sample&) override;
   void step(const Sample&) override;
@@ -34,7 +33,7 @@ class PictureRows final : public DetailObserver {
  private:
   bool add(const Sample&, bool of_jump);
   std::unique_ptr<Recorder> own_;
-  const RunRows& rows_;
+  const Recorder& rows_;
   double spacing_, last_ = 0, acted_ = -1;
   long n_between_ = 0, n_steps_ = 0;
   std::vector<bool> of_jump_;  // by row of own_

@@ -116,7 +116,7 @@ RunOutputs outputs_of(const Loaded& loaded, const Arguments& args, const Table& 
 
 // The rows that pictures need beside the table's; null where none is drawn. A run with checkpoints may go on where there
 // is a gnuplot, whether there is one here or not.
-std::unique_ptr<PictureRows> picture_rows(Mechanism& m, const std::string& csv, const RunRows& rows,
+std::unique_ptr<PictureRows> picture_rows(Mechanism& m, const std::string& csv, const Recorder& rows,
                                           const Arguments& args) {
   std::error_code error;
   const bool can_draw = !args.checkpoint.empty() || !find_gnuplot().empty();
@@ -246,7 +246,7 @@ class ProgramRun {
         events_(make_events(m_, *recorder_)),
         report_(args, loaded_, m_, *recorder_, csv_),
         rows_(file_, *recorder_, report_ || args.certify, outputs_.units),  // both read the rows afterwards
-        details_(picture_rows(m_, csv_, rows_, args)),
+        details_(picture_rows(m_, csv_, *recorder_, args)),
         at_jumps_([this](const Sample& s) { recorder_->output(s); }, *recorder_),
         singular_(system_of(m_)),
         audit_(args.quiet ? nullptr : std::make_unique<EnergyAudit>(system_of(m_), m_.run.limits)),
@@ -441,7 +441,7 @@ class ProgramRun {
   const std::unique_ptr<Recorder> recorder_;
   const RunOutputs outputs_;
   std::vector<std::string> not_unique_;  // columns of reactions
-  std::string uncertified_;  // what --certify found of which not one digit is certified
+  std::string uncertified_;              // what --certify found of which not one digit is certified
   GrowingFile file_;
   Checkpoints checkpoints_;
   std::vector<Event> events_;

@@ -15,8 +15,6 @@ class RunRows final : public Observer {
 
   /// The run goes on from a checkpoint: the file is not begun anew.
   void go_on() { goes_on_ = true; }
-  /// The instant of the recorder's last row, s; before the first, infinity.
-  double last_instant() const { return recorder_.last_instant(); }
   const RowEnvelope& rows() const { return rows_; }
 
   void start(const Sample&) override;
