@@ -193,7 +193,7 @@ TEST_CASE("an input that a drive reads may not move it at once", "[unit][dynamic
   driven.u.set(0.25);
   for (int k = 0; k < 2; ++k)
     check_words(message_of<AssemblyError>([&] { run.run_until(2); }),
-                {"input 'u' was set from 0 to 0.25", "jumps in position at t = 1 s", "hinge", "no motion follows"});
+                {"input 'u' was set from 0 to 0.25", "jumps in position at t = 1 s", "hinge", "no motion follows", "set the input back"});
   CHECK(run.state().t == 1);
   driven.u.set(0);
   run.run_until(2);

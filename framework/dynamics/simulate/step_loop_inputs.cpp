@@ -74,7 +74,8 @@ bool StepLoop::cross_inputs() {
   }();
   if (!jump.changes_rows(dynamics_, slots)) return false;
   if (const std::string why = jump.refusal(dynamics_, slots, options_.start_limit); !why.empty())
-    throw AssemblyError(set_of(system().control_inputs(), inputs_seen_) + ": " + why);
+    throw AssemblyError(set_of(system().control_inputs(), inputs_seen_) + ": " + why +
+                        "; set the input back, or let it give the speed of the drive");
   note_inputs();  // what fails from here on is gone on with
   if (state_.coordinates) keep_state(state_, parts_->before_change);
   keep_state(slots, state_);

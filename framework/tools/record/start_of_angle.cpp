@@ -21,17 +21,18 @@ bool is_asked(const AssemblyOptions& options, const Lock& link, int axis) {
 
 }  // namespace
 
-std::string uncounted(const System& system, const AssemblyOptions& options, const std::vector<std::string>& names) {
+std::string uncounted(const System& system, const AssemblyOptions& options,
+                      const std::vector<ChannelRequest>& recorded) {
   const State& start = system.start();
   if (!has_loops(system, start.modes)) return "";  // open chains carry their joints along
   if (!may_begin_beyond(system, start, options)) return "";
   std::vector<std::string> all;
-  for (const std::string& name : names)
+  for (const ChannelRequest& request : recorded)
     for (const auto& link : system.links())
       for (int k = 0; k < 3; ++k)
-        if (name == link->name() + ".angle_" + "xyz"[k] && !is_asked(options, *link, k) &&
+        if (request.channel == link->name() + ".angle_" + "xyz"[k] && !is_asked(options, *link, k) &&
             !known_turn(system, start, *link, k))
-          all.push_back(name);
+          all.push_back(request.channel);
   const std::size_t n = all.size();
   if (n == 0) return "";
   if (n > kNamed) all.resize(kNamed), all.push_back(fmt::format("{} more", n - kNamed));

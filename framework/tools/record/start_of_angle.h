@@ -6,6 +6,7 @@
 
 #include <lockstep/assembly.h>
 #include <lockstep/recorder.h>
+#include <lockstep/scene.h>
 
 namespace lockstep::channels {
 
@@ -14,6 +15,6 @@ LOCKSTEP_API void begin_about(Channel&, double angle);
 
 /// Names, of these, the angles of links whose turns nothing counts before the run, where the start may be beyond half a
 /// turn of them: they begin within half a turn of zero all the same. One sentence with the way out; "" where there are none.
-LOCKSTEP_API std::string uncounted(const System&, const AssemblyOptions&, const std::vector<std::string>& names);
+LOCKSTEP_API std::string uncounted(const System&, const AssemblyOptions&, const std::vector<ChannelRequest>& recorded);
 
 }  // namespace lockstep::channels

@@ -121,9 +121,7 @@ State decided_start(Dynamics& dynamics, Mechanism& m, NearRows* out) {
 }
 
 std::string uncounted_angles(const Mechanism& m) {
-  std::vector<std::string> names;
-  for (const ChannelRequest& request : m.run.record) names.push_back(request.channel);
-  return channels::uncounted(m.system, m.assembly, names);
+  return channels::uncounted(m.system, m.assembly, m.run.record);
 }
 
 std::vector<NearDependency> nearly_redundant_at(Dynamics& dynamics, Mechanism& m, const State& start) {

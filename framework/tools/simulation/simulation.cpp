@@ -88,9 +88,7 @@ StepLoop& Simulation::Parts::begun() {
 
 /// Channels may add quadratures to the system, so everything that takes its sizes is made when the run begins.
 State Simulation::Parts::begin(Dynamics& by, StepLoop&, AssemblyReport& report) {
-  std::vector<std::string> recorded;
-  for (const ChannelRequest& request : settings.record) recorded.push_back(request.channel);
-  if (const std::string words = channels::uncounted(system, {}, recorded); !words.empty()) log_warning(words);
+  if (const std::string words = channels::uncounted(system, {}, settings.record); !words.empty()) log_warning(words);
   State start = system.start();
   assemble_start(settings, by, start, report);
   return start;
