@@ -1,6 +1,6 @@
 // Defects that are known and not mended yet, as tests.
 //
-// Catch's tag [!shouldfail] would serve, but under it a test passes on any failure: a scene that is no longer read, a run
+// Catch has a tag for cases that fail, but under it a test passes on any failure: a scene that is no longer read, a run
 // that ends at its start or a column of another name would hide as well behind it as the defect does. So such a test is
 // an ordinary one, with three outcomes that it measures: the defect as it was seen (the test passes), mended, or neither
 // (it fails). What holds around the defect today stands before it as plain checks.
