@@ -149,6 +149,28 @@ Mechanism made(const std::string& members) {
   return build_mechanism(scene_from_text("{\"lockstep\": 1, " + members + "}", "slips.json"), builtin_registry());
 }
 
+/// Remembers the end of the last step, and counts the evaluations that see it or another one.
+class Memorial final : public Force, public Remembering {
+ public:
+  Memorial(const Marker& at, const Marker& home) : Force("memorial"), at_(at), home_(home) {}
+  std::string_view type() const override { return "memorial"; }
+  std::vector<const Marker*> markers() const override { return {&at_, &home_}; }
+  void setup() override {}
+  void apply(const Inputs& in, WrenchSum&) const override {
+    ++(in.z[static_cast<std::size_t>(first_memory())] == last_ ? right : wrong);
+  }
+  const Remembering* remembering() const override { return this; }
+  int n_memory() const override { return 1; }
+  void start_memory(std::span<double> z) const override { z[0] = 0; }
+  void accept_step(const Inputs& in, std::span<double> z) const override { last_ = z[0] = in.t; }
+
+  mutable int right = 0, wrong = 0;
+
+ private:
+  const Marker &at_, &home_;
+  mutable double last_ = 0;
+};
+
 }  // namespace
 
 TEST_CASE("units have powers up to the sixth", "[mutants][units]") {
@@ -226,6 +248,23 @@ TEST_CASE("the one state of a driven speed goes on from step to step", "[mutants
     CHECK(run.loop().report().steps >= 20);
     const Quat q = body_pose(wheel, run.state()).q;  // turned by 2 + 2^2/2 rad
     CHECK(std::abs(std::abs(q.w * std::cos(2.0) + q.z * std::sin(2.0)) - 1) < 1e-9);
+  }
+}
+
+TEST_CASE("the one number that a force remembers goes on from step to step", "[mutants][integrators]") {
+  for (const char* method : {"rk4", "radau5", "dopri5", "dop853"}) {
+    CAPTURE(method);
+    System system;
+    Body& mass = system.add_body("mass", shapes::sphere(1.0, 0.1));
+    const Memorial& force = static_cast<Memorial&>(system.add(
+        std::make_unique<Memorial>(system.add_marker("at", mass), system.add_marker("home", system.ground()))));
+    system.add<Prismatic>("rail", mass, system.ground(), pose_at({0, 0, 0}));
+    Simulation run(system, {.integrator = method, .step = 0.1});
+    run.run_until(2);
+    CHECK(run.state().z.size() == 1);
+    CHECK(run.state().z[0] == Approx(2).epsilon(1e-12));
+    CHECK(force.right > 0);
+    CHECK(force.wrong == 0);
   }
 }
 

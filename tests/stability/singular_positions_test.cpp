@@ -308,6 +308,23 @@ TEST_CASE("flat positions that plain stages pass are found, with their times and
   CHECK(passed.size() == 1);
 }
 
+// The second crank drives a third one of another length, whose bay stays regular.
+TEST_CASE("the links of a flat bay are named, and not those of its neighbour", "[stability][analysis]") {
+  std::string text = upright_cranks();
+  const auto append = [&](const std::string& before, const std::string& more) {
+    text.insert(text.find(before), ", " + more);
+  };
+  append(R"(], "links")", rod("crank_2", 2.4, 0, 2.3, 0.6) + ", " + rod("coupler_2", 1.1, 0.3, 2.3, 0.6));
+  append(R"(], "run")", hinge("C1", "coupler_2", "crank_1", 1.1, 0.3) + ", " +
+                            hinge("C2", "coupler_2", "crank_2", 2.3, 0.6) + ", " +
+                            hinge("A2", "crank_2", "ground", 2.4, 0));
+  const std::vector<PassedPosition> passed = watch(text, "rk4", 1e-3, 1.2, 2.0);
+  REQUIRE(passed.size() == 1);
+  std::vector<std::string> links = passed[0].links;
+  std::ranges::sort(links);
+  CHECK(links == std::vector<std::string>{"A0", "A1", "B0", "B1"});
+}
+
 // The trusted history says between which of its rows the first upright passes the line through its bearings.
 TEST_CASE("the ten flat positions of two bays are found", "[stability][analysis]") {
   const Table truth = trusted("nfourbar_2");

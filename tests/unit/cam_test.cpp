@@ -114,6 +114,26 @@ TEST_CASE("A flat face's row is its distance from the foremost point of the prof
   CHECK(worst <= 1e-13);
 }
 
+// A circle of radius R whose centre is e off the axis reaches R + e cos(alpha) far.
+TEST_CASE("A flat face on an eccentric circle has a closed form, however far off its centre is", "[unit][links]") {
+  constexpr double R = 0.3;
+  for (const double e : {0.1, 0.2, 0.28}) {
+    const auto radius = laws::law([e](auto u) {
+      const auto s = e * sin(u);
+      return e * cos(u) + sqrt(R * R - s * s);
+    });
+    for (int i = 0; i < 40; ++i) {
+      const double alpha = -7 + 0.37 * i;
+      LinkBench bench(face(alpha, 0.7, 0.1));
+      add<CamFlat>(bench, radius);
+      bench.begin();
+      bench.put(face(alpha, 0.7, 0.1));
+      CAPTURE(e, alpha);
+      CHECK(std::abs(bench.C() - (0.7 - R - e * std::cos(alpha))) <= 1e-14);
+    }
+  }
+}
+
 TEST_CASE("Cams pass the check of links, with splines for profiles as well", "[unit][links]") {
   Spline::Points points;
   for (int i = 0; i <= 12; ++i) points.emplace_back(kTwoPi * i / 12, 0.3 + 0.03 * std::cos(kTwoPi * (i % 12) / 12));

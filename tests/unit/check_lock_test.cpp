@@ -22,6 +22,7 @@ enum class Fault {
   rate_sign,
   half_square,
   half_turning,
+  mixed,
   world_axes,
   body_axes,
   column_missing,
@@ -97,7 +98,8 @@ class Rod : public Lock, public Driven, public TangentFormula {
     if (fault_ == Fault::velocity) b.Ct(0) += d.dot(O1.v);
     const double square = (fault_ == Fault::half_square ? 0.5 : 1) * dd.dot(dd);
     const double turning = (fault_ == Fault::half_turning ? 0.5 : 1) * d.dot(ddd);
-    b.Qhat(0) = -square - turning + f.yd * f.yd + f.y * f.ydd;
+    const double mixed = fault_ == Fault::mixed ? 2 * f.yd * d.dot(O1.v) : 0;  // of a law that turns, which it has not
+    b.Qhat(0) = mixed - square - turning + f.yd * f.yd + f.y * f.ydd;
     Vec3 v1 = d, w1 = cross(u1, Vec3(O1.A.transpose() * d));
     if (fault_ == Fault::world_axes) w1 = O1.A * w1;
     if (fault_ == Fault::body_axes) v1 = O1.A.transpose() * v1;
@@ -169,6 +171,15 @@ TEST_CASE("check_lock names wrong derivatives", "[unit][check]") {
   r = rod(Fault::half_turning);
   CAPTURE(r.text());
   CHECK(says(r, "its part that is quadratic in the angular velocity of body 'arm'"));
+
+  r = rod(Fault::mixed);
+  CAPTURE(r.text());
+  const std::string product = "its part that is the product of the velocity of body 'arm' and the rate of a law is ";
+  REQUIRE(says(r, product));
+  const std::string said = r.text().substr(r.text().find(product) + product.size());
+  const std::string should_be = "and should be ";
+  CHECK(std::abs(std::stod(said)) > 1e-3);
+  CHECK(std::abs(std::stod(said.substr(said.find(should_be) + should_be.size()))) < 1e-6);
 
   r = rod(Fault::world_axes);
   CAPTURE(r.text());

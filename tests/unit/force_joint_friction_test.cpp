@@ -1,8 +1,8 @@
 #include <lockstep/forces.h>
 
 #include <lockstep/dynamics.h>
-#include <lockstep/solvers.h>
 #include <lockstep/joints.h>
+#include <lockstep/solvers.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 
@@ -28,6 +28,16 @@ struct Pair {
     link = &system.add<Link>("link", *a, *b, pose_at(Vec3(0.2, 0.1, -0.3), Vec3(1, 2, 2)));
     friction = &static_cast<JointFriction&>(system.add(std::make_unique<JointFriction>("rub", *link, options)));
     system.setup();
+  }
+  /// A quantity of the friction at given multipliers.
+  double quantity(const std::string& name, const VecX& lambda) {
+    Dynamics dynamics(system, std::make_unique<SchurSolver>());
+    const Evaluation& gathered = dynamics.gather(system.start());
+    const Reactions reactions(gathered.rows(), {lambda.data(), static_cast<std::size_t>(lambda.size())});
+    const std::vector<Quantity> all = friction->quantities();
+    for (std::size_t k = 0; k < all.size(); ++k)
+      if (all[k].name == name) return friction->reacting_quantity(static_cast<int>(k), gathered.inputs(), reactions);
+    return std::nan("");
   }
 };
 
@@ -105,18 +115,9 @@ TEST_CASE("joint friction: action, reaction, power and tangent in every joint th
 TEST_CASE("joint friction: loads are the reactions in S axes", "[unit][force]") {
   JointFriction::Options o = rough();
   Pair<Revolute> pair(o);
-  Dynamics dynamics(pair.system, std::make_unique<SchurSolver>());
-  const Evaluation& gathered = dynamics.gather(pair.system.start());
   VecX lambda(5);
   lambda << 3, -4, 12, 0.7, 0.2;
-  const Reactions reactions(gathered.rows(), {lambda.data(), 5});
-  const auto quantity = [&](const std::string& name) {
-    const std::vector<Quantity> all = pair.friction->quantities();
-    for (std::size_t k = 0; k < all.size(); ++k)
-      if (all[k].name == name)
-        return pair.friction->reacting_quantity(static_cast<int>(k), gathered.inputs(), reactions);
-    return std::nan("");
-  };
+  const auto quantity = [&](const std::string& name) { return pair.quantity(name, lambda); };
   CHECK(quantity("radial_force") == Approx(5).epsilon(1e-12));
   CHECK(quantity("axial_force") == Approx(12).epsilon(1e-12));
   const double w = quantity("turning_rate"), s = o.radius * std::abs(w);
@@ -124,6 +125,23 @@ TEST_CASE("joint friction: loads are the reactions in S axes", "[unit][force]") 
       (o.mu + (o.mu_static - o.mu) * std::exp(-std::pow(s / o.stribeck_speed, 2))) * std::tanh(s / o.smoothing_speed);
   const double T = mu * (o.radius * 5 + o.axial_radius * 12) + o.viscous_turn * std::abs(w);
   CHECK(quantity("friction_torque") == Approx(w > 0 ? -T : T).epsilon(1e-12));
+}
+
+// mu tanh(s/v_0) at any v_0, s = r w: the series near rest is for s far below v_0.
+TEST_CASE("joint friction: near rest it is smooth at any smoothing speed", "[unit][force]") {
+  for (const double v0 : {1e-9, 1e-3, 1.0})
+    for (const double of_v0 : {1e-7, 1e-3, 0.5, 2.0}) {
+      JointFriction::Options o;
+      o.mu = 0.3, o.smoothing_speed = v0, o.load_smoothing = 0, o.radius = 1;
+      const double w = std::abs(Pair<Revolute>(o).quantity("turning_rate", VecX::Zero(5)));
+      o.radius = of_v0 * v0 / w;
+      Pair<Revolute> pair(o);
+      VecX lambda(5);
+      lambda << 3, -4, 12, 0.7, 0.2;
+      CAPTURE(v0, of_v0);
+      CHECK(std::abs(pair.quantity("friction_torque", lambda)) ==
+            Approx(o.radius * 0.3 * 5 * std::tanh(of_v0)).epsilon(1e-12));
+    }
 }
 
 }  // namespace force_joint_friction_test

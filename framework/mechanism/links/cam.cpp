@@ -96,11 +96,7 @@ void RollerOnCam::accept_step(std::span<double> z, const LockCoords<Time>& y) co
 
 void FaceOnCam::reset(std::span<double> z, const LockCoords<Time>& y) const {
   const double alpha = angle_of_normal(y).v;
-  const CamProfile::Vec2 n(std::cos(alpha), std::sin(alpha));
-  double best = -std::numeric_limits<double>::infinity();  // start from the point of the profile furthest along n
-  for (int i = -180; i < 180; ++i)
-    if (const double h = profile.at(alpha + kTwoPi * i / 360).c.dot(n); h > best) best = h, z[0] = kTwoPi * i / 360;
-  z[0] = profile.facing(alpha, alpha + z[0]) - alpha;
+  z[0] = profile.facing(alpha, alpha) - alpha;  // a convex profile has one such point
 }
 
 void FaceOnCam::accept_step(std::span<double> z, const LockCoords<Time>& y) const {
