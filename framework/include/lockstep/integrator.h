@@ -39,9 +39,9 @@ LOCKSTEP_API void check_tolerance(const Tolerance&);
 
 /// Steps of a run whose errors stayed above the tolerance because nothing better could be reached.
 struct UnmetTolerance {
-  long steps = 0;      ///< how many
-  double first = 0,    ///< end of the first of them, s
-      largest = 0;     ///< the largest of their errors, in tolerances
+  long steps = 0;    ///< how many
+  double first = 0,  ///< end of the first of them, s
+      largest = 0;   ///< the largest of their errors, in tolerances
   /// Counts a step that ended at t if its error is such a one.
   LOCKSTEP_API void count(double error, double t);
 };

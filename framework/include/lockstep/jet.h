@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <compare>
 #include <concepts>
 #include <cstddef>
 #include <iosfwd>
@@ -218,34 +219,14 @@ concept Pair = is_pair<A, B>;
 
 /// Compares the values only, as all comparisons of jets do: with jets and with numbers.
 template <class A, class B>
-  requires jet_detail::Pair<A, B>
-inline bool operator<(const A& a, const B& b) {
-  return jet_detail::value_of(a) < jet_detail::value_of(b);
+requires jet_detail::Pair<A, B>
+inline std::partial_ordering operator<=>(const A& a, const B& b) {
+  return jet_detail::value_of(a) <=> jet_detail::value_of(b);
 }
 /// Compares the values.
 template <class A, class B>
-  requires jet_detail::Pair<A, B>
-inline bool operator>(const A& a, const B& b) {
-  return jet_detail::value_of(a) > jet_detail::value_of(b);
-}
-/// Compares the values.
-template <class A, class B>
-  requires jet_detail::Pair<A, B>
-inline bool operator<=(const A& a, const B& b) {
-  return jet_detail::value_of(a) <= jet_detail::value_of(b);
-}
-/// Compares the values.
-template <class A, class B>
-  requires jet_detail::Pair<A, B>
-inline bool operator>=(const A& a, const B& b) {
-  return jet_detail::value_of(a) >= jet_detail::value_of(b);
-}
-/// Compares the values.
-template <class A, class B>
-  requires jet_detail::Pair<A, B>
-inline bool operator==(const A& a, const B& b) {
-  return jet_detail::value_of(a) == jet_detail::value_of(b);
-}
+requires jet_detail::Pair<A, B>
+inline bool operator==(const A& a, const B& b) { return jet_detail::value_of(a) == jet_detail::value_of(b); }
 
 /// Square root; its derivatives are infinite at a = 0.
 template <int N, class T, class D>
