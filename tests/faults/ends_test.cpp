@@ -169,4 +169,13 @@ TEST_CASE("what a signal interrupts on its way to standard output is written aga
                 code == "8\n" && text.size() < whole.size(), code == "0\n" && text == whole);
 }
 
+TEST_CASE("signals while plugins are asked change nothing", "[faults]") {
+  const std::string words = "plugins list --why";
+  const Called quiet = with_failing("", words), disturbed = with_failing("alarm:1", words);
+  CHECK(quiet.exit == 0);
+  CHECK(contains(quiet.text, "bump"));
+  CHECK(disturbed.exit == quiet.exit);
+  CHECK(disturbed.text == quiet.text);
+}
+
 }  // namespace ends_test

@@ -74,8 +74,8 @@ TEST_CASE("a host runs a scene to the same rows as the program", "[simulation][s
     const char* scene;
     Set set;
   };
-  for (const Case& c : {Case{"four_bar", {{"crank", "0.12 m"}}}, Case{"bouncing_pendulum", {}}, Case{"slider_crank", {}},
-                        Case{"free_body", {}}, Case{"gear_train", {}}}) {
+  for (const Case& c : {Case{"four_bar", {{"crank", "0.12 m"}}}, Case{"bouncing_pendulum", {}},
+                        Case{"slider_crank", {}}, Case{"free_body", {}}, Case{"gear_train", {}}}) {
     CAPTURE(c.scene);
     std::string file = paths::kScenes;
     file.append("/").append(c.scene).append(".json");
@@ -209,6 +209,23 @@ TEST_CASE("a solver that a host names is used", "[simulation][scene]") {
   run.run_until(0.01);
   CHECK(run.dynamics().options().formulation == Formulation::omega);
   CHECK(run.dynamics().solver().name() == std::string("dense"));
+}
+
+TEST_CASE("a method that a host registers may have a law as a key", "[simulation][scene]") {
+  Registry registry = builtin();
+  double seen = 0;
+  registry.integrators.add({"lawful", "order 4", {{"pace", Form::law, Unit::any, kRequired, "a law"}}},
+                           [&](const Params& p) {
+                             seen = p.law("pace")->at(2).y;
+                             RunSettings rk4;
+                             rk4.integrator = {"rk4"};
+                             return make_integrator(rk4, builtin());
+                           });
+  Simulation run(read_mechanism(scene_file("lawful", R"("run": {"until": 0.1, "step": 0.1,
+        "integrator": {"type": "lawful", "pace": {"type": "polynomial", "coefficients": [1, 3]}}})"),
+                                registry));
+  run.run();
+  CHECK(seen == 7);
 }
 
 TEST_CASE("what is wrong with a host's scene is said with its place", "[simulation][scene]") {
