@@ -2,6 +2,7 @@
 // full standard output. Old results stay, what was computed stays beside them, and the exit code is a documented one.
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -32,6 +33,7 @@ std::string ended_by(const std::string& signal, const std::string& words, const 
 }  // namespace
 
 TEST_CASE("a run or sweep that a signal ends at any instant leaves whole rows and the old results", "[faults]") {
+  std::signal(SIGHUP, SIG_DFL);  // under nohup it is ignored, by the programs too
   const std::string scene = endless_scene("killed");
   const std::string old = kFolder + "/killed.csv", partial = old + ".partial";
   const std::string sweep = "sweep --jobs 2 --vary gravity.2=-9.81:-1:10000 --until 10";
@@ -96,6 +98,7 @@ TEST_CASE("pictures and reports of a run that is interrupted replace no older on
 
 // As when its window is closed: neither of its streams can be written any more.
 TEST_CASE("a run or sweep whose terminal is closed ends by 130 and leaves its rows", "[faults]") {
+  std::signal(SIGHUP, SIG_DFL);  // under nohup it is ignored, by the programs too
   const std::string scene = endless_scene("closed"), old = kFolder + "/closed.csv", partial = old + ".partial";
   for (const std::string verb : {"run", "run --json", "sweep --jobs 1 --vary gravity.2=-9.81:-1:10000 --until 100"}) {
     std::ofstream(old) << kOld;
