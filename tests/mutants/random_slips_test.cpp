@@ -13,16 +13,19 @@
 #include <lockstep/linearization.h>
 #include <lockstep/math.h>
 #include <lockstep/memory.h>
+#include <lockstep/modes.h>
 #include <lockstep/recorder.h>
 #include <lockstep/registry.h>
 #include <lockstep/relative.h>
 #include <lockstep/scene.h>
 #include <lockstep/simulation.h>
+#include <lockstep/solvers.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/json.h"
 #include "framework/foundation/support/thrown.h"
 #include "framework/mechanism/expression/dimensions.h"
 #include "framework/mechanism/params/units.h"
+#include "framework/tools/analysis/motion_words.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 #include "tests/support/paths.h"
@@ -289,6 +292,44 @@ TEST_CASE("a method's key may be an empty text", "[mutants][methods]") {
 }
 
 // -- tools
+
+namespace {
+
+// n bodies without links and forces.
+void add_free(System& system, int n) {
+  for (int k = 0; k < n; ++k)
+    system.add_body("body_" + std::to_string(k), shapes::sphere(1.0, 0.1), {Vec3(k, 0, 0), {}});
+}
+
+}  // namespace
+
+TEST_CASE("where nothing acts the lowest modes are zero", "[mutants][modes]") {
+  System system;
+  add_free(system, 3);
+  Dynamics dynamics(system, std::make_unique<SchurSolver>());
+  const Modes modes = find_modes(dynamics, system.start(), {.count = 4, .dense_limit = 0});
+  CHECK(modes.modes.size() >= 4);
+  for (const Mode& mode : modes.modes) CHECK(mode.kind == Mode::Kind::rigid);
+}
+
+TEST_CASE("a motion names the four bodies that move most", "[mutants][words]") {
+  for (const int n : {4, 5, 7}) {
+    System system;
+    add_free(system, n);
+    Dynamics dynamics(system, std::make_unique<SchurSolver>());
+    const State state = system.start();
+    const Inputs& in = dynamics.gather(state).inputs();
+    VecX motion = VecX::Zero(6 * n);
+    for (int k = 0; k < n; ++k) motion[6 * k] = n - k;
+    const std::string words = motion_words(system, in, motion);
+    CAPTURE(words);
+    CHECK(says(words, {"'body_0'", "'body_3'"}));
+    CHECK(!says(words, {"'body_4'"}));
+    CHECK(says(words, {"more bod"}) == (n > 4));
+    if (n == 5) CHECK(says(words, {" and 1 more body with them"}));
+    if (n == 7) CHECK(says(words, {" and 3 more bodies with them"}));
+  }
+}
 
 TEST_CASE("linear equations have a note on each one-sided link, and on no other", "[mutants][linearize]") {
   const auto notes_of = [](const std::string& scene) {

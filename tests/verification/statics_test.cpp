@@ -205,9 +205,10 @@ TEST_CASE("statics: a four-bar on springs has its two equilibria on each of its 
   FourBar four_bar(0.5);
   Dynamics dynamics(four_bar.sys, std::make_unique<SchurSolver>());
   const EquilibriaReport found = find_equilibria(dynamics, four_bar.sys.start(), {.starts = 60});
-  int stable = 0, unstable = 0;
+  int stable = 0, unstable = 0, starts = found.failed;
   for (const Equilibrium& e : found.all) {
     CHECK(e.report.unbalanced <= 1e-10);
+    starts += e.found;
     for (const std::string name : {"four_bar_stable", "four_bar_unstable"}) {
       if (std::abs(angle_of(*four_bar.crank, e.state) - exact(name, "crank angle")) > 1e-6 ||
           std::abs(angle_of(*four_bar.rocker, e.state) - exact(name, "rocker angle")) > 1e-6)
@@ -219,6 +220,8 @@ TEST_CASE("statics: a four-bar on springs has its two equilibria on each of its 
   }
   CHECK(stable == 1);
   CHECK(unstable == 1);
+  CHECK(found.starts == 61);
+  CHECK(starts == found.starts);
 }
 
 TEST_CASE("statics: a standing pendulum is left for the hanging one, unless the nearest is asked for",
