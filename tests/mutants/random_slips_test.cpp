@@ -345,4 +345,13 @@ TEST_CASE("linear equations have a note on each one-sided link, and on no other"
   CHECK(!says(notes_of("pendulum"), {"one-sided"}));
 }
 
+TEST_CASE("linear equations have a note on friction, and on no other force", "[mutants][linearize]") {
+  Simulation run(made(R"~("gravity": [0, -9.81, 0], "bodies": [{"name": "b", "mass": 1, "inertia": [1, 1, 1]}],
+    "links": [{"name": "rail", "type": "prismatic", "p": "b", "s": "ground", "at": [0, 0, 0], "axis": "x",
+               "friction": {"mu": 0.3}}],
+    "forces": [{"name": "push", "type": "applied_force", "p": "b", "at": [0, 0, 0], "force": [0, 1, 0]}])~"));
+  const std::vector<std::string> notes = linear_motion(run.dynamics(), run.state()).notes;
+  CHECK(notes == std::vector<std::string>{"force 'rail.friction': friction at rest, with the reactions of this state"});
+}
+
 }  // namespace random_slips_test

@@ -10,6 +10,10 @@
 #include <type_traits>
 
 #include <lockstep/error.h>
+#include <lockstep/forces.h>
+#include <lockstep/joints.h>
+#include <lockstep/registry.h>
+#include <lockstep/scene.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 #include "tests/support/paths.h"
@@ -218,7 +222,7 @@ TEST_CASE("a method that a host registers may have a law as a key", "[simulation
                            [&](const Params& p) {
                              seen = p.law("pace")->at(2).y;
                              RunSettings rk4;
-                             rk4.integrator = {"rk4"};
+                             rk4.integrator = {"rk4"}, rk4.step = 0.1;
                              return make_integrator(rk4, builtin());
                            });
   Simulation run(read_mechanism(scene_file("lawful", R"("run": {"until": 0.1, "step": 0.1,
