@@ -54,6 +54,14 @@ TEST_CASE("options of the command line stand over the scene", "[runner]") {
   CHECK(fs::exists(kFolder + "/four_bar.csv"));
 }
 
+TEST_CASE("check lists what a scene does without", "[runner]") {
+  const auto checked = [](const std::string& scene) {
+    return call("check '" + std::string(paths::kScenes) + "/" + scene + ".json'").text;
+  };
+  CHECK(contains(checked("pendulum"), "motion of markers: they stand still on their bodies (hinge)"));
+  CHECK_FALSE(contains(checked("moving_marker_free"), "motion of markers"));  // S of its link moves, P does not
+}
+
 TEST_CASE("check names what keeps a scene in space that moves in a plane", "[runner]") {
   nlohmann::json scene = nlohmann::json::parse(std::ifstream(kFourBar));
   scene["markers"] = nlohmann::json::parse(

@@ -251,11 +251,15 @@ TEST_CASE("every scene of the samples gives a report", "[report]") {
     std::size_t n_solids = 0;
     for (const Json& body : mechanism["bodies"]) {
       n_solids += body["solids"].size();
-      std::vector<Json> sizes, drawn;
+      std::vector<Json> sizes, places, drawn, at;
+      const auto pose = [](const Pose& p) { return Json::array({p.x[0], p.x[1], p.x[2], p.q.w, p.q.x, p.q.y, p.q.z}); };
       for (const Solid& s : m.solids)
-        if (s.body == body["name"]) sizes.push_back(Json::array({s.size[0], s.size[1], s.size[2]}));
-      for (const Json& solid : body["solids"]) drawn.push_back(solid["size"]);
+        if (s.body == body["name"])
+          sizes.push_back(Json::array({s.size[0], s.size[1], s.size[2]})), places.push_back(pose(s.at));
+      for (const Json& solid : body["solids"]) drawn.push_back(solid["size"]), at.push_back(solid["at"]);
       CHECK(drawn == sizes);
+      CHECK(at == places);
+      CHECK(body["home"] == pose(m.system.body(body["name"].get<std::string>()).home));
     }
     CHECK(n_solids == m.solids.size());
     for (const Json& link : mechanism["links"])  // circles and cams: points in the plane of the marker

@@ -1,6 +1,6 @@
 // Robots in URDF become scenes: the same motion as the robot written by hand, and every mistake by name.
-#include "framework/description/scene/system_of.h"
 #include "framework/tools/import/urdf.h"
+#include "framework/description/scene/system_of.h"
 
 #include <unistd.h>
 
@@ -159,7 +159,8 @@ TEST_CASE("what is wrong with a robot in URDF is named", "[unit][scene]") {
   std::string deep = "<robot>";
   for (int k = 0; k < 300000; ++k) deep += "<a>";
   check_words(said(deep), {"nested"});
-  check_words(said("<robot name='r\xff'/>"), {"UTF-8"});
+  for (const char* name : {"r\xff", "r\xc3(", "r\xe2\x82(", "r\xf0\x9f\x98("})
+    check_words(said("<robot name='" + std::string(name) + "'/>"), {"UTF-8"});
   CHECK_NOTHROW(
       read_urdf(replaced(kArms, "<child link=\"tip\"/>", "<child link=\"tip\"/><axis xyz=\"0 0 0\"/>"), "a", false));
 }
