@@ -42,6 +42,11 @@ Json atlas_of(const std::string& scene, const std::string& words) {
   return Json::parse(called.text);
 }
 
+std::string picture(const std::string& file) {
+  std::ifstream in(kRunnerFolder + "/" + file);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
 }  // namespace
 
 TEST_CASE("atlas: a method works below the limit of its theory and fails above it", "[runner][atlas]") {
@@ -70,6 +75,8 @@ TEST_CASE("atlas: a method works below the limit of its theory and fails above i
   CHECK(lines_of("atlas_spring_atlas.csv") == 1 + 3 * 24);
   for (const char* file : {"atlas_spring_atlas.png", "atlas_spring_atlas.svg"})
     CHECK(std::filesystem::exists(kRunnerFolder + "/" + file));
+  CHECK(contains(picture("atlas_spring_atlas.svg"), "largest stable step by linear theory"));
+  CHECK_FALSE(contains(picture("atlas_spring_atlas.svg"), "singular positions were passed"));
 }
 
 TEST_CASE("atlas: Baumgarte's gain has the limit of (2.16)", "[runner][atlas]") {
@@ -131,6 +138,8 @@ TEST_CASE("atlas: singular positions that were passed with plain stages are told
                             "--out atlas_flat");
   INFO(words.text);
   CHECK(contains(words.text, "4 works; 4 passed singular positions with plain stages"));
+  CHECK(contains(picture("atlas_flat/flat_cranks_atlas.svg"), "singular positions were passed with plain stages"));
+  CHECK_FALSE(contains(picture("atlas_flat/flat_cranks_atlas.svg"), "largest stable step"));
 }
 
 TEST_CASE("atlas: where Newton's method of implicit methods ends", "[runner][atlas]") {
