@@ -95,19 +95,17 @@ Unrest unrest_of(const System& system, const MechanismMatrices& at, const std::v
                  const Turning& axes) {
   Unrest out;
   double worst = -1, worst_speed = -1;
-  const double most = most_load(at);
-  VecX stiffness = VecX::Zero(static_cast<Eigen::Index>(slots.size()));
+  double most = most_load(at);  // m/s^2, or that of a spring drawn by `length`: what round-off is of
   for (std::size_t i = 0; i < at.unknowns.size(); ++i) {
     const auto c = static_cast<Eigen::Index>(i);
     const bool turn = at.unknowns[i].velocity >= 3;
     if (const double m = at.M.coeff(c, c); m > 0 && !turn)
-      stiffness[at.unknowns[i].slot] = std::max(stiffness[at.unknowns[i].slot], std::abs(at.K.coeff(c, c)) / m);
+      most = std::max(most, at.length * std::abs(at.K.coeff(c, c)) / m);
   }
   for (std::size_t k = 0; k < slots.size(); ++k) {
-    const auto at_k = static_cast<Eigen::Index>(k);
     const SlotMotion& m = slots[k];
     const Vec3 W = m.A.transpose() * axes.spin;
-    const double round_off = kRoundOff * std::max({most, stiffness[at_k] * at.length, m.w.squaredNorm() * at.length});
+    const double round_off = kRoundOff * std::max(most, m.w.squaredNorm() * at.length);
     const Share share = worst_of(system, at, static_cast<int>(k), Vec3(m.a - cross(axes.spin, m.v)),
                                  Vec3(m.al - cross(W, m.w)), round_off);
     const double v = (m.v - axes.u0 - cross(axes.spin, m.x)).norm();
