@@ -252,15 +252,6 @@ struct TurnsCounted {
     return y.z - 0.02 * y.angle_z();
   }
 };
-/// Rises by 40 mm within some degrees twice a turn, but without a jump.
-struct Steep {
-  static constexpr bool kCountsTurns = false;
-  template <class T>
-  T operator()(const LockCoords<T>& y) const {
-    using std::exp;
-    return y.z - 0.04 / (1 + exp(-60 * sin(y.angle_z())));
-  }
-};
 struct OddInE {
   template <class T>
   T operator()(const LockCoords<T>& y) const {
@@ -283,10 +274,8 @@ CheckReport joint() {
 }  // namespace
 
 TEST_CASE("check_lock follows a joint over full turns", "[unit][check]") {
-  const CheckReport counted = joint<TurnsCounted>(), forgotten = joint<TurnsForgotten>(), odd = joint<OddInE>(),
-                    steep = joint<Steep>();
-  CAPTURE(counted.text(), forgotten.text(), odd.text(), steep.text());
-  CHECK(steep.ok());
+  const CheckReport counted = joint<TurnsCounted>(), forgotten = joint<TurnsForgotten>(), odd = joint<OddInE>();
+  CAPTURE(counted.text(), forgotten.text(), odd.text());
   CHECK(counted.ok());
   CHECK(says(forgotten, "row phi jumps by 0.126 where 'thread.P' has turned by 1"));
   CHECK(says(forgotten, "kCountsTurns = true"));

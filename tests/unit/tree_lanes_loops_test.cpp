@@ -136,7 +136,7 @@ TEST_CASE("loops by plain x86-64, FMA and AVX-512 agree", "[unit][copies]") {
 
 namespace {
 
-// A bar whose end slides on a line and turns any way, and whose other end a crank leads.
+// A bar of which one point slides on a line of the ground and another one on a line of a crank; both turn any way.
 std::unique_ptr<System> bead(int k) {
   auto s = std::make_unique<System>(System::Options{Vec3(0.1 * k, -9.81, 0)});
   const MassProperties mass{1.0 + 0.1 * k, Vec3::Zero(), Vec3(0.08, 0.07, 0.06).asDiagonal()};
@@ -144,7 +144,7 @@ std::unique_ptr<System> bead(int k) {
        &crank = s->add_body("crank", mass, {Vec3(1, 0.2, 0), {}});
   s->add<PointOnLine>("bead", bar, s->ground(), pose_at(Vec3::Zero(), Vec3::UnitX()));
   s->add<Revolute>("pivot", crank, s->ground(), pose_at(Vec3(1, 0.5, 0)));
-  s->add<Spherical>("end", bar, crank, pose_at(Vec3(1, 0, 0)));
+  s->add<PointOnLine>("end", bar, crank, pose_at(Vec3(1, 0, 0), Vec3(1, 1, 0)));
   return s;
 }
 
