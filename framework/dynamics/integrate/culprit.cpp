@@ -16,8 +16,8 @@ namespace lockstep {
 
 namespace {
 
-constexpr double kContradict = 1e-6;  // residual of a row that cannot hold together with others
-constexpr double kNotable = 1e-2;     // relative change
+constexpr double kContradict = 1e-6;     // residual of a row that cannot hold together with others
+constexpr double kNotableChange = 1e-2;  // relative change
 
 // What links and forces say at one state.
 struct Said {
@@ -74,7 +74,7 @@ std::string place_of(const Force& force, const System& system, const Inputs& in)
 std::string in_words(Dynamics& dynamics, const State& state, const Said& from, const Said& to, double after,
                      bool tell_rows) {
   const System& system = dynamics.system();
-  double largest = kNotable, all_forces = 0, all_asked = 0;
+  double largest = kNotableChange, all_forces = 0, all_asked = 0;
   std::string words;
   for (const VecX& f : from.forces) all_forces = std::max(all_forces, f.norm());
   if (from.asked.size() > 0) all_asked = std::max(from.asked.cwiseAbs().maxCoeff(), to.asked.cwiseAbs().maxCoeff());

@@ -6,11 +6,11 @@
 namespace lockstep {
 namespace {
 
-constexpr std::size_t kMost = 20;  // lines
+constexpr std::size_t kMostLines = 20;  // lines
 
 }  // namespace
 
-bool Refusals::full() const { return lines_.size() >= kMost; }
+bool Refusals::full() const { return lines_.size() >= kMostLines; }
 
 void Refusals::add(const SceneError& error) {
   if (empty()) first_ = error;

@@ -9,6 +9,7 @@
 #include <random>
 
 #include <lockstep/error.h>
+#include <lockstep/newton.h>
 #include "framework/tools/analysis/saddle_factor.h"
 #include "framework/tools/analysis/unknowns.h"
 
@@ -17,7 +18,6 @@ namespace {
 
 using Complex = std::complex<double>;
 using MatXc = Eigen::MatrixXcd;
-using VecXc = Eigen::VectorXcd;
 
 constexpr double kSmallShare = 1e-11;  // of K with all its terms by their size: as for dense matrices
 constexpr double kSettled = 1e-12;     // residual of an eigenvector, relative
