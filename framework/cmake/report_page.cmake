@@ -9,7 +9,7 @@ set(report_pieces "")
 set(report_at 0)
 while(report_at LESS report_length)
   string(SUBSTRING "${report_text}" ${report_at} 16000 report_piece)
-  string(APPEND report_pieces "    R\"lockstep(${report_piece})lockstep\",\n")
+  string(APPEND report_pieces "    R\"lockstep(${report_piece})lockstep\"sv,\n")
   math(EXPR report_at "${report_at} + 16000")
 endwhile()
 set(report_page_code "// Written by the configuration from framework/tools/report/web/dist/report.html.
@@ -18,6 +18,7 @@ set(report_page_code "// Written by the configuration from framework/tools/repor
 namespace lockstep::report {
 
 std::span<const std::string_view> page_pieces() {
+  using namespace std::string_view_literals;
   static constexpr std::string_view pieces[] = {
 ${report_pieces}  };
   return pieces;

@@ -261,7 +261,7 @@ void StepLoop::make_step(double limit, double largest) {
   auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause,
          detailed] = *parts_;
   const auto who = [&] {
-    const double tolerance = clock.adaptive() ? options_.tolerance.relative : HUGE_VAL;
+    const double tolerance = parts_->clock.adaptive() ? options_.tolerance.relative : HUGE_VAL;
     return parts_->who_slows(dynamics_, state_, report_.steps, tolerance);
   };
   const auto with_culprit = [&](auto&& ask) {
