@@ -91,7 +91,7 @@ TEST_CASE("tables in UTF-16 are refused by name, of both orders of bytes", "[mut
 }
 
 TEST_CASE("half a turn is positive about the vector part of its quaternion", "[mutants][math]") {
-  CHECK((rotation_vector(Quat(0, 1, 0, 0)) - Vec3(std::numbers::pi, 0, 0)).norm() < 1e-15);
+  CHECK((rotation_vector(Quat{0, 1, 0, 0}) - Vec3(std::numbers::pi, 0, 0)).norm() < 1e-15);
 }
 
 TEST_CASE("functions within the library's own are its own, also of const objects", "[mutants][errors]") {
