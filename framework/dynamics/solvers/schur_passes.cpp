@@ -29,6 +29,8 @@ template <class X>
       });
 }
 
+// No header declares these: of a function that was declared without the attribute clang 14 takes the first variant for
+// every machine.
 LOCKSTEP_CLONES void fill_spatial(const Plan& plan, const Numbers& z) { fill_links<K, Spatial>(plan, z); }
 LOCKSTEP_CLONES void fill_planar(const Plan& plan, const Numbers& z) { fill_links<K, Planar>(plan, z); }
 LOCKSTEP_CLONES void fill_blocks_spatial(const Plan& plan, const Numbers& z) { fill_blocks<K, Spatial>(plan, z); }
@@ -47,6 +49,16 @@ LOCKSTEP_CLONES void apply_planar(const Plan& plan, const double* x, const Numbe
 }
 LOCKSTEP_CLONES void residual_spatial(const Plan& plan, const Numbers& z) { residuals<K, Spatial>(plan, z); }
 LOCKSTEP_CLONES void residual_planar(const Plan& plan, const Numbers& z) { residuals<K, Planar>(plan, z); }
+LOCKSTEP_CLONES void factor_all(const Plan& plan, const Numbers& z) { factor_nodes<K, false>(plan, z); }
+LOCKSTEP_CLONES void solve_all(const Plan& plan, const Numbers& z) {
+  solve_forward<K>(plan, z);
+  solve_backward<K>(plan, z);
+}
+LOCKSTEP_CLONES bool all_rows_met(const Plan& plan, double tolerance, const Numbers& z) {
+  bool unmet = false;
+  check_rows<K>(plan, tolerance, z, unmet);
+  return !unmet;
+}
 
 }  // namespace
 
@@ -66,15 +78,8 @@ void residual(const Plan& plan, const Numbers& z) {
   plan.planar ? residual_planar(plan, z) : residual_spatial(plan, z);
 }
 
-LOCKSTEP_CLONES void factor(const Plan& plan, const Numbers& z) { factor_nodes<K, false>(plan, z); }
-LOCKSTEP_CLONES void solve(const Plan& plan, const Numbers& z) {
-  solve_forward<K>(plan, z);
-  solve_backward<K>(plan, z);
-}
-LOCKSTEP_CLONES bool rows_met(const Plan& plan, double tolerance, const Numbers& z) {
-  bool unmet = false;
-  check_rows<K>(plan, tolerance, z, unmet);
-  return !unmet;
-}
+void factor(const Plan& plan, const Numbers& z) { factor_all(plan, z); }
+void solve(const Plan& plan, const Numbers& z) { solve_all(plan, z); }
+bool rows_met(const Plan& plan, double tolerance, const Numbers& z) { return all_rows_met(plan, tolerance, z); }
 
 }  // namespace lockstep::schur
