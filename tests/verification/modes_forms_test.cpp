@@ -220,7 +220,27 @@ TEST_CASE("modes of a chain of 300 hinges: sparse as dense, and as in absolute a
   for (std::size_t k = 0; k < 12; ++k) CHECK(sparse.modes[k].omega() == Approx(std::sqrt(squares[k])).epsilon(1e-9));
 }
 
-// A rod on a ball swings in two planes with w^2 = 3 g/(2 l), and turns about itself freely.
+// The light body's spring has a round-off of 1e8 N/m times the length, which says nothing of the heavy one.
+TEST_CASE("modes: a light body on a stiff spring hides no unrest of a heavy one", "[verification][modes][linear]") {
+  for (const double force : {0.0, 0.1}) {
+    System sys;
+    Body& light = sys.add_body("light", shapes::sphere(0.01, 0.01), {Vec3(1, 0, 0), {}});
+    Body& heavy = sys.add_body("heavy", shapes::sphere(100, 0.2), {Vec3(0, 1, 0), {}});
+    sys.add<Prismatic>("rail", light, sys.ground(), pose_at({1, 0, 0}, Vec3::UnitX()));
+    sys.add<SpringDamper>("spring", sys.add_marker("P", light), sys.add_marker("S", sys.ground()),
+                          {.stiffness = 1e8, .free_length = 1});
+    sys.add(function_force("push", {&sys.add_marker("at", heavy)}, [&heavy, force](const Inputs& in, WrenchSum& out) {
+      out.force(heavy.slot, Vec3(force, 0, 0), in.slot(heavy.slot).x);
+    }));
+    Dynamics dynamics(sys, std::make_unique<SchurSolver>(), {.formulation = Formulation::omega, .stabilization = {}});
+    CAPTURE(force);
+    if (force == 0)
+      CHECK_NOTHROW(find_modes(dynamics, sys.start()));
+    else
+      CHECK_THROWS_AS(find_modes(dynamics, sys.start()), ModelError);
+  }
+}
+
 // In space three rows of the arch are redundant, and the sparse factor needs several corrections.
 TEST_CASE("modes, sparse: a long loop as the dense solution", "[verification][modes][linear]") {
   constexpr int n = 60;
@@ -250,6 +270,7 @@ TEST_CASE("modes, sparse: a long loop as the dense solution", "[verification][mo
   }
 }
 
+// A rod on a ball swings in two planes with w^2 = 3 g/(2 l), and turns about itself freely.
 TEST_CASE("modes, sparse: equal modes are found with all their copies", "[verification][modes][linear]") {
   const auto [n, balls, count] = GENERATE(table<int, bool, int>({{5, true, 15}, {12, true, 36}, {210, false, 20}}));
   System sys({.gravity = {0, -9.81, 0}});

@@ -95,17 +95,21 @@ Unrest unrest_of(const System& system, const MechanismMatrices& at, const std::v
                  const Turning& axes) {
   Unrest out;
   double worst = -1, worst_speed = -1;
-  double most = most_load(at);  // m/s^2, or that of a spring drawn by `length`: what round-off is of
+  const double most = most_load(at);
+  // Forces f_i accelerate constrained bodies by m_k a_k^2 <= sum f_i^2/m_i (Gauss's principle): so does the round-off of
+  // springs that the whole length draws, f_i = K_ii length.
+  double springs = 0;  // f_i/sqrt(m_i)
   for (std::size_t i = 0; i < at.unknowns.size(); ++i) {
     const auto c = static_cast<Eigen::Index>(i);
-    const bool turn = at.unknowns[i].velocity >= 3;
-    if (const double m = at.M.coeff(c, c); m > 0 && !turn)
-      most = std::max(most, at.length * std::abs(at.K.coeff(c, c)) / m);
+    const UnknownVelocity& u = at.unknowns[i];
+    if (u.velocity < 3)
+      springs = std::max(springs, at.length * std::abs(at.K.coeff(c, c)) / std::sqrt(system.slot(u.slot).mass));
   }
   for (std::size_t k = 0; k < slots.size(); ++k) {
     const SlotMotion& m = slots[k];
     const Vec3 W = m.A.transpose() * axes.spin;
-    const double round_off = kRoundOff * std::max(most, m.w.squaredNorm() * at.length);
+    const double mass = system.slot(static_cast<int>(k)).mass,
+                 round_off = kRoundOff * std::max({most, springs / std::sqrt(mass), m.w.squaredNorm() * at.length});
     const Share share = worst_of(system, at, static_cast<int>(k), Vec3(m.a - cross(axes.spin, m.v)),
                                  Vec3(m.al - cross(W, m.w)), round_off);
     const double v = (m.v - axes.u0 - cross(axes.spin, m.x)).norm();
