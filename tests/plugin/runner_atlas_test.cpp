@@ -9,6 +9,7 @@
 
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
+#include "tests/support/plugin_files.h"
 #include "tests/support/program.h"
 
 namespace runner_atlas_test {
@@ -42,10 +43,7 @@ Json atlas_of(const std::string& scene, const std::string& words) {
   return Json::parse(called.text);
 }
 
-std::string picture(const std::string& file) {
-  std::ifstream in(kRunnerFolder + "/" + file);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
+std::string picture(const std::string& file) { return bytes_of(kRunnerFolder + "/" + file); }
 
 }  // namespace
 
