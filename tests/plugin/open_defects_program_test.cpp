@@ -200,13 +200,12 @@ TEST_CASE("the softest stiffness of an unstable equilibrium is that of what grow
                 std::abs(softest - stiffness) < 1e-6 * std::abs(stiffness));
 }
 
-// Alone each copy makes about 15 steps; in lanes the one that comes beside its flat position makes 200 at this tolerance,
-// and a thousand at 1e-10.
+// Alone each copy makes 17 steps at most; in lanes those that come beside their flat position make 100 to 200 at this
+// tolerance (which of the 16 depends on the rounding), and a thousand at 1e-10.
 TEST_CASE("copies in lanes pass singular positions in as many steps as alone", "[defect][one text]") {
   const std::string sweep =
       "sweep " + quoted(std::string(paths::kSource) + "/tests/verification/scenes/parallelogram.json") +
-      " --vary bodies.bar.rod.mass=0.6666666666666666,0.7,0.8 --tolerance 1e-9 --jobs 1 --until 0.71"
-      " --set run.max_steps=1000 ";
+      " --vary bodies.bar.rod.mass=0.666:0.668:16 --tolerance 1e-7 --jobs 1 --until 0.71 --set run.max_steps=1000 ";
   const Called lanes = call(sweep + "--record lanes.csv"), alone = call(sweep + "--lanes off --record alone.csv");
   INFO(lanes.text << alone.text);
   REQUIRE((lanes.exit == 0 && alone.exit == 0));
@@ -223,13 +222,13 @@ TEST_CASE("copies in lanes pass singular positions in as many steps as alone", "
       for (long k = 0; k < column; ++k) at = row.find(',', at) + 1;
       steps = std::max(steps, std::stol(row.substr(at)));
     }
-    CHECK(rows == 3);
+    CHECK(rows == 16);
     return steps;
   };
   const long in_lanes = most("lanes.csv"), single = most("alone.csv");
   CAPTURE(in_lanes, single);
   CHECK(single < 60);
-  expect_defect("lanes_parallelogram", kOneText, in_lanes > 5 * single, in_lanes <= 2 * single);
+  expect_defect("lanes_parallelogram", kOneText, in_lanes > 3 * single, in_lanes <= 2 * single);
 }
 
 // To 0.71 s, beyond the first flat position, about 20 steps are enough; a run that ends 1.5e-4 rad behind it creeps.

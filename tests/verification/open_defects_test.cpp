@@ -7,6 +7,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/integrators.h>
+#include <lockstep/joints.h>
 #include <lockstep/report.h>
 #include <lockstep/simulation.h>
 #include <lockstep/solvers.h>
@@ -75,7 +76,8 @@ TEST_CASE("reactions in a singular pose are those on both sides of it", "[defect
           (std::sin(q) * l * l * rate * rate * (4 * slider + 2 * arm) + 0.5 * kG * l * (crank + arm)) * std::cos(q);
       CAPTURE(t, force, right);
       CHECK(ended.table["slider.x"][k] == Approx(2 * l * std::cos(q)).margin(1e-7));
-      if (std::abs(t - pose) > 5e-4 && way.integrator == "dop853") CHECK(force == Approx(right).epsilon(1e-5));
+      // A millisecond beside the pose: within 4e-5 at tolerances of 1e-9 to 1e-12, by two compilers.
+      if (std::abs(t - pose) > 5e-4 && way.integrator == "dop853") CHECK(force == Approx(right).epsilon(1e-4));
       keep_worst(worst_force, std::abs(force - right));
       keep_worst(worst_torque, std::abs(ended.table["T"][k] - torque));
     }
@@ -121,7 +123,7 @@ TEST_CASE("a door on two hinges with friction turns", "[defect][one idea]") {
   CHECK(coarse.table["low.angle_z"].back() == Approx(angle).margin(1e-5));
   const Ended ended = end_of("door_with_friction", {"dop853"});
   INFO(ended.error);
-  expect_defect("door_with_friction", kOneIdea, says(ended, "'low.friction'") || says(ended, "jams"),
+  expect_defect("door_with_friction", kOneIdea, says(ended, ".friction'") || says(ended, "jams"),
                 ended.error.empty() && std::abs(ended.table["low.angle_z"].back() - angle) < 1e-5);
 }
 

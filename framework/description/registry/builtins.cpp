@@ -1,15 +1,15 @@
 // Registers everything built in; the only file that knows every room's register function.
 #include <lockstep/registry.h>
 
-#include "framework/mechanism/forces/register.h"
 #include "framework/dynamics/solvers/register.h"
+#include "framework/mechanism/forces/register.h"
 #include "framework/mechanism/links/register.h"
 #if LOCKSTEP_BUILTINS
 #include "integrators/register.h"
 #include "motionlaws/register.h"
 #else
-#include <lockstep/loader.h>
 #include <lockstep/error.h>
+#include <lockstep/loader.h>
 #endif
 
 namespace lockstep {
@@ -21,14 +21,24 @@ void add_laws_and_integrators(Registry& registry) {
   register_integrators(registry);
 }
 #else
-// Their origin is the name of the plugin.
+template <class Shelf>
+void add_types(Shelf& to, const Shelf& from) {
+  for (const auto& [type, entry] : from.entries()) to.add(entry.info, entry.make);
+}
+
+// The types are the library's own, whatever file they come from: they are added without the plugin's name.
 void add_laws_and_integrators(Registry& registry) {
+  Registry its;
   for (const char* folder : {"motionlaws", "integrators"}) try {
-      load_plugin(registry, folder);
+      load_plugin(its, folder);
     } catch (const PluginError& error) {
       throw PluginError(std::string("this lockstep takes its ") + folder +
                         " from a plugin (it was built with LOCKSTEP_BUILTINS=OFF): " + error.what());
     }
+  add_types(registry.laws, its.laws);
+  add_types(registry.translation_laws, its.translation_laws);
+  add_types(registry.rotation_laws, its.rotation_laws);
+  add_types(registry.integrators, its.integrators);
 }
 #endif
 

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <map>
 #include <mutex>
+#include <new>
 #include <regex>
 
 #include <lockstep/error.h>
@@ -120,6 +121,8 @@ std::string load_plugin(Registry& registry, const std::string& name_or_path, con
     library.get<Register>(kRegisterSymbol)(its);
   } catch (const Error&) {
     std::throw_with_nested(PluginError(who + thrown_words(std::current_exception())));
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (...) {
     std::throw_with_nested(PluginError(who + "registering threw: " + thrown_words(std::current_exception())));
   }

@@ -101,7 +101,7 @@ extern template class Shelf<std::unique_ptr<LinearSolver>>;
 
 /// A new registry with all laws, links, forces, integrators and solvers of the library; their origin is "built in". A
 /// library built with LOCKSTEP_BUILTINS=OFF loads laws and integrators from the plugins "motionlaws" and "integrators"
-/// in plugin_folders(); these names are then their origin. Throws PluginError when it cannot load them.
+/// in plugin_folders(), and throws PluginError if it cannot.
 LOCKSTEP_API Registry builtin_registry();
 
 
