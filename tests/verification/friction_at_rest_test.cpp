@@ -49,9 +49,10 @@ TEST_CASE("friction holds a block on a slope up to tan(alpha) = mu, and says wha
         const Pose at = down_slope(alpha);
         // A guide, or a plane on which it may slide and turn: that is a plane's normal, z, against x of the slope's axes.
         const Lock& link =
-            guided ? static_cast<Lock&>(system.add<Prismatic>("guide", body, system.ground(), at))
-                   : static_cast<Lock&>(system.add<Oldham>("guide", body, system.ground(),
-                                                           pose_at({0, 0, 0}, Vec3(std::sin(alpha), 0, std::cos(alpha)))));
+            guided
+                ? static_cast<Lock&>(system.add<Prismatic>("guide", body, system.ground(), at))
+                : static_cast<Lock&>(system.add<Oldham>("guide", body, system.ground(),
+                                                        pose_at({0, 0, 0}, Vec3(std::sin(alpha), 0, std::cos(alpha)))));
         rub(system, link, {.mu = mu});
         if (slope > mu) {
           const std::string said = testing::message_of<SolveError>([&] { rest(system, {.relaxation_steps = 100}); });
@@ -226,6 +227,30 @@ TEST_CASE("what friction does not grip is judged by itself, and equilibria witho
   CHECK(without.stability.kind == Kind::stable);
   CHECK(without.grips.empty());
   CHECK(without.largest_move > 0.005);
+}
+
+// Friction could carry both blocks; but the lid above the first is a row that takes its load before friction does.
+TEST_CASE("friction that could hold the start is not taken where a one-sided link would have to pull",
+          "[verification][statics][friction]") {
+  constexpr double mass = 2, stiffness = 1000;
+  System system({.gravity = {0, -kG, 0}});
+  for (const double x : {0.0, 1.0}) {
+    const std::string name = x == 0 ? "first" : "second";
+    Body& body = system.add_body(name, block(mass), {Vec3(x, 0, 0), {}});
+    const Lock& rail = system.add<Prismatic>(name + " rail", body, system.ground(), pose_at({x, 0, 0}, Vec3::UnitY()));
+    rub(system, rail, {.mu = 0.5, .preload = 100});
+    system.add<SpringDamper>(name + " spring", system.add_marker_at(name + " P", body, pose_at({x, 0, 0})),
+                             system.add_marker(name + " S", system.ground(), {Vec3(x, 1, 0), {}}),
+                             {.stiffness = stiffness, .free_length = 1});
+    if (x == 0)
+      system.add<PointOnPlane>("lid", body, system.ground(), pose_at({x, 0, 0}, -Vec3::UnitY())).set_unilateral({});
+  }
+  const EquilibriumReport found = rest(system);
+  CHECK(found.stability.kind == Kind::stable);
+  CHECK_FALSE(found.by_friction);
+  CHECK(found.largest_move == Approx(mass * kG / stiffness));
+  REQUIRE(found.notes.size() == 3);
+  testing::check_words(found.notes.front(), {"friction could hold the start", "'lid' would have to pull there"});
 }
 
 }  // namespace friction_at_rest_test
