@@ -155,8 +155,8 @@ TEST_CASE("an input that takes more CPU time than it may fails by name", "[fuzz]
       alarm(20);
       const TimeLimit limit(0.2, "some.last");
       if (!busy) usleep(500'000);
-      for (volatile unsigned long n = 0; busy; n = n + 1) {
-      }
+      volatile unsigned long n = 0;
+      while (busy) n = n + 1;
       _exit(0);
     }
     close(ends[1]);

@@ -42,6 +42,7 @@ template <class T>
 std::vector<double> array_of(const std::vector<unsigned char>& bytes, const Json& place) {
   std::vector<T> values(place["n"].get<std::size_t>());
   REQUIRE(place["at"].get<std::size_t>() + values.size() * sizeof(T) <= bytes.size());
+  if (values.empty()) return {};
   std::memcpy(values.data(), bytes.data() + place["at"].get<std::size_t>(), values.size() * sizeof(T));
   std::vector<double> all(values.begin(), values.end());
   for (double& v : all) v += place.value("base", 0.0);

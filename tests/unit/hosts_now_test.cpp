@@ -409,7 +409,6 @@ TEST_CASE("advance gives what one call gives, and rows at outputs alone", "[unit
 }
 
 TEST_CASE("a controller's calls take no memory and no more evaluations than their steps", "[unit][dynamics]") {
-  if (!allocations_are_counted()) WARN("skipped: memory is not counted where a sanitizer owns the heap");
   struct Expected {
     const char* method;
     long evaluations;  // a call; 0: as many as Newton's method takes

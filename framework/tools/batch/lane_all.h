@@ -167,11 +167,11 @@ LOCKSTEP_LANE void combine(std::size_t n, const double* y, const double* h, std:
 LOCKSTEP_LANE Numbers from(const Numbers& z, int lane) {
   Numbers n = z;
   if (lane == 0) return n;
-  if (n.wrench) n.wrench += lane;
-  for (const double** p : {&n.rows, &n.inverse, &n.mass, &n.floors, &n.y, &n.gravity, &n.frames, &n.law}) *p += lane;
+  for (const double** p : {&n.rows, &n.inverse, &n.mass, &n.floors, &n.y, &n.gravity, &n.frames, &n.law, &n.wrench})
+    if (*p) *p += lane;
   for (double** p :
        {&n.A, &n.Y, &n.a, &n.x, &n.c, &n.scale, &n.diagonal, &n.p, &n.E, &n.r, &n.body, &n.af, &n.J, &n.C, &n.Ct})
-    *p += lane;
+    if (*p) *p += lane;
   return n;
 }
 
