@@ -92,6 +92,12 @@ results="$(cat "$root"/build/random/small.3)"
 "$root/tests/mutants/random" --room small --seed 3 --count 8 >"$place/said" 2>&1
 grep -v ' s)$' "$place/said" | cmp -s - "$place/first" || fault "a second run drew other slips"
 [ "$results" = "$(cat "$root"/build/random/small.3)" ] || fault "a second run tried again what was tried"
+# A survivor that was read and found equal in effect is not counted.
+slip="$(sed -n 's/^survived\t//p' <<<"$results" | head -1)"
+sed -E 's/:[0-9]+:/:/' <<<"$slip" >"$root/tests/mutants/equal.txt"
+"$root/tests/mutants/random" --room small --seed 3 --count 8 >"$place/said" 2>&1
+grep -F -A1 "$slip" "$place/said" | grep -q 'equal in effect' || fault "a slip that is listed as equal was counted"
+
 "$root/tests/mutants/random" --room framework/small/held.cpp --seed 3 --count 2 --only-survivors >"$place/said" 2>&1 ||
   fault "a file of which all slips are caught did not end by 0"
 grep -q 'caught by' "$place/said" && fault "--only-survivors lists others"
