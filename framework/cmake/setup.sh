@@ -55,7 +55,7 @@ find_missing() {
   need catch2 catch2/catch.hpp catch2/catch_all.hpp
   need gnuplot-nox gnuplot
   case "$preset" in
-    asan | clang) need clang clang++ ;;
+    asan | clang | tsan) need clang clang++ ;;
     tidy) need clang clang++; need clang-tidy clang-tidy ;;
   esac
 }
