@@ -1,6 +1,10 @@
 // Registers everything built in; the only file that knows every room's register function.
 #include <lockstep/registry.h>
 
+#include <algorithm>
+#include <array>
+
+#include "framework/description/registry/builtins.h"
 #include "framework/dynamics/solvers/register.h"
 #include "framework/mechanism/forces/register.h"
 #include "framework/mechanism/links/register.h"
@@ -14,6 +18,13 @@
 
 namespace lockstep {
 namespace {
+
+// The plugins that the library loads itself.
+#if LOCKSTEP_BUILTINS
+constexpr std::array<const char*, 0> kParts{};
+#else
+constexpr std::array<const char*, 2> kParts{"motionlaws", "integrators"};
+#endif
 
 #if LOCKSTEP_BUILTINS
 void add_laws_and_integrators(Registry& registry) {
@@ -29,7 +40,7 @@ void add_types(Shelf& to, const Shelf& from) {
 // The types are the library's own, whatever file they come from: they are added without the plugin's name.
 void add_laws_and_integrators(Registry& registry) {
   Registry its;
-  for (const char* folder : {"motionlaws", "integrators"}) try {
+  for (const char* folder : kParts) try {
       load_plugin(its, folder);
     } catch (const PluginError& error) {
       throw PluginError(std::string("this lockstep takes its ") + folder +
@@ -43,6 +54,8 @@ void add_laws_and_integrators(Registry& registry) {
 #endif
 
 }  // namespace
+
+bool is_part_of_library(std::string_view plugin) { return std::ranges::find(kParts, plugin) != kParts.end(); }
 
 Registry builtin_registry() {
   Registry registry;

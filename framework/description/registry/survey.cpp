@@ -2,9 +2,10 @@
 
 #include <map>
 
-#include <lockstep/loader.h>
 #include <lockstep/error.h>
+#include <lockstep/loader.h>
 #include <lockstep/log.h>
+#include "framework/description/registry/builtins.h"
 #include "framework/description/registry/elf_image.h"
 #include "framework/foundation/support/thrown.h"
 
@@ -42,13 +43,9 @@ void ask_plugin(PluginCandidate& c, const Registry& base) {
   try {
     const PluginStamp stamp = check_plugin_file(c.file);
     const std::string name = plugin_name(c.file);
-    if (name != "built in")
-      c.brings = things_of(base, name);  // a part of the library itself, where that loads its parts as plugins
-    if (c.brings.empty()) {
-      Registry registry = base;
-      load_plugin(registry, c.file, {}, stamp);
-      c.brings = things_of(registry, plugin_name(c.file));
-    }
+    Registry registry = is_part_of_library(name) ? Registry() : base;
+    load_plugin(registry, c.file, {}, stamp);
+    c.brings = things_of(registry, name);
     c.state = PluginCandidate::State::loaded;
   } catch (const std::exception& error) {
     c.why = what_of(error);

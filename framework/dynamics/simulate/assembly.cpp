@@ -81,10 +81,7 @@ class Assembler {
       const bool stalled = !on_the_way && !(next < 0.9 * now);
       stalls = stalled ? stalls + 1 : 0;
       if (stalls > 5 && next > 1e3 * goal) stop(next, report.iterations + 1);
-      if (stalled && next <= 1e3 * goal) {  // stalled at round-off
-        now = std::min(next, now);
-        break;
-      }
+      if (stalled && next <= 1e3 * goal) break;  // at round-off
       now = next;
       if (follows) follow_turns(dynamics_, state_), now = residual();
     }
