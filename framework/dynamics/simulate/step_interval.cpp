@@ -38,7 +38,7 @@ void StepInterval::make(State& state, double h) {
     if (info_.adaptive || method_.origin() != "built in" || names_thing(error.what())) throw;
     const std::string who = who_varies(dynamics_, from_, h);  // adaptive methods have said it
     if (who.empty()) throw;
-    throw StepError(std::string(error.what()) + "; " + who, error);
+    throw StepError(std::string(error.what()) + "; " + who, static_cast<const ErrorData&>(error));
   } catch (...) {
     state = from_;
     throw;

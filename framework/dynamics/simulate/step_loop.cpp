@@ -158,7 +158,8 @@ void StepLoop::go_to(double t, bool with_output) try {
   parts_->interval.note_acting(state_);
 } catch (const SolveError& e) {
   warn_of_turns();
-  throw SolveError(fmt::format("{} (the last accepted state is at t = {:.9g} s)", e.what(), state_.t), e);
+  throw SolveError(fmt::format("{} (the last accepted state is at t = {:.9g} s)", e.what(), state_.t),
+                   static_cast<const ErrorData&>(e));
 } catch (...) {
   warn_of_turns();
   throw;
