@@ -193,7 +193,7 @@ void check_ways(const std::vector<std::string>& files, const std::vector<Way>& w
       const std::string found = try_scene(file, way, share, n, draw);
       INFO(std::filesystem::path(file).filename().string() << ", " << way.words());
       if (found == "refused") continue;
-      CHECK(found == "");
+      CHECK(found.empty());
       ++equal;
     }
   set_logger(before);

@@ -171,11 +171,11 @@ TEST_CASE("turns are too uneven to be counted where the mean rate misses the way
     return link != nullptr ? link->name() : "";
   };
   for (const double sign : {1.0, -1.0}) {
-    CHECK(missed(sign * 1.99, 0) == "");
+    CHECK(missed(sign * 1.99, 0).empty());
     CHECK(missed(sign * 2.01, 0) == "mesh");
-    CHECK(missed(sign * 30, sign * 300) == "");
+    CHECK(missed(sign * 30, sign * 300).empty());
     CHECK(missed(sign * 30, sign * 279) == "mesh");
-    CHECK(missed(sign * 30, sign * 281) == "");
+    CHECK(missed(sign * 30, sign * 281).empty());
   }
 }
 

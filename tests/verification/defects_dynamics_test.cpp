@@ -17,6 +17,7 @@
 #include "framework/tools/scene_run/scene_run.h"
 #include "framework/tools/sweep/sweep_lanes.h"
 #include "tests/support/catch.h"
+#include "tests/support/paths.h"
 #include "tests/support/program.h"
 #include "tests/support/run_scene.h"
 

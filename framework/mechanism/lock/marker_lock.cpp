@@ -140,16 +140,16 @@ RowPlan MarkerLock::plan_rows() {
   side2_ = static_cast<signed char>(plan.slots.position(slot2_));
 
   const ImposedMotion& imposed = this->imposed();
-  n_rows_ = 0;
   plan.rows.reserve(static_cast<std::size_t>(count_rows(rows_)));
   for (int k = 0; k < 6; ++k) {
     if (!includes(rows_, row_bit(k))) continue;
-    row_[static_cast<std::size_t>(n_rows_++)] = static_cast<signed char>(k);
+    row_[plan.rows.size()] = static_cast<signed char>(k);
     const auto driven = std::find_if(imposed.drives.begin(), imposed.drives.end(),
                                      [k](const Drive& d) { return axis_index(d.axis) == k; });
     plan.rows.push_back({k < 3 ? RowKind::translation : RowKind::rotation, std::string(lockstep::row_name(k)),
                          driven == imposed.drives.end() ? -1 : static_cast<int>(driven - imposed.drives.begin())});
   }
+  n_rows_ = static_cast<signed char>(plan.rows.size());
 
   laws_ = with::nothing;
   if (P.translation_law) laws_ |= with::uP;

@@ -13,7 +13,7 @@ constexpr std::size_t kMostLines = 20;  // lines
 bool Refusals::full() const { return lines_.size() >= kMostLines; }
 
 void Refusals::add(const SceneError& error) {
-  if (empty()) first_ = error;
+  if (empty()) first_ = static_cast<const ErrorData&>(error);
   std::string_view rest = error.what();
   for (bool more = true; more && !full();) {
     const std::size_t end = rest.find('\n');
