@@ -14,7 +14,6 @@ namespace start_turns_test {
 
 using namespace lockstep;
 using lockstep::testing::message_of;
-using std::string_literals::operator""s;
 
 namespace {
 
@@ -191,7 +190,8 @@ TEST_CASE("a screw begins where all its turns have brought it", "[unit][assembly
 // theta_A + 2 theta_B = 0.
 TEST_CASE("the other wheel of a gear begins in the turn that the first brings it to", "[unit][assembly]") {
   const std::string start =
-      GENERATE(R"(, "start": {"position": {"rz": "380 deg"}, "velocity": {"rz": 1}})"s, driven_from(380 * kDegree, 1));
+      GENERATE(std::string(R"(, "start": {"position": {"rz": "380 deg"}, "velocity": {"rz": 1}})"),
+               driven_from(380 * kDegree, 1));
   const std::string in = formulation_with(start);
   CAPTURE(in, start);
   const Table run = history_of(scene_of(wheels(start, "", 2), R"("A.angle_z", "B.angle_z", "G.violation")", in));

@@ -176,7 +176,7 @@ TEST_CASE("runs in lanes have verdicts on their energy where no law does work", 
   const std::vector<SweepRun> lanes = driven.lanes();
   REQUIRE(lanes.size() == 8);
   for (std::size_t k = 0; k < 8; ++k) {
-    CHECK(lanes[k].energy == "");
+    CHECK(lanes[k].energy.empty());
     CHECK_FALSE(lanes[k].wrong);
     CHECK(std::abs(lanes[k].columns[0].last - 3 * (10 + 2.0 * static_cast<double>(k))) < 1e-7);
   }

@@ -41,7 +41,7 @@ class Inputs0 {
 // difference.
 template <class F>
 VecX derivative(F&& at, double h, VecX& off) {
-  constexpr double kWeights[] = {45.0 / 60, -9.0 / 60, 1.0 / 60};
+  static constexpr double kWeights[] = {45.0 / 60, -9.0 / 60, 1.0 / 60};
   const auto with = [&](double step) {
     VecX sum;
     for (int k = 1; k <= 3; ++k) {
