@@ -401,7 +401,7 @@ TEST_CASE("an explicit method of a registry's own runs in lanes as it runs alone
 
 TEST_CASE("copies refuse by name what has no lanes", "[unit][copies]") {
   const auto message = [](auto&& act) { return message_of<ModelError>(act); };
-  CHECK(Copies::unsuited(*chain(2, 0)) == "");
+  CHECK(Copies::unsuited(*chain(2, 0)).empty());
   {
     auto planar = chain(2, 0);
     planar->set_planar(Plane{1});
