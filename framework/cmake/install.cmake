@@ -31,7 +31,7 @@ endif()
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
 
 # Pages and their pictures, in the folders of the source, so that links lead from one to the other.
-foreach(page README.md framework/README.md framework/CHANGELOG.md framework/FROM_CHRONO.md framework/layout.txt
+foreach(page README.md framework/README.md framework/CHANGELOG.md framework/FROM_CHRONO.md framework/layout.txt framework/budgets.txt
              framework/mechanism/lock/THEORY.md plugins/README.md samples/pictures/four_bar.png
              tests/benchmark/peers/README.md tests/benchmark/results/README.md tests/benchmark/results/peers.md)
   cmake_path(GET page PARENT_PATH folder)

@@ -96,7 +96,7 @@ TEST_CASE("an event that never happens is in the summary, with the nearest value
   CHECK(contains(said.text, "never      event 'catch': rod.angle_z did not cross -15 rad; nearest -3.14"));
   CHECK(contains(said.text, "never      event 'late': its instant, 7 s, did not come"));
   const Json result = Json::parse(call("run " + scene + " --json 2>/dev/null").text);
-  const Json missed = result["missed_events"];
+  const Json& missed = result["missed_events"];
   REQUIRE(missed.size() == 2);
   CHECK(missed[0]["event"] == "catch");
   CHECK(missed[0]["channel"] == "rod.angle_z");

@@ -143,7 +143,7 @@ TEST_CASE("where energy is not conserved the summary says who is suspect", "[run
   INFO(open.text);
   const Json energy = Json::parse(open.text)["energy"];
   CHECK(energy["verdict"] == "not conserved");
-  REQUIRE(energy["suspects"].size() >= 1);
+  REQUIRE_FALSE(energy["suspects"].empty());
   CHECK(contains(energy["suspects"][0].get<std::string>(), "take stabilization project"));
 }
 

@@ -24,8 +24,7 @@ namespace scene_simulation_test {
 
 using namespace lockstep;
 using lockstep::testing::builtin, lockstep::testing::call, lockstep::testing::Called, lockstep::testing::check_words,
-    lockstep::testing::contains, lockstep::testing::kRunnerFolder, lockstep::testing::message_of,
-    lockstep::testing::scene_file;
+    lockstep::testing::kRunnerFolder, lockstep::testing::message_of, lockstep::testing::scene_file;
 
 // The obvious way, which would lose a scene's start, events and settings.
 static_assert(!std::is_constructible_v<Simulation, decltype((std::declval<Mechanism&>().system))>);

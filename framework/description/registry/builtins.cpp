@@ -19,12 +19,8 @@
 namespace lockstep {
 namespace {
 
-// The plugins that the library loads itself.
-#if LOCKSTEP_BUILTINS
-constexpr std::array<const char*, 0> kParts{};
-#else
-constexpr std::array<const char*, 2> kParts{"motionlaws", "integrators"};
-#endif
+constexpr std::array kParts = {"motionlaws",
+                               "integrators"};  // the plugins that a library without built-ins loads itself
 
 #if LOCKSTEP_BUILTINS
 void add_laws_and_integrators(Registry& registry) {
@@ -55,7 +51,9 @@ void add_laws_and_integrators(Registry& registry) {
 
 }  // namespace
 
-bool is_part_of_library(std::string_view plugin) { return std::ranges::find(kParts, plugin) != kParts.end(); }
+bool is_part_of_library(std::string_view plugin) {
+  return !LOCKSTEP_BUILTINS && std::ranges::find(kParts, plugin) != kParts.end();
+}
 
 Registry builtin_registry() {
   Registry registry;

@@ -120,7 +120,7 @@ std::unique_ptr<PictureRows> picture_rows(Mechanism& m, const std::string& csv, 
                                           const Arguments& args) {
   std::error_code error;
   const bool can_draw = !args.checkpoint.empty() || !find_gnuplot().empty();
-  const bool draws = !args.no_picture && csv != "-" && m.run.record.size() > 0 && can_draw &&
+  const bool draws = !args.no_picture && csv != "-" && !m.run.record.empty() && can_draw &&
                      (!std::filesystem::exists(csv, error) || std::filesystem::is_regular_file(csv, error));
   if (!draws) return nullptr;
   return std::make_unique<PictureRows>(make_recorder(m), rows, picture_spacing(loop_options(m.run), m.run.until));
