@@ -191,6 +191,7 @@ const Evaluation& Rattle::find_multipliers(Dynamics& dynamics, double h, double 
   for (int round = 0;; ++round) {
     drift(h);
     next_.t = t;
+    lead_angles(dynamics, now_, next_);
     const Evaluation& e = gather_next(dynamics);
     const double left = e.norm(C_);
     const double floor = 1e-14 * dynamics.system().length() + 4 * ulp * next_.q.lpNorm<Eigen::Infinity>();

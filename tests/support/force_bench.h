@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include <lockstep/counted_angle.h>
 #include <lockstep/force.h>
 #include <lockstep/relative.h>
 #include "tests/support/configuration.h"
@@ -52,12 +53,25 @@ class SteadySpin final : public RotationLaw {
   lockstep::Vec3 w_;
 };
 
+/// Counted angles without a system, and their states.
+struct BenchAngles final : AngleCounter {
+  std::vector<std::unique_ptr<CountedAngle>> all;
+  VecX states;
+  using AngleCounter::count;
+  CountedAngle& count(std::unique_ptr<CountedAngle> angle) override {
+    const auto n = static_cast<int>(all.size());
+    angle->setup(), angle->place(n, n * CountedAngle::kStates);
+    states.conservativeResize((n + 1) * CountedAngle::kStates), states.tail(CountedAngle::kStates).setZero();
+    return *all.emplace_back(std::move(angle));
+  }
+};
+
 struct ForceBench {
   Body a, b, ground;
   Marker p, s, g;   ///< on a, b and the ground
   Motion start[2];  ///< of the slots 0 and 1 at t = 0
   std::vector<Motion> motions{3};
-  std::vector<double> z{0.0, 0.0, 0.0, 0.0};
+  BenchAngles angles;
   double t = 0;
 
   explicit ForceBench(std::uint64_t seed = 1) {
@@ -95,7 +109,7 @@ struct ForceBench {
     o.v = v + lockstep::cross(w_world, lockstep::Vec3(slot.x - world.x));
     at(t);
   }
-  Inputs in() const { return {t, motions, {}, z}; }
+  Inputs in() const { return {t, motions, {angles.states.data(), static_cast<std::size_t>(angles.states.size())}, {}}; }
 
   VecX wrench(const Force& force) const {
     VecX f = VecX::Zero(12);

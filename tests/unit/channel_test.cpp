@@ -43,6 +43,7 @@ struct Arm {
   std::unique_ptr<Dynamics> dynamics;
   std::map<std::string, Channel> channels;
   State state;
+  double begun = 0;
 
   /// `reversed`: the fixed frame carries P.
   explicit Arm(bool reversed = false) {
@@ -68,6 +69,7 @@ struct Arm {
     system.add<SpringDamper>("F", eye, base, SpringDamper::Options{40, 3, 0.5, 0, {}});
   }
   void begin(double t) {
+    begun = t;
     dynamics = std::make_unique<Dynamics>(system, std::make_unique<DenseSolver>());
     state = system.start();
     state.t = 0;
@@ -97,18 +99,24 @@ struct Arm {
     }
   }
   Channel& channel(const std::string& name) {
-    const auto found = channels.find(name);
-    return found != channels.end() ? found->second : channels.emplace(name, make_channel(system, name)).first->second;
+    if (const auto found = channels.find(name); found != channels.end()) return found->second;
+    Channel& made = channels.emplace(name, make_channel(system, name)).first->second;
+    if (dynamics && !system.ready()) begin(begun);  // it adds states
+    return made;
   }
   double at_state(const std::string& name, const State& s) {
     const StepReport none;
-    return channel(name).value(Sample(*dynamics, s, none));
+    return channels.at(name).value(Sample(*dynamics, s, none));
   }
-  double value(const std::string& name) { return at_state(name, state); }
+  double value(const std::string& name) {
+    channel(name);
+    return at_state(name, state);
+  }
   Vec3 vector(const std::string& name) { return {value(name + "x"), value(name + "y"), value(name + "z")}; }
   /// Rate of a channel along the motion: five points, error h^4.
   double difference(const std::string& name) {
     const double h = 2e-4;
+    channel(name);
     const auto moved = [&](double d) {
       State s = state;
       advance(s, d, 4);
@@ -349,13 +357,13 @@ TEST_CASE("angles run on past full turns", "[unit][record]") {
     s.t = t;
     s.q.tail<4>() = axis_angle(Vec3::UnitZ(), -10 * t).coefficients();
     s.v.tail<3>() = Vec3(0, 0, -10);
+    for (const auto& angle : system.counted_angles())
+      if (t > 0) s.s[angle->first()] -= 9;  // as an integrator has it
+    dynamics.accept(s);
     const Sample sample(dynamics, s, none);
-    body.track(sample), link.track(sample);
     CHECK(body.value(sample) == Approx(-10 * t).margin(1e-12));
     CHECK(link.value(sample) == Approx(-10 * t).margin(1e-12));
   }
-  body.restart();
-  CHECK(std::abs(body.value(Sample(dynamics, s, none))) <= kPi);
 }
 
 TEST_CASE("a link that is not active gives no reaction", "[unit][record]") {

@@ -319,11 +319,19 @@ TEST_CASE("check_lock asks for a link of the system", "[unit][check]") {
 
 namespace {
 
-/// Counts its turns wrongly: each accepted step adds the angle once more.
-struct AddsUp final : PhiLock<TurnsCounted> {
-  AddsUp(std::string name, Marker& p, Marker& s) : PhiLock(std::move(name), p, s, Mask::x | Mask::y, TurnsCounted{}) {}
+/// Each accepted step adds to its memory once more.
+struct Adding {
+  static constexpr int kMemory = 1;
+  template <class T>
+  T operator()(const LockCoords<T>& y) const {
+    return y.z - 0.02 * y.memory[0];
+  }
+  void reset(std::span<double> z, const LockCoords<Time>&) const { z[0] = 0; }
+  void accept_step(std::span<double> z, const LockCoords<Time>&) const { z[0] += 0.3; }
+};
+struct AddsUp final : PhiLock<Adding> {
+  AddsUp(std::string name, Marker& p, Marker& s) : PhiLock(std::move(name), p, s, Mask::x | Mask::y, Adding{}) {}
   std::string_view type() const override { return "adds_up"; }
-  void accept_step(const Inputs&, std::span<double> z) const override { z[0] += 0.3; }
 };
 
 }  // namespace

@@ -53,7 +53,8 @@ TEST_CASE("torsion_spring_damper: momentum and power balance, for axes that are 
     for (Motion& m : bench.start) m.w *= 0.3;  // so that the difference stays on one branch
     TorsionSpringDamper spring("coil", bench.p, bench.s, torsion_options());
     spring.MarkerForce::setup();
-    bench.z[0] = spring.quantity(0, bench.in());
+    spring.count_angles(bench.angles);
+    bench.angles.all.front()->set(bench.in(), 0, bench.angles.states);
     const double zz =
         in_world(MarkerFrame(bench.p), bench.in()).A.col(2).dot(in_world(MarkerFrame(bench.s), bench.in()).A.col(2));
     if (zz < -0.8) continue;  // too near to where there is no angle for the difference
@@ -72,31 +73,31 @@ TEST_CASE("torsion_spring_damper: ten turns and back are counted, rejected steps
   ForceBench bench;
   TorsionSpringDamper spring("coil", bench.p, bench.s, torsion_options());
   spring.setup();
-  REQUIRE(spring.n_memory() == 4);
-  spring.start_memory(bench.z);
-  CHECK(bench.z[0] == 0);
+  spring.count_angles(bench.angles);
+  REQUIRE(bench.angles.all.size() == 1);
+  const CountedAngle& counted = *bench.angles.all.front();
+  const auto expected = [&] { return counted.expected(bench.in().s); };
+  CHECK(expected() == 0);
   const double step = 0.37;  // rad an accepted step
   double angle = -0.9;
   const auto accepted_to = [&](double to) {
-    const double last = bench.z[0];
+    const double last = expected();
     for (double trial : {1.7, -2.9, 3.0}) {  // tried and rejected, up to nearly half a turn away
       turn_to(bench, angle + trial, 0);
       CHECK(spring.quantity(0, bench.in()) == Approx(angle + trial).margin(1e-11));
-      CHECK(bench.z[0] == last);
+      CHECK(expected() == last);
     }
     angle = to;
     turn_to(bench, angle, 1.0);
     CHECK(spring.quantity(0, bench.in()) == Approx(angle).margin(1e-11));
     CHECK(spring.quantity(2, bench.in()) == Approx(3.0 * (angle - 0.7) + 0.2 + 0.4).margin(1e-10));
-    std::vector<double> z = bench.z;
-    spring.accept_step(bench.in(), z);
-    bench.z = z;
+    counted.accept(bench.in(), bench.angles.states);
   };
   turn_to(bench, angle, 0);
-  spring.accept_step(bench.in(), bench.z);
+  counted.accept(bench.in(), bench.angles.states);
   while (angle < 10 * kTwoPi) accepted_to(angle + step);
   while (angle > -10 * kTwoPi) accepted_to(angle - step);
-  CHECK(bench.z[0] == Approx(angle).margin(1e-11));
+  CHECK(expected() == Approx(angle).margin(1e-11));
 }
 
 TEST_CASE("torsion_spring_damper: the sign of a quaternion does not matter", "[unit][force]") {

@@ -337,8 +337,8 @@ TEST_CASE("a screw counts its turns, a step thrown away leaves no trace", "[unit
     system.add<Test<own::ScrewThread>>("screw", P, S, mask_from("x y e1 e2"), own::ScrewThread{pitch, none});
     system.setup();
     State state = system.start();
-    REQUIRE(state.z.size() == 3);  // the angle, its rate and their instant
-    CHECK(std::abs(state.z[0] - home) < 1e-14);
+    REQUIRE(state.s.size() == CountedAngle::kStates);  // the angle, whole turns, the largest correction
+    CHECK(std::abs(state.s[0] - home) < 1e-14);
     const auto turned = [&](const State& from, double angle) {
       State s = from;
       s.q << 0.3, 0, pitch / kTwoPi * angle, axis_angle(Vec3::UnitZ(), angle).coefficients();
@@ -349,7 +349,7 @@ TEST_CASE("a screw counts its turns, a step thrown away leaves no trace", "[unit
       std::vector<Motion> motions;
       system.motions(s, motions);
       Inputs in;
-      in.t = s.t, in.motions = motions, in.z = {s.z.data(), static_cast<std::size_t>(s.z.size())};
+      in.t = s.t, in.motions = motions, in.s = {s.s.data(), static_cast<std::size_t>(s.s.size())};
       system.accept(in, s);
     };
     double angle = home;
@@ -358,12 +358,12 @@ TEST_CASE("a screw counts its turns, a step thrown away leaves no trace", "[unit
       // a try that goes far, is looked at, and thrown away
       const State tried = turned(state, angle + sign * 3.0);
       CHECK(std::abs(error(tried)) < 1e-14);
-      CHECK(tried.z == state.z);
+      CHECK(tried.s == state.s);
       angle += sign * 0.8;
       state = turned(state, angle);
       CHECK(std::abs(error(state)) < 1e-14);
       accept(state);
-      CHECK(std::abs(state.z[0] - angle) < 1e-12);
+      CHECK(std::abs(state.s[0] + kTwoPi * state.s[1] - angle) < 1e-12);
       CHECK(std::abs(error(state)) < 1e-14);
       // the same place with the other sign of the quaternion is the same angle
       State other = state;
@@ -373,7 +373,7 @@ TEST_CASE("a screw counts its turns, a step thrown away leaves no trace", "[unit
     CHECK(std::abs(angle - home) > 5 * kTwoPi);
     // where it did not count, the nut is off by whole pitches
     State lost = state;
-    lost.z[0] = home;
+    lost.s[0] = home, lost.s[1] = 0;
     CHECK(std::abs(std::abs(error(lost)) - 5 * pitch) < 1e-12);
   }
 }

@@ -144,7 +144,8 @@ TEST_CASE("the turn of two turning bodies in the plane is the difference of thei
   CHECK(std::abs(body_twist(third, end).w[2]) < 1e-9);
 }
 
-TEST_CASE("a fixed step in which turns cannot be counted is refused by the link", "[verification][joint]") {
+// The steps are far too long for the moment, and the motion is not that of the equations; but it is one motion.
+TEST_CASE("fixed steps of many turns count the turns that they make", "[verification][joint]") {
   Wheels wheels;
   wheels.system.add(std::make_unique<Shaker>(2 * 500.0 * 20.0, 20.0));
   Dynamics dynamics = along_joints(wheels.system);
@@ -152,39 +153,24 @@ TEST_CASE("a fixed step in which turns cannot be counted is refused by the link"
   dynamics.to_formulation(start);
   StepLoop loop(dynamics, std::make_unique<Rk4>(), {.step = 0.2});
   loop.set_state(start);
-  check_words(message_of<StepError>([&] { loop.run_until(2.0); }), {"rk4", "link 'mesh' counts", "smaller step"});
-}
-
-// From rest to rest the mean of the rates misses the whole way; at an even rate it misses nothing.
-TEST_CASE("turns are too uneven to be counted where the mean rate misses the way by more than 2 rad",
-          "[verification][joint]") {
-  Wheels wheels;
-  Dynamics dynamics = along_joints(wheels.system);
-  State from = wheels.system.start();
-  dynamics.to_formulation(from);
-  const auto missed = [&](double way, double rate) {
-    State to = from;
-    to.t = from.t + 0.1;
-    to.q[0] += way, to.q[1] -= 0.5 * way;
-    from.v[0] = to.v[0] = rate, from.v[1] = to.v[1] = -0.5 * rate;
-    const Lock* link = dynamics.miscounts(from, to);
-    return link != nullptr ? link->name() : "";
-  };
-  for (const double sign : {1.0, -1.0}) {
-    CHECK(missed(sign * 1.99, 0).empty());
-    CHECK(missed(sign * 2.01, 0) == "mesh");
-    CHECK(missed(sign * 30, sign * 300).empty());
-    CHECK(missed(sign * 30, sign * 279) == "mesh");
-    CHECK(missed(sign * 30, sign * 281).empty());
+  double most = 0;
+  for (int k = 1; k <= 10; ++k) {
+    const double before = loop.state().q[0];
+    loop.run_until(0.2 * k);
+    State now = loop.state();
+    most = std::max(most, std::abs(now.q[0] - before));
+    CHECK(dynamics.violation(now) < 1e-9);
+    CHECK(now.q[0] + 2.0 * now.q[1] == Approx(0).margin(1e-9 * std::max(1.0, std::abs(now.q[0]))));
   }
+  CHECK(most > kTwoPi);
 }
 
-TEST_CASE("what is remembered besides turns of hinges of the tree stays in omega, by name", "[verification][joint]") {
+TEST_CASE("links that keep a memory stay in omega, by name, but not those that count turns", "[verification][joint]") {
   const auto why = [](System& system) { return along_joints(system).why_not_joint(system.start().modes); };
   Wheels plain, driven(true);
   plain.system.setup(), driven.system.setup();
   CHECK(why(plain.system).empty());
-  check_words(why(driven.system), {"link 'mesh'", "counts turns", "'a'", "law"});
+  CHECK(why(driven.system).empty());
   const std::string path = message_of<ModelError>([] {
     run_scene(scene_path("path_follower"), [](RunSettings& r) { r.until = 0.05, r.formulation = Formulation::joint; });
   });

@@ -26,11 +26,13 @@ namespace {
 /// A scene of samples/scenes with its dynamics, assembled.
 struct Driven {
   Mechanism m;
+  std::unique_ptr<Recorder> recorder;  // before the start: columns of angles are states
   Dynamics dynamics;
   State start;
 
   explicit Driven(const std::string& scene, const std::function<void(Scene&)>& change = {})
       : m(build_mechanism(changed(scene, change), builtin_registry())),
+        recorder(make_recorder(m)),
         dynamics(system_of(m), make_solver(m.run, builtin_registry()), {m.run.formulation, m.run.stabilization}),
         start(m.system.start()) {
     assemble(dynamics, start, m.start_speeds);
@@ -44,7 +46,6 @@ struct Driven {
 
 /// The recorded columns at the instants of the trusted history.
 Table follow(Driven& d, const Table& at) {
-  const std::unique_ptr<Recorder> recorder = make_recorder(d.m);
   DrivenMotion motion(d.dynamics, d.start);
   const StepReport report;
   bool first = true;
@@ -52,13 +53,13 @@ Table follow(Driven& d, const Table& at) {
     motion.to(t);
     const Sample sample(d.dynamics, motion.state(), report);
     if (first)
-      recorder->start(sample);
+      d.recorder->start(sample);
     else
-      recorder->step(sample);
-    recorder->output(sample);
+      d.recorder->step(sample);
+    d.recorder->output(sample);
     first = false;
   }
-  return recorder->table();
+  return d.recorder->table();
 }
 
 }  // namespace

@@ -185,10 +185,10 @@ TEST_CASE("what laws move beside a start in a singular position hinders no step"
 TEST_CASE("a condition on what a law moves beside what is free is met when its closed form says so",
           "[verification][joint]") {
   System system = beside();
+  const Channel angle = make_channel(system, "hinge.angle_z");
   Dynamics dynamics = dynamics_of(system, Formulation::automatic);
   StepLoop loop(dynamics, std::make_unique<Dopri5>());
   loop.set_state(start_of(dynamics));
-  const Channel angle = make_channel(system, "hinge.angle_z");
   loop.add_event({.name = "high", .value = [&](const Sample& s) { return angle.value(s) - 0.99; }, .stop = true});
   loop.run_until(1);
   CHECK(loop.state().t == Approx(std::asin(0.99) / 60).epsilon(1e-6));

@@ -231,7 +231,7 @@ double Dynamics::project_velocity(State& state) {
 
 void Dynamics::accept(State& state) {
   check_state(system_, state);
-  if (state.z.size() > 0) system_.accept(inputs_.at(system_, state), state);
+  if (system_.keeps_anything()) system_.accept(inputs_.at(system_, state), state);
 }
 
 void Dynamics::save(const State& state, Snapshot& out) {

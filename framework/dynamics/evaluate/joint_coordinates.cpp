@@ -59,7 +59,7 @@ Dynamics::Tree& Dynamics::tree(const std::vector<bool>& modes) {
   t.f.setZero(6 * system_.n_slots());
   if (layout.tree) t.recursion = TreeRecursion::of(*layout.tree, system_, std::move(layout.fronts));
   t.coordinates = std::move(layout.tree);
-  if (t.coordinates) lay_out_reactions(t);
+  if (t.coordinates) lay_out_reactions(t), t.find_hinges(system_);
   t.revision = system_.revision();
   return t;
 }
@@ -71,8 +71,47 @@ Dynamics::Tree& Dynamics::Tree::of(const State& state) {
       "(Dynamics::to_slots)");
 }
 
-Inputs Dynamics::Tree::inputs(const State& state) const {
+void Dynamics::Tree::find_hinges(const System& system) {
+  hinges.clear(), angle_rates.clear();
+  for (const auto& angle : system.counted_angles())
+    if (const auto turn = angle->turn(); turn && turn->slot != turn->other)
+      find_hinges(*turn, static_cast<std::size_t>(angle->number()));
+  if (!hinges.empty()) angle_rates.assign(system.counted_angles().size(), NAN);
+}
+
+// The turn of a slot against another is the sum of the turns of all hinges between them if these have one axis: those of a
+// planar tree, or a single one.
+void Dynamics::Tree::find_hinges(const CountedAngle::Turn& turn, std::size_t angle) {
+  const auto& nodes = coordinates->nodes();
+  const PlanarJoints* const plane = coordinates->planar();
+  const std::size_t n_before = hinges.size();
+  int end = coordinates->node_of(turn.slot), begin = coordinates->node_of(turn.other);
+  const Vec3 normal = !plane      ? Vec3::Zero()
+                      : begin < 0 ? Vec3::Unit(plane->plane().n)
+                                  : plane->normal(plane->nodes()[static_cast<std::size_t>(begin)]);
+  bool is_sum = !plane || are_parallel(normal, turn.axis);
+  while (is_sum && begin != end) {
+    const bool outward = end > begin;
+    int& at = outward ? end : begin;
+    const auto k = static_cast<std::size_t>(at);
+    const TreeNode& n = nodes[k];
+    at = n.parent;
+    is_sum = !n.has_laws() && n.turn != TreeTurn::ball && (plane || (n.turn == TreeTurn::hinge && begin == end));
+    if (!is_sum || n.turn == TreeTurn::none) continue;
+    const Vec3 axis = plane     ? Vec3(plane->nodes()[k].sign * normal)
+                      : outward ? n.axis
+                                : Vec3(rotation(n.K0).transpose() * n.axis);
+    is_sum = are_parallel(axis, turn.axis);
+    hinges.push_back({angle, n.first_v + n.n_slides, (outward ? 1.0 : -1.0) * (axis.dot(turn.axis) > 0 ? 1.0 : -1.0)});
+  }
+  if (!is_sum) hinges.resize(n_before);
+}
+
+Inputs Dynamics::Tree::inputs(const State& state) {
+  for (const HingeOfAngle& h : hinges) angle_rates[h.angle] = 0;
+  for (const HingeOfAngle& h : hinges) angle_rates[h.angle] += h.sign * state.v[h.v];
   Inputs in;
+  in.angle_rates = angle_rates;
   in.t = state.t, in.motions = motions;
   in.s = {state.s.data(), static_cast<std::size_t>(state.s.size())};
   in.z = {state.z.data(), static_cast<std::size_t>(state.z.size())};
@@ -116,13 +155,6 @@ void Dynamics::joint_reactions(Tree& t, const Inputs& in) {
 }
 
 std::string Dynamics::why_not_joint(const std::vector<bool>& modes) { return tree(modes).why_not; }
-
-const Lock* Dynamics::miscounts(const State& from, const State& to, double most) {
-  system_.check_size(from), system_.check_size(to);
-  if (!from.coordinates || from.coordinates != to.coordinates) return nullptr;
-  const int link = tree(from.modes).of(from).coordinates->miscounts(from, to, most);
-  return link < 0 ? nullptr : system_.links()[static_cast<std::size_t>(link)].get();
-}
 
 void Dynamics::to_formulation(State& state, const State* near) {
   if (options_.formulation != Formulation::joint && options_.formulation != Formulation::automatic)

@@ -23,13 +23,20 @@ struct Dynamics::Tree {
   std::unique_ptr<TreeRecursion> recursion;
   std::vector<Motion> motions;
   VecX f, a, none;
-  RowTable rows;        // of the links whose multipliers somebody reads, and of those with laws
-  bool solves = false;     // integrated states read accelerations or multipliers,
-  bool reads_all = false;  // not only those of links with laws
+  struct HingeOfAngle {
+    std::size_t angle;  // its number among the counted ones
+    int v;              // rate of the hinge
+    double sign;
+  };
+  std::vector<HingeOfAngle> hinges;  // those whose turns a counted angle is the sum of
+  std::vector<double> angle_rates;   // of all counted angles; NaN: it is no such sum. Empty: none is
+  RowTable rows;                     // of the links whose multipliers somebody reads, and of those with laws
+  bool solves = false;               // integrated states read accelerations or multipliers,
+  bool reads_all = false;            // not only those of links with laws
   TreeReactions reactions;
   RowTable closure_rows;
   VecX C, Cd, correction, loaded;
-  State before;  // a projection
+  State before;                // a projection
   bool velocities_met = true;  // the last projection brought them onto J v = -Ct, but for rounding
 
   bool multipliers_known = true;  // those of the closures, by the last evaluation: not where redundant rows differ
@@ -38,7 +45,10 @@ struct Dynamics::Tree {
   Tree& of(const State&);
   ClosureRows& closures() { return recursion->closures(); }
   // The state, and the motions as found last.
-  Inputs inputs(const State&) const;
+  Inputs inputs(const State&);
+  // Finds the hinges of all counted angles, and of one.
+  void find_hinges(const System&);
+  void find_hinges(const CountedAngle::Turn&, std::size_t angle);
   // |C| of the closures, as Evaluation::norm measures it; not finite where something is not.
   double violation(System&, const State&);
   // Brings a state onto C = 0 and J v = -Ct of the closures by the least move in the mass metric, as Projection does.

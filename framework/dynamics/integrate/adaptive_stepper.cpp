@@ -34,13 +34,6 @@ std::string reason(Dynamics& dynamics, const State& start, const State& landed, 
          "; two laws or links may part there, or the mechanism is locked: " + advice;
 }
 
-StepError miscounted(const Lock& link, std::string_view method, double t, double h) {
-  return StepError(fmt::format("{}: in the step of {:.6g} s from t = {:.9g} s the turns that link '{}' counts are too "
-                               "uneven to be known; take a smaller step (--step)",
-                               method, h, t, link.name()),
-                   t);
-}
-
 }  // namespace
 
 AdaptiveStepper::AdaptiveStepper(int order, std::unique_ptr<StepControl> control)
@@ -85,9 +78,7 @@ StepReport AdaptiveStepper::step(Dynamics& dynamics, State& state, double h) {
     try {
       const Attempt made = attempt(dynamics, h);
       failure.clear();
-      const Lock* const lost = made.accepted ? dynamics.miscounts(start_, end_) : nullptr;
-      if (lost && fixed()) throw miscounted(*lost, info().name, start_.t, h);
-      if (made.accepted && !lost && land(dynamics, h, report)) {
+      if (made.accepted && land(dynamics, h, report)) {
         report.h = h;
         report.error = made.error;
         if (control_) report.h_next = h * control_->accept(h, made.error, made.iterations, rejected);
@@ -95,9 +86,7 @@ StepReport AdaptiveStepper::step(Dynamics& dynamics, State& state, double h) {
         take_motion(landed_, state);
         return report;
       }
-      if (lost)
-        failure = "the turns that link '" + lost->name() + "' counts are too uneven";
-      else if (made.accepted)
+      if (made.accepted)
         failure =
             fmt::format("its end is {:.2g} m off the constraints and cannot be brought back", report.violation_after);
       rejected = rejected || !made.shifted;

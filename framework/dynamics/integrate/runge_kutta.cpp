@@ -184,6 +184,17 @@ void copy_motion(const State& in, State& out) {
   out.s = in.s;
 }
 
+void lead_angles(Dynamics& dynamics, const State& from, State& to) {
+  const auto& angles = dynamics.system().counted_angles();
+  const double h = to.t - from.t;
+  for (const auto& angle : angles) to.s.segment<2>(angle->first()) = from.s.segment<2>(angle->first());
+  for (const State* end : {&from, static_cast<const State*>(&to)}) {
+    if (angles.empty()) return;
+    const Inputs& in = dynamics.inputs(*end);
+    for (const auto& angle : angles) to.s[angle->first()] += 0.5 * h * angle->rate(in);
+  }
+}
+
 void take_motion(State& in, State& out) {
   if (out.coordinates != in.coordinates) out.coordinates = in.coordinates;
   out.t = in.t;

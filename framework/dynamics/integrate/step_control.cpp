@@ -68,11 +68,11 @@ Change change_of_motions(std::span<const Motion> a, const StateRate& k0, double 
 }  // namespace
 
 bool ErrorNorm::Moving::are_of(const State& y) const {
-  return t == y.t && coordinates == y.coordinates && s.size() == y.s.size() && q == y.q && v == y.v && s == y.s;
+  return t == y.t && coordinates == y.coordinates && q == y.q && v == y.v && s == y.s.head(s.size());
 }
 
-void ErrorNorm::Moving::at(const State& y) {
-  t = y.t, q = y.q, v = y.v, s = y.s, coordinates = y.coordinates;
+void ErrorNorm::Moving::at(const State& y, int n_s) {
+  t = y.t, q = y.q, v = y.v, s = y.s.head(n_s), coordinates = y.coordinates;
   motions.resize(static_cast<std::size_t>(y.coordinates->n_slots() + 1));  // the ground, at rest, is never written
   y.coordinates->motions(y, motions);
 }
@@ -80,8 +80,8 @@ void ErrorNorm::Moving::at(const State& y) {
 void ErrorNorm::scale(const State& y0, const StateRate& k0, double h, const State& y1) {
   if (y0.coordinates) {
     if (now_.are_of(y0)) std::swap(before_, now_);  // the end of the step before
-    if (!before_.are_of(y0)) before_.at(y0);        // else the step is attempted anew
-    now_.at(y1);
+    if (!before_.are_of(y0)) before_.at(y0, n_s_);  // else the step is attempted anew
+    now_.at(y1, n_s_);
   }
   weights_ = weights_of(tolerance_, y0.coordinates ? change_of_motions(before_.motions, k0, h, now_.motions)
                                                    : change_of_slots(y0, k0, h, y1));
@@ -94,7 +94,7 @@ void ErrorNorm::scale(const State& y0, const StateRate& k0, double h, const Stat
 void ErrorNorm::scale(const State& y0, double length) {
   double v = 0, w = 0;
   if (y0.coordinates) {
-    now_.at(y0);
+    now_.at(y0, n_s_);
     for (const Motion& O : now_.motions) v = std::max(v, O.v.squaredNorm()), w = std::max(w, O.w.squaredNorm());
   } else {
     const Largest speed(y0.v);

@@ -254,9 +254,9 @@ bool only_laws_move(Dynamics& dynamics, const State& given) {
 void add_warnings(Dynamics& dynamics, const State& given, const State& assembled, const AssemblyOptions& options,
                   AssemblyReport& report) {
   const System& system = dynamics.system();
-  constexpr double kFar = 0.1;   // of the length of the mechanism, or
-  constexpr double kMove = 0.5;  // m
-  constexpr double kTurned = 0.5;  // rad
+  constexpr double kFar = 0.1;                      // of the length of the mechanism, or
+  constexpr double kMove = 0.5;                     // m
+  constexpr double kTurned = 0.5;                   // rad
   constexpr double kMost = 0.5, kMostOfHalf = 0.1;  // of the kinetic energy: at all; where half a velocity is given
   // Poses count no more where coordinates are asked for, nor that of a body that may go anywhere.
   const auto meant = [&](const std::string& body) {
@@ -325,9 +325,9 @@ LOCKSTEP_API bool AssemblyReport::is_notable() const {
 }
 
 LOCKSTEP_API std::string AssemblyReport::text() const {
-  std::string text = fmt::format(
-      "the start violated the constraints by {:.2g} m and {:.2g} m/s, now by {:.2g} m and {:.2g} m/s", before,
-      before_v, after, after_v);
+  std::string text =
+      fmt::format("the start violated the constraints by {:.2g} m and {:.2g} m/s, now by {:.2g} m and {:.2g} m/s",
+                  before, before_v, after, after_v);
   if (largest_move == 0 && largest_turn == 0) text += "; only velocities changed";
   if (largest_move > 0) text += fmt::format("; moved '{}' by {:.3g} m", moved_most, largest_move);
   if (largest_turn > 0) text += fmt::format("; turned '{}' by {:.3g} rad", turned_most, largest_turn);
@@ -353,12 +353,12 @@ void find_positions_from(Dynamics& dynamics, State& work, const AssemblyOptions&
 bool find_positions(Dynamics& dynamics, State& work, const AssemblyOptions& options, Assembler& assembler,
                     AssemblyReport& report) {
   const System& system = dynamics.system();
+  const bool begins = turns_begin(system, work);
   const bool led = begin_turns(dynamics, work, options, report.warnings),
              follows =
-                 led || (has_counting_links(system) && (!options.coordinates.empty() || has_drives(system, work)));
-  const bool begins = follows && (led || work.z == system.start().z);
-  const VecX counted = begins ? counted_at(dynamics, work) : VecX();
-  if (begins && !led) work.z = counted;
+                 led || (has_coupled_angles(system) && (!options.coordinates.empty() || has_drives(system, work)));
+  const State begun = work;
+  follow_turns(dynamics, work);
   report.before = weighs(options) ? dynamics.violation(work) : assembler.distance();
   const State given = work;
   try {
@@ -373,7 +373,8 @@ bool find_positions(Dynamics& dynamics, State& work, const AssemblyOptions& opti
       throw AssemblyError(error.what() + drive);
     }
   }
-  if (begins) settle_turns(system, counted, given.z, work);
+  follow_turns(dynamics, work);
+  if (begins) settle_turns(dynamics, begun, work);
   return follows;
 }
 

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <vector>
 
-#include <lockstep/forces.h>
 #include <lockstep/log.h>
 #include <lockstep/relative.h>
 #include "framework/dynamics/simulate/coordinate_row.h"
@@ -78,29 +77,8 @@ void measure(Dynamics& dynamics, const State& state, std::vector<AskedTurn>& ask
     turn.now = nearest_to(turn.now, coordinate_value(dynamics, state, *turn.link, turn.axis));
 }
 
-const Remembering* counting(const Remembering* own) {
-  return own != nullptr && own->counts_turns_alone() ? own : nullptr;
-}
-
-// What a link or force that counts the turns of this pair says; nothing where none has counted yet.
-std::optional<double> counted_angle(const System& system, const State& state, const Lock& link, int axis) {
-  if (axis != 2) return {};
-  const auto pair = link.pairs().front();
-  for (const auto& each : system.links()) {  // three numbers for each pair
-    const Remembering* own = counting(each->remembering());
-    if (own == nullptr) continue;
-    const auto pairs = each->pairs();
-    if (own->n_memory() != 3 * static_cast<int>(pairs.size())) continue;
-    for (std::size_t k = 0; k < pairs.size(); ++k)
-      if (pairs[k] == pair) return state.z[each->first_memory() + 3 * static_cast<int>(k)];
-  }
-  for (const auto& force : system.forces()) {
-    const auto* spring = dynamic_cast<const TorsionSpringDamper*>(force.get());
-    if (spring != nullptr && &spring->p() == pair.first && spring->s() == pair.second &&
-        state.z[spring->first_memory() + 3] != 0)
-      return state.z[spring->first_memory()];
-  }
-  return {};
+double expected(const CountedAngle& angle, const State& state) {
+  return angle.expected({state.s.data(), static_cast<std::size_t>(state.s.size())});
 }
 
 /// The bodies on one side of a joint.
@@ -236,34 +214,26 @@ bool turns_about_one_axis(const Lock& link, Axis axis) {
 bool begin_turns(Dynamics& dynamics, State& state, const AssemblyOptions& options, std::vector<std::string>& warnings) {
   const System& system = dynamics.system();
   std::vector<AskedTurn> asked = turns_asked(system, state, options);
-  const bool counts = system.n_memory() > 0;
+  const bool counts = !system.counted_angles().empty();
   if (!counts)  // there is nothing to lead, but what may be warned of
     std::erase_if(asked, [](const AskedTurn& turn) { return !(std::abs(turn.angle) > kPi + 1e-6); });
-  if (asked.empty()) return false;
+  if (asked.empty() || !turns_begin(system, state)) return false;
   State home = system.start();
-  if (state.z != home.z) return false;
   home.t = state.t, home.modes = state.modes;
   measure(dynamics, home, asked);
   if (!is_asked_beyond(asked)) return false;
   drop_unled(asked, warnings);
   if (!counts) return false;
   home.v.setZero();
-  follow_turns(dynamics, home);  // before it is led, what counts is where the poses given are
-  for (AskedTurn& turn : asked)  // half a turn has two names
-    if (const auto counted = counted_angle(system, home, *turn.link, axis_index(turn.axis) % 3))
-      turn.now = nearest_to(*counted, turn.now);
+  for (AskedTurn& turn : asked) {  // half a turn has two names
+    const auto [p, s] = turn.link->pairs().front();
+    if (const CountedAngle* angle = system.counted(*p, *s, axis_index(turn.axis) % 3))
+      turn.now = nearest_to(expected(*angle, home), turn.now);
+  }
   lead(dynamics, home, asked, warnings);
-  state.z = home.z;
+  for (const auto& angle : system.counted_angles())
+    state.s.segment(angle->first(), CountedAngle::kStates) = home.s.segment(angle->first(), CountedAngle::kStates);
   return true;
-}
-
-bool may_begin_beyond(const System& system, const State& state, const AssemblyOptions& options) {
-  const bool places = has_counting_links(system);
-  return std::ranges::any_of(turns_of_drives(system, state),
-                             [](const AskedTurn& turn) { return std::abs(turn.angle) > kPi + 1e-6; }) ||
-         std::ranges::any_of(options.coordinates, [&](const CoordinateTarget& target) {
-           return is_rotation(target.axis) ? std::abs(target.value) > kPi + 1e-6 : places;
-         });
 }
 
 void begin_turns(Dynamics& dynamics, State& state) {
@@ -280,46 +250,43 @@ double short_share(int n_slots, const VecX& d, double length) {
 }
 
 void follow_turns(Dynamics& dynamics, State& state) {
-  if (state.z.size() == 0) return;
+  if (dynamics.system().counted_angles().empty()) return;
   const Inputs& in = dynamics.inputs(state);
-  const auto accept = [&](const auto& owner) {
-    const Remembering& own = *owner.remembering();
-    named(owner, in.t, [&] {
-      own.accept_step(in, {state.z.data() + owner.first_memory(), static_cast<std::size_t>(own.n_memory())});
-    });
-  };
-  for (const auto& link : dynamics.system().links())
-    if (counting(link->remembering()) != nullptr) accept(*link);
-  for (const auto& force : dynamics.system().forces())
-    if (counting(force->remembering()) != nullptr) accept(*force);
+  for (const auto& angle : dynamics.system().counted_angles())
+    named(*angle, in.t, [&] { angle->set(in, expected(*angle, state), state.s); });
 }
 
-VecX counted_at(Dynamics& dynamics, const State& state) {
-  State at_rest = state;
-  at_rest.z = dynamics.system().start().z;
-  at_rest.v.setZero();
-  follow_turns(dynamics, at_rest);
-  return at_rest.z;
+bool turns_begin(const System& system, const State& state) {
+  if (system.counted_angles().empty()) return true;
+  const VecX home = system.start().s;
+  return std::ranges::all_of(system.counted_angles(), [&](const auto& angle) {
+    return state.s.segment(angle->first(), CountedAngle::kStates) ==
+           home.segment(angle->first(), CountedAngle::kStates);
+  });
 }
 
-void settle_turns(const System& system, const VecX& given, const VecX& led, State& state) {
-  const VecX home = system.start().z;
-  const auto settle = [&](const auto& owner) {
-    if (counting(owner.remembering()) == nullptr) return;
-    const int first = owner.first_memory(), n = owner.n_own_memory();
-    if (n == 0) return;
-    if (std::abs(led[first] - home[first]) > kNearlyHalf)
-      state.z.segment(first, n) = led.segment(first, n);
-    else if (std::abs(state.z[first] - given[first]) <= kNearlyHalf)
-      state.z.segment(first, n) = home.segment(first, n);
-  };
-  for (const auto& link : system.links())
-    if (link->unilateral() != nullptr) settle(*link);
-  for (const auto& force : system.forces()) settle(*force);
+void settle_turns(Dynamics& dynamics, const State& given, State& state) {
+  const System& system = dynamics.system();
+  if (system.counted_angles().empty()) return;
+  const State home = system.start();
+  const Inputs& in = dynamics.inputs(state);
+  for (const auto& angle : system.counted_angles()) {
+    const double began = expected(*angle, given), now = expected(*angle, state);
+    const bool led = std::abs(began - expected(*angle, home)) > kNearlyHalf;
+    if (angle->coupled() || (!led && std::abs(now - began) > kNearlyHalf)) continue;
+    named(*angle, in.t, [&] { angle->set(in, led ? began : 0.0, state.s); });
+  }
 }
 
-bool has_counting_links(const System& system) {
-  return std::ranges::any_of(system.links(), [](const auto& link) { return counting(link->remembering()) != nullptr; });
+void count_from(Dynamics& dynamics, State& state) {
+  const bool begins = turns_begin(dynamics.system(), state);
+  const State given = state;
+  follow_turns(dynamics, state);
+  if (begins) settle_turns(dynamics, given, state);
+}
+
+bool has_coupled_angles(const System& system) {
+  return std::ranges::any_of(system.counted_angles(), [](const auto& angle) { return angle->coupled(); });
 }
 
 bool has_drives(const System& system, const State& state) {
@@ -355,13 +322,6 @@ std::string farthest_drive(Dynamics& dynamics, const State& state) {
   return fmt::format(
       " (drive {} of link '{}' begins at {:.6g} deg, {:.6g} deg from the poses given: put its bodies there)",
       to_string(farthest->axis), farthest->link->name(), kDegrees * farthest->angle, kDegrees * most);
-}
-
-std::optional<double> known_turn(const System& system, const State& state, const Lock& link, int axis) {
-  if (link.pairs().empty()) return {};
-  if (is_active(state, link) && turns_about_one_axis(link, kAxes[axis]))
-    if (const auto angle = driven_angle(link, state.t, axis)) return angle;
-  return counted_angle(system, state, link, axis);
 }
 
 }  // namespace lockstep

@@ -11,6 +11,7 @@
 #include "framework/dynamics/simulate/damping.h"
 #include "framework/dynamics/simulate/detail_observer.h"
 #include "framework/dynamics/simulate/keep_state.h"
+#include "framework/dynamics/simulate/start_turns.h"
 #include "framework/dynamics/simulate/step_loop_parts.h"
 
 namespace lockstep {
@@ -213,7 +214,8 @@ void StepLoop::make_start() {
   system().check_size(state_);
   check_start(dynamics_, state_, options_.start_limit);
   check_formulation(dynamics_, state_, *method_);
-  dynamics_.accept(state_);  // memory includes the speeds of the start
+  count_from(dynamics_, state_);
+  dynamics_.accept(state_);
   interval.start(state_);
   clock.start(state_.t);
   events.start(state_.t);

@@ -72,6 +72,7 @@ std::string signature(const System& system, const Integrator& method, const Dyna
   for (const auto& force : system.forces()) text += "; force " + force->name() + " " + std::string(force->type());
   for (const ControlInput& input : system.control_inputs()) text += "; input " + input.name();
   for (const auto& own : system.auxiliaries()) text += "; state " + own->name();
+  for (const auto& angle : system.counted_angles()) text += "; " + angle->name();
   return text;
 }
 

@@ -21,7 +21,6 @@ constexpr std::string_view kBuiltIn = "built in";
 constexpr long kApart = 16;         // steps between two looks at |C|
 constexpr double kMore = 10;        // times what is reported, and
 constexpr double kRounded = 1e-12;  // of the length: less is no lie
-constexpr double kMiscounted = 3;   // rad; from half a turn on turns are counted wrong
 
 bool same_sizes(const State& a, const State& b) {
   return a.q.size() == b.q.size() && a.v.size() == b.v.size() && a.s.size() == b.s.size() && a.z.size() == b.z.size() &&
@@ -76,8 +75,6 @@ void StepWatch::check(const State& from, const State& to, double h, StepReport& 
   if (wrong.empty()) wrong = wrong_time(from.t, to.t, h, report);
   if (wrong.empty()) wrong = wrong_numbers(to);
   if (wrong.empty()) wrong = wrong_quaternion(to, dynamics_.system());
-  if (const Lock* link = wrong.empty() ? dynamics_.miscounts(from, to, kMiscounted) : nullptr)
-    wrong = "turns what link '" + link->name() + "' counts too unevenly to be known; take a smaller step (--step)";
   if (!wrong.empty())
     throw StepError(fmt::format("{}: the step from t = {:.9g} s {}", method_.info().name, from.t, wrong), from.t);
   if (method_.origin() != kBuiltIn && has_closures(to))

@@ -9,8 +9,8 @@ class StepWatch {
  public:
   StepWatch(Dynamics& dynamics, const Integrator& method) : dynamics_(dynamics), method_(method) {}
 
-  /// Checks the step of at most h, s, from `from` to `to`: time, sizes, finite numbers, unit quaternions, counted
-  /// turns; what a method must not touch. Of a method that is not built in it measures |C| of the new state, too, and
+  /// Checks the step of at most h, s, from `from` to `to`: time, sizes, finite numbers, unit quaternions;
+  /// what a method must not touch. Of a method that is not built in it measures |C| of the new state, too, and
   /// reports the larger one. Throws StepError that names the method.
   void check(const State& from, const State& to, double h, StepReport& report);
   /// After n steps of the run, which depend on nothing else: |C| of a built-in method is measured again in steps 1, 2, 4

@@ -216,13 +216,26 @@ std::shared_ptr<const JointTree> JointTree::of(const System& system, const std::
     for (const TreeNode& n : tree->nodes_)
       if (n.has_laws()) tree->followed_.push_back(n.slot);
   tree->planar_ = PlanarJoints::of(tree->nodes_, system.plane());
-  why_not = tree->follow_turns(system);
+  why_not = tree->refusal_of_memories(system);
   if (!why_not.empty()) return nullptr;
   if (system.plane() && !tree->planar_)
     why_not = "a law does not say that it stays in the plane (stays_in_plane, turns_about)";
   else if (tree->n_v_ == 0 && tree->has_rows_)
     why_not = "no coordinate is free, but link '" + tree->link_with_rows(system).name() + "' has rows";
   return why_not.empty() ? tree : nullptr;
+}
+
+// Of links whose rows read a memory; "" where there is none.
+std::string JointTree::refusal_of_memories(const System& system) const {
+  const auto reads_memory = [&](int link) { return system.links()[static_cast<std::size_t>(link)]->n_own_memory() > 0; };
+  const auto refused = [&](int link) {
+    return "link '" + system.links()[static_cast<std::size_t>(link)]->name() +
+           "' keeps a memory from step to step (ways), which long steps outrun";
+  };
+  if (const auto link = std::ranges::find_if(closures_, reads_memory); link != closures_.end()) return refused(*link);
+  for (const TreeNode& n : nodes_)
+    if (n.left != 0 && reads_memory(n.link)) return refused(n.link);
+  return {};
 }
 
 // The first link that closes a loop, or whose joint leaves rows.

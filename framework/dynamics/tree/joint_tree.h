@@ -30,7 +30,8 @@ struct MovingMarkers {
 
 /// The axes of a joint that slides or turns freely.
 struct TreeAxes {
-  std::array<Vec3, 3> slide{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  ///< directions of the translations, in the frame that carries S
+  std::array<Vec3, 3> slide{Vec3::Zero(), Vec3::Zero(),
+                            Vec3::Zero()};  ///< directions of the translations, in the frame that carries S
   Mat3 ball = Mat3::Identity();  ///< of a ball: axes of P in the frame that carries it, with the sign of the turn
 };
 
@@ -45,10 +46,10 @@ struct TreeAxes {
 ///
 /// What an evaluation reads of a hinge without laws comes first, three cache lines of the five.
 struct alignas(64) TreeNode {
-  int slot = 0;      ///< whose motion this node is
-  int parent = -1;   ///< number of its parent's node; -1: the ground
-  int first_q = 0,   ///< where its coordinates begin: translations, then the angle or the quaternion
-      first_v = 0;   ///< where its velocities begin: translations, then the rate or w, in the axes of P
+  int slot = 0;                    ///< whose motion this node is
+  int parent = -1;                 ///< number of its parent's node; -1: the ground
+  int first_q = 0,                 ///< where its coordinates begin: translations, then the angle or the quaternion
+      first_v = 0;                 ///< where its velocities begin: translations, then the rate or w, in the axes of P
   unsigned char n_slides = 0;      ///< translations
   TreeTurn turn = TreeTurn::none;  ///< how far turns against near
   bool reversed = false;           ///< near is P
@@ -58,18 +59,18 @@ struct alignas(64) TreeNode {
   /// The markers, where laws move one of them on its body; else null.
   std::shared_ptr<const MovingMarkers> moving{};
 
-  Vec3 near_u = Vec3::Zero(),    ///< origin of near in the parent, m
-      far_u = Vec3::Zero();      ///< origin of far in the slot, m
-  Quat K0, K1;                   ///< e = e_p (c K0 + s K1), c and s of half the angle; without an angle K0 alone
-  Vec3 axis = Vec3::Zero();      ///< axis of a hinge, in the parent's axes, with the sign of the turn
+  Vec3 near_u = Vec3::Zero(),  ///< origin of near in the parent, m
+      far_u = Vec3::Zero();    ///< origin of far in the slot, m
+  Quat K0, K1;                 ///< e = e_p (c K0 + s K1), c and s of half the angle; without an angle K0 alone
+  Vec3 axis = Vec3::Zero();    ///< axis of a hinge, in the parent's axes, with the sign of the turn
 
   int link = -1;           ///< number of the link; -1: none, the slot is free
   Mask rows = Mask::none;  ///< that the joint holds
   int first_s = 0, n_s = 0;
   const Lock* lock = nullptr;
   std::shared_ptr<const TreeAxes> axes{};  ///< of translations and of a ball; null: there are none
-  Vec3 hinge = Vec3::Zero();     ///< axis of a hinge, in the axes of P and of D
-  Quat near_q, far_q;            ///< axes of near and far
+  Vec3 hinge = Vec3::Zero();               ///< axis of a hinge, in the axes of P and of D
+  Quat near_q, far_q;                      ///< axes of near and far
 
   const Vec3& slide(int k) const { return axes->slide[static_cast<std::size_t>(k)]; }
   bool has_laws() const { return imposed || moving; }
@@ -104,34 +105,20 @@ class LOCKSTEP_API JointTree final : public Coordinates {
   void read_off(const State& slots, const State* near, State& out) const;
 
   const std::vector<TreeNode>& nodes() const { return nodes_; }  ///< parents before their children
+  /// Number of the node of a slot; -1 for the ground.
+  int node_of(int slot) const { return slot < 0 ? -1 : node_of_[static_cast<std::size_t>(slot)]; }
   const std::vector<int>& closures() const { return closures_; }  ///< numbers of the links in force beside the tree
   /// Whether rows beside the joints may depend on others: those of closures and of functions. A turn alone never does.
   bool may_be_redundant() const { return may_be_redundant_; }
   /// The same joints in a plane, where they keep all slots in one; else null.
   const PlanarJoints* planar() const { return planar_.get(); }
 
-  /// Number of a link that counts turns by the mean of the rates, where that misses the way of a pair by more than `most`,
-  /// rad, in a step from one state to the other, at its end or inside it. -1: none.
-  int miscounts(const State& from, const State& to, double most = 2.0) const;
-  bool counts_turns() const { return !counted_.empty(); }
-
  private:
   void carry_all(const State&, std::span<Motion> out) const;
   const Lock& link_with_rows(const System&) const;
   template <class G>
   void grow(const System&, const G& graph);
-  std::string follow_turns(const System&);
-  // A turn that a closure counts: a sum of angles.
-  struct CountedTurn {
-    struct Part {
-      int q, v;  // numbers of an angle and of its rate
-      double sign;
-    };
-    int link;
-    std::vector<Part> parts;
-  };
-  bool turns_about_normal(const Marker&) const;
-  std::string add_parts(const System&, int slot, double sign, CountedTurn&) const;
+  std::string refusal_of_memories(const System&) const;
   void add_node(const System&, int slot, int parent, int link);
   void match_sign(const System& system, TreeNode& node) const;
   // Numbers of the motions of a node, and of the node `node` (-1: the ground), where the ground's is the first.
@@ -141,7 +128,6 @@ class LOCKSTEP_API JointTree final : public Coordinates {
   std::vector<TreeNode> nodes_;
   std::vector<int> node_of_;  // of each slot
   std::vector<int> closures_;
-  std::vector<CountedTurn> counted_;
   std::shared_ptr<const PlanarJoints> planar_;
   int n_q_ = 0, n_v_ = 0;
   std::vector<int> followed_;  // slots

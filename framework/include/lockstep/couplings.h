@@ -131,7 +131,6 @@ class LOCKSTEP_API CamFlat final : public PhiLock<FaceOnCam> {
   static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
 };
 
-
 // Links 'point_on_curve' and 'path_follower': P stays on a space curve c(s), fixed to S.
 
 /// A curve c(s) in S axes, seen during a step from a fixed frame: the tangent t and two normals n1, n2 at the last
@@ -311,7 +310,7 @@ struct TurnsOfTwo {
   /// a theta1 + b theta2.
   template <class T>
   T turned(const LockCoords<T>& y1, const LockCoords<T>& y2) const {
-    return a * y1.angle_z() + b * y2.angle_z();
+    return a * y1.rest_z() + b * y2.rest_z() + kTwoPi * (a * y1.turns + b * y2.turns);
   }
   /// phi.
   template <class T>
@@ -338,7 +337,7 @@ struct TurnsOfThree {
   /// a theta1 + b theta2 + c theta3.
   template <class T>
   T turned(const LockCoords<T>& y1, const LockCoords<T>& y2, const LockCoords<T>& y3) const {
-    return a * y1.angle_z() + b * y2.angle_z() + c * y3.angle_z();
+    return a * y1.rest_z() + b * y2.rest_z() + c * y3.rest_z() + kTwoPi * (a * y1.turns + b * y2.turns + c * y3.turns);
   }
   /// phi.
   template <class T>
@@ -402,7 +401,6 @@ class LOCKSTEP_API Differential final : public PhiCoupling<TurnsOfThree> {
   static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
 };
 
-
 // Link 'rack_and_pinion': a pinion that rolls along a rack, or the same between two joints.
 
 /// (7.4) phi = x + radius theta - reference, m: the pinion's centre along x of S, its turn about z. The multiplier is
@@ -443,9 +441,9 @@ class LOCKSTEP_API RollingRack final : public PhiLock<RollingPinion> {
 /// phi = z2 - radius theta1 - reference, m: pair 1 is the pinion's joint (turn about z), pair 2 the rack's (sliding
 /// along z).
 struct PinionAndSlide {
-  double radius;                    ///< of the pitch circle, m
-  double reference = 0;             ///< z2 - radius theta1 at the start, m
-  static constexpr int kPairs = 2;  ///< the pinion, the rack
+  double radius;                               ///< of the pitch circle, m
+  double reference = 0;                        ///< z2 - radius theta1 at the start, m
+  static constexpr int kPairs = 2;             ///< the pinion, the rack
   static constexpr bool kStaysInPlane = true;  ///< planar mechanisms stay in their plane
   static constexpr std::array<Reads, 2> kReads = {Reads::rotation, Reads::translation};  ///< the turn, the slide
   static constexpr bool kCountsTurns = true;                                             ///< theta1 runs on

@@ -393,9 +393,6 @@ class LOCKSTEP_API Dynamics {
   /// What stands in the way of joint coordinates with these links in force, by name; "" where nothing does. With
   /// Formulation::automatic also what makes them the dearer ones.
   std::string why_not_joint(const std::vector<bool>& modes);
-  /// In joint coordinates: a link that counts turns (gears, belts), where they are too uneven in a step from one state to
-  /// the other to be counted by the mean of the rates: it misses the way by more than `most`, rad. Null: none.
-  const Lock* miscounts(const State& from, const State& to, double most = 2.0);
 
   // -- moving a state. In joint coordinates only the closures of loops are projected; a tree has nothing to project.
   /// Moves the state onto C = 0, then onto Jh v = -Ct, by the least move in the mass metric, until |C| is a hundredth

@@ -108,6 +108,8 @@ class LOCKSTEP_API Force {
   // -- setup: called when the bodies have their slots
   /// Prepares the evaluation; throws ModelError for a mechanism in which the force cannot act.
   virtual void setup() = 0;
+  /// Asks for the angles that it counts, and keeps the references; called after setup(). Default: none.
+  virtual void count_angles(AngleCounter&) {}
 
   // -- evaluation
   /// Adds the wrenches on the slots to `out`. Within a step the same inputs give the same wrenches; between two calls of a
@@ -125,7 +127,7 @@ class LOCKSTEP_API Force {
 
   // -- facets: null without it; a class with the facet derives from it and returns `this`
   virtual const Observable* observable() const { return nullptr; }    ///< recorder channels of its own
-  virtual const Remembering* remembering() const { return nullptr; }  ///< numbers in State::z, such as counted turns
+  virtual const Remembering* remembering() const { return nullptr; }  ///< numbers in State::z
   virtual const Reacting* reacting() const { return nullptr; }        ///< it depends on the reactions of links
 
   /// How many numbers of State::z are its own.

@@ -424,12 +424,10 @@ extern template class LOCKSTEP_API FormulaForce<TorsionSpringDamper>;
 ///     dissipation D = c thd^2                                                W
 ///     power       T g.(w_S - w_P) of the two bodies                          W; -dV/dt - D - law thd, markers at rest
 ///
-/// g is the gradient of th, so that the power balance also holds for axes that are not exactly common. The angle starts
-/// in (-pi, pi], or in the turn that a start or a drive asks for, and takes the branch nearest to where the last accepted
-/// one would be by now at the mean of the rates then and now (four numbers of State::z): a step may make several turns if
-/// that is right to half a turn. Where z_P = -z_S there is no angle and no torque; setup() refuses such a start. k may be
-/// negative, c must not be.
-class LOCKSTEP_API TorsionSpringDamper final : public FormulaForce<TorsionSpringDamper>, public Remembering {
+/// g is the gradient of th, so that the power balance also holds for axes that are not exactly common. The angle is a
+/// CountedAngle. Where z_P = -z_S there is no angle and no torque; setup() refuses such a start. k may be negative, c must
+/// not be.
+class LOCKSTEP_API TorsionSpringDamper final : public FormulaForce<TorsionSpringDamper> {
  public:
   /// Stiffness, damping, free angle, preload and actuator.
   struct Options {
@@ -451,20 +449,17 @@ class LOCKSTEP_API TorsionSpringDamper final : public FormulaForce<TorsionSpring
   template <class T, class Load>
   void act(const Ends<T>&, Load&) const;
 
-  const Remembering* remembering() const override { return this; }
-  /// Four numbers: the counted angle, rad; its rate, rad/s; the time of both, s; 1 once a state was accepted.
-  int n_memory() const override { return 4; }
-  bool counts_turns_alone() const override { return true; }
-  /// All zero: the angle starts in (-pi, pi], unless a start or a drive leads it to another turn (assemble()).
-  void start_memory(std::span<double> z) const override { std::fill(z.begin(), z.end(), 0.0); }
-  /// Angle, rate and time of the accepted state.
-  void accept_step(const Inputs& in, std::span<double> z) const override;
+  void count_angles(AngleCounter& counter) override { angle_ = &counter.count(p(), *MarkerForce::s(), 2); }
 
   static const TypeInfo& info();                                         ///< name and keys of its type
   static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 
  private:
+  // Where the angle is expected; within half a turn of zero where no system counts it.
+  double near_angle(std::span<const double> s) const { return angle_ ? angle_->expected(s) : 0.0; }
+
   Options options_;
+  const CountedAngle* angle_ = nullptr;
 };
 
 }  // namespace lockstep

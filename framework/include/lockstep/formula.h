@@ -18,7 +18,7 @@ struct Ends {
   MarkerOn<T> P,              ///< marker P on its slot
       S;                      ///< marker S on its slot, or the ground's origin
   double t = 0;               ///< time, s
-  std::span<const double> z;  ///< memory of the mechanism, State::z
+  std::span<const double> s;  ///< integrated states of the mechanism, State::s, for counted angles
 };
 
 /// A number with its derivatives with respect to the pose of one slot (dx, dth) or its velocity (v, w): three each,
@@ -158,7 +158,7 @@ LOCKSTEP_API MotionT<SlotJet> varied(const Motion&, Vary);
 
 /// The markers of a force at the inputs' motions and time.
 inline Ends<double> ends(const MarkerFrame& P, const MarkerFrame& S, const Inputs& in) {
-  return {{in.slot(P.slot), P.at(in.t)}, {in.slot(S.slot), S.at(in.t)}, in.t, in.z};
+  return {{in.slot(P.slot), P.at(in.t)}, {in.slot(S.slot), S.at(in.t)}, in.t, in.s};
 }
 
 /// Adds the wrench of the formula act(ends, load) to `out`.
@@ -188,7 +188,7 @@ void tangent(const MarkerFrame& P, const MarkerFrame& S, const Inputs& in, const
       if (column == kGround) continue;
       const MotionT<SlotJet> O_P = varied(in.slot(P.slot), of_P ? what : Vary::nothing),
                              O_S = varied(in.slot(S.slot), of_P ? Vary::nothing : what);
-      const Ends<SlotJet> at{{O_P, m_P}, {O_S, m_S}, in.t, in.z};
+      const Ends<SlotJet> at{{O_P, m_P}, {O_S, m_S}, in.t, in.s};
       TangentLoad load(at);
       act(at, load);
       for (int i = 0; i < 2; ++i) {

@@ -47,6 +47,7 @@ class LOCKSTEP_API DrivenMotion {
 
  private:
   bool step(double t);
+  bool settle_angles();
   void move_speed_drives(double t0, double t1);
   void check_states() const;
   [[noreturn]] void refuse(double t) const;

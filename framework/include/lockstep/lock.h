@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <lockstep/body.h>
+#include <lockstep/counted_angle.h>
 #include <lockstep/export.h>
 #include <lockstep/kernel.h>
 #include <lockstep/law.h>
@@ -106,6 +107,8 @@ class LOCKSTEP_API Lock {
   /// its rows hold the bodies in the plane or normal to it, never both at once. What evaluations in a few positions
   /// show is checked besides. After setup. Default: false, unknown, which keeps the mechanism in space.
   virtual bool stays_in_plane(Plane) const { return false; }
+  /// Asks for the angles that it counts, and keeps the references; called by System::setup after its own. Default: none.
+  virtual void count_angles(AngleCounter&) {}
   /// Whether it holds its two bodies rigidly together, without any law: they may be merged into one slot.
   virtual bool is_weld() const { return false; }
 

@@ -120,16 +120,13 @@ class LOCKSTEP_API Stateful {
   ~Stateful() = default;
 };
 
-/// Facet of a link or force with a memory: numbers in State::z, from first_memory() on, constant during a step.
+/// Facet of a link or force with a memory: numbers in State::z, from first_memory() on, constant during a step. Such a
+/// link keeps a mechanism out of joint coordinates, whose long steps outrun a memory.
 class LOCKSTEP_API Remembering {
  public:
   virtual int n_memory() const = 0;                                        ///< length of the memory
   virtual void start_memory(std::span<double> z) const = 0;                ///< writes it at the start
   virtual void accept_step(const Inputs&, std::span<double> z) const = 0;  ///< updates it after an accepted step
-  /// Whether the memory is the turns of the link's pairs, or of the force, alone, counted by the mean of their rates over a
-  /// step. Assembly leads such a memory to the turn in which a start or a drive begins (assemble()), by accept_step() at
-  /// poses on the way there. Links with another memory keep a mechanism out of joint coordinates.
-  virtual bool counts_turns_alone() const { return false; }
 
  protected:
   ~Remembering() = default;

@@ -40,20 +40,23 @@ T angle_about_z(const T& e0, const T& e3, double near) {
 /// What phi sees of a pair: the pose of P seen from S, to which no imposed law is applied, and the time.
 template <class T>
 struct LockCoords {
-  T x,                    ///< position of P along x of S, m
-      y,                  ///< along y of S, m
-      z,                  ///< along z of S, m
-      e0,                 ///< scalar part of the relative quaternion r, |r| = 1
-      e1,                 ///< its component along x of S
-      e2,                 ///< along y of S
-      e3,                 ///< along z of S
-      t;                  ///< time, s
-  double near_angle = 0;  ///< where angle_z() is expected, rad: the last angle, carried on by the mean of its rates
+  T x,                             ///< position of P along x of S, m
+      y,                           ///< along y of S, m
+      z,                           ///< along z of S, m
+      e0,                          ///< scalar part of the relative quaternion r, |r| = 1
+      e1,                          ///< its component along x of S
+      e2,                          ///< along y of S
+      e3,                          ///< along z of S
+      t;                           ///< time, s
+  double near_rest = 0;            ///< where rest_z() is expected, rad: as it was integrated (CountedAngle)
+  double turns = 0;                ///< whole turns of angle_z()
   const double* memory = nullptr;  ///< the kMemory numbers of phi itself in State::z
 
   /// Turn of P about the z axis of S, rad. With kCountsTurns = true it runs on past full turns, with false it is within
   /// half a turn of zero. Singular where z_P = -z_S.
-  T angle_z() const { return angle_about_z(e0, e3, near_angle); }
+  T angle_z() const { return rest_z() + kTwoPi * turns; }
+  /// angle_z() less its whole turns, rad: a sum of many turns keeps its digits where these are added by themselves.
+  T rest_z() const { return angle_about_z(e0, e3, near_rest); }
 };
 
 /// A law on a jet t, the time or any other number: f(t) with its exact derivatives.
@@ -90,8 +93,8 @@ struct PhiTraits {
     if constexpr (requires { Phi::kRows; }) return int(Phi::kRows);
     return 1;
   }();
-  /// Whether angle_z() runs on past full turns, by three numbers per pair in State::z. To be defined where angle_z() is
-  /// called; otherwise false.
+  /// Whether angle_z() runs on past full turns, as a CountedAngle of each pair. To be defined where angle_z() is called;
+  /// otherwise false.
   static constexpr bool kCountsTurns = [] {
     if constexpr (requires { Phi::kCountsTurns; }) return bool(Phi::kCountsTurns);
     return false;
@@ -146,12 +149,6 @@ struct PhiTraits {
   }
   /// Whether the turns of a pair are counted.
   static constexpr bool counts(int pair) { return kCountsTurns && reads(pair, Reads::rotation); }
-  /// Number of pairs before this one whose turns are counted.
-  static constexpr int counted(int pair) {
-    int n = 0;
-    for (int k = 0; k < pair; ++k) n += counts(k);
-    return n;
-  }
   static constexpr int kVariables = start(kPairs);         ///< number of coordinates that it reads
   static constexpr int kWidth = (kVariables + 1) / 2 * 2;  ///< length of gradients, an even number: whole packs
 

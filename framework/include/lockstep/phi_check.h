@@ -237,7 +237,7 @@ requires(N < 0) struct LockCoords<Jet<N>> {
   std::conditional_t<phi_check::has(N, phi_check::kTranslation), T, phi_check::add_translation_to_kReads> x, y, z;
   std::conditional_t<phi_check::has(N, phi_check::kRotation), T, phi_check::add_rotation_to_kReads> e0, e1, e2, e3;
   T t;
-  double near_angle = 0;
+  double near_rest = 0, turns = 0;
   std::conditional_t<phi_check::has(N, phi_check::kMemorySaid), const double*, phi_check::say_kMemory> memory{};
 
   T angle_z() const {
@@ -248,6 +248,7 @@ requires(N < 0) struct LockCoords<Jet<N>> {
                   "angle stays within half a turn of zero");
     return {};
   }
+  T rest_z() const { return angle_z(); }
 };
 
 namespace phi_check {

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include <lockstep/counted_angle.h>
 #include <lockstep/error.h>
 #include <lockstep/kernel.h>
 #include <lockstep/phi_check.h>
@@ -51,13 +52,13 @@ LOCKSTEP_API Pose pose_at_start(const Marker& p, const Marker& s, const MarkerFr
 template <class Phi>
 class PhiFunction {
  public:
-  using Traits = PhiTraits<Phi>;        ///< what phi defines about itself
-  using Hooks = phi_check::Hooks<Phi>;  ///< which functions phi has besides operator()
-  static constexpr int kPairs = Traits::kPairs,                            ///< number of pairs
-      kRows = Traits::kRows;                                               ///< number of rows
-  using Grad = Jet<Traits::kWidth>;                                        ///< a number with its gradient
-  using Rows = std::array<Grad, static_cast<std::size_t>(kRows)>;          ///< the values of phi
-  using MarkerPair = std::pair<const Marker*, const Marker*>;              ///< P and S
+  using Traits = PhiTraits<Phi>;                                   ///< what phi defines about itself
+  using Hooks = phi_check::Hooks<Phi>;                             ///< which functions phi has besides operator()
+  static constexpr int kPairs = Traits::kPairs,                    ///< number of pairs
+      kRows = Traits::kRows;                                       ///< number of rows
+  using Grad = Jet<Traits::kWidth>;                                ///< a number with its gradient
+  using Rows = std::array<Grad, static_cast<std::size_t>(kRows)>;  ///< the values of phi
+  using MarkerPair = std::pair<const Marker*, const Marker*>;      ///< P and S
   using Pairs = std::array<MarkerPair, static_cast<std::size_t>(kPairs)>;  ///< the pairs that phi takes
 
   /// phi of these pairs.
@@ -86,6 +87,12 @@ class PhiFunction {
     if constexpr (Traits::kCountsTurns) refuse_opposed(link, y);
     if constexpr (Hooks::kInitialises) std::apply([&](const auto&... each) { phi_.initialise(link, each...); }, y);
     if constexpr (kPairs > 1) refuse_unread(link, y);
+  }
+  /// Asks for the angles of the pairs whose turns are counted. `coupled`: as AngleCounter::count.
+  void count_angles(AngleCounter& counter, bool coupled) {
+    for (std::size_t k = 0; k < pairs_.size(); ++k)
+      if (Traits::counts(static_cast<int>(k)))
+        angles_[k] = &counter.count(*pairs_[k].first, *pairs_[k].second, 2, coupled);
   }
   /// Adds the slots of all markers.
   void add_slots(SlotList& slots) const {
@@ -141,24 +148,16 @@ class PhiFunction {
   }
 
   // -- memory
-  static constexpr int kAngles = 3 * Traits::counted(kPairs);  ///< per counted pair: last angle, its rate, the instant
-  static constexpr int kOwn = Traits::kMemory;                 ///< then the numbers of phi itself
-  static constexpr int kMemory = kAngles + kOwn;               ///< length of the memory
+  static constexpr int kMemory = Traits::kMemory;  ///< length of the memory
 
   /// Writes the memory at the start.
   void start_memory(std::span<double> z) const {
-    const Coords<Time> y = at_start();
-    each_counted([&](auto k, std::size_t at) { z[at] = y[k].angle_z().v, z[at + 1] = z[at + 2] = 0; });
-    if constexpr (kOwn > 0) std::apply([&](const auto&... each) { phi_.reset(z.subspan(kAngles), each...); }, y);
+    if constexpr (kMemory > 0) std::apply([&](const auto&... each) { phi_.reset(z, each...); }, at_start());
   }
   /// Updates the memory after an accepted step.
   void accept_step(const Inputs& in, std::span<double> z) const {
-    const Coords<Time> y = along_motion(in, z.data());
-    if constexpr (kOwn > 0) std::apply([&](const auto&... each) { phi_.accept_step(z.subspan(kAngles), each...); }, y);
-    each_counted([&](auto k, std::size_t at) {
-      const Time angle = y[k].angle_z();
-      z[at] = angle.v, z[at + 1] = angle.d, z[at + 2] = in.t;
-    });
+    if constexpr (kMemory > 0)
+      std::apply([&](const auto&... each) { phi_.accept_step(z, each...); }, along_motion(in, z.data()));
   }
 
   /// f(phi, y...), where each coordinate is a jet with its value and its rate; for channels of a link.
@@ -182,13 +181,6 @@ class PhiFunction {
     [&]<std::size_t... k>(std::index_sequence<k...>) { (f(std::integral_constant<std::size_t, k>{}), ...); }
     (std::make_index_sequence<static_cast<std::size_t>(kPairs)>{});
   }
-  /// f(k, number of its angle in the memory) for each pair k whose turns are counted.
-  template <class F>
-  static void each_counted(F&& f) {
-    each_pair([&](auto k) {
-      if constexpr (Traits::counts(k)) f(k, static_cast<std::size_t>(3 * Traits::counted(k)));
-    });
-  }
   /// Those of the seven numbers of pair k that phi reads.
   template <int k, class V>
   static auto part(V&& seven) {
@@ -210,36 +202,26 @@ class PhiFunction {
     return y;
   }
 
-  /// The angle of a pair is expected where the mean of its rates, of the last accepted step and of now, has brought it.
-  /// seven, rates: the coordinates and their rates.
-  template <class T, class Seven>
-  void expect(LockCoords<T>& y, std::size_t k, double t, const double* memory, const Seven& seven,
-              const Seven& rates) const {
-    if (Traits::counts(static_cast<int>(k))) {
-      const double* a = memory + 3 * Traits::counted(static_cast<int>(k));
-      const double e0 = seven[3], e3 = seven[6], n = e0 * e0 + e3 * e3;
-      const double rate = n > 0 ? 2.0 * (e0 * rates[6] - e3 * rates[3]) / n : 0.0;
-      y.near_angle = a[0] + 0.5 * (a[1] + rate) * (t - a[2]);
-    }
-    if constexpr (kOwn > 0) y.memory = memory + kAngles;
+  /// What coordinates of pair k are not functions of the pose: where its angle is expected, and the memory.
+  template <class T>
+  void remember(LockCoords<T>& y, std::size_t k, const Inputs& in, const double* memory) const {
+    if (Traits::counts(static_cast<int>(k))) y.near_rest = angles_[k]->rest(in.s), y.turns = angles_[k]->turns(in.s);
+    if constexpr (kMemory > 0) y.memory = memory;
   }
-  /// Coordinates of pair k, which are `seven` and change by `rates`; `variable(n, i)` makes number n of the variables,
-  /// coordinate i of the pair.
-  template <int k, class T, class Seven, class Variable>
-  void fill_coords(LockCoords<T>& c, double t, const T& time, const double* memory, const Seven& seven,
-                   const Seven& rates, Variable&& variable) const {
+  /// Coordinates of pair k; `variable(n, i)` makes number n of the variables, coordinate i of the pair.
+  template <int k, class T, class Variable>
+  void fill_coords(LockCoords<T>& c, const Inputs& in, const T& time, const double* memory, Variable&& variable) const {
     const auto v = [&](int i) { return variable(Traits::start(k) + i - Traits::first(k), i); };
     if constexpr (Traits::reads(k, Reads::translation)) c.x = v(0), c.y = v(1), c.z = v(2);
     if constexpr (Traits::reads(k, Reads::rotation)) c.e0 = v(3), c.e1 = v(4), c.e2 = v(5), c.e3 = v(6);
     c.t = time;
-    expect(c, k, t, memory, seven, rates);
+    remember(c, k, in, memory);
   }
   template <class T, class Variable>
-  Coords<T> coords(const Points& points, double t, const T& time, const double* memory, Variable&& variable) const {
+  Coords<T> coords(const Inputs& in, const T& time, const double* memory, Variable&& variable) const {
     Coords<T> y;
     each_pair([&](auto k) {
-      fill_coords<k>(y[k], t, time, memory, points[k].y, points[k].yd,
-                     [&](int n, int i) { return variable(n, i, std::size_t(k)); });
+      fill_coords<k>(y[k], in, time, memory, [&](int n, int i) { return variable(n, i, std::size_t(k)); });
     });
     return y;
   }
@@ -250,7 +232,7 @@ class PhiFunction {
       const RelativeKinematics& L = points[k];
       const auto v = [&](int i) { return Time(L.y[i], L.yd[i], 0); };
       y[k] = {v(0), v(1), v(2), v(3), v(4), v(5), v(6), Time(in.t, 1, 0)};
-      expect(y[k], k, in.t, memory, L.y, L.yd);
+      remember(y[k], k, in, memory);
     }
     return y;
   }
@@ -294,7 +276,7 @@ class PhiFunction {
     Coords<Grad> y;
     each_pair([&](auto k) {
       const auto& pair = std::get<k>(pairs);
-      fill_coords<k>(y[k], in.t, Grad(in.t, 1.0, 0.0), memory, pair.y(), pair.yd(),
+      fill_coords<k>(y[k], in, Grad(in.t, 1.0, 0.0), memory,
                      [&](int n, int i) { return Grad::variable(n, pair.y()[i], pair.yd()[i]); });
     });
     const Rows f = call(y);
@@ -316,13 +298,13 @@ class PhiFunction {
   }
 
   Rows value(const Points& y, const Inputs& in, const double* memory) const {
-    return call(coords(y, in.t, Grad(in.t, 1.0, 0.0), memory,
+    return call(coords(in, Grad(in.t, 1.0, 0.0), memory,
                        [&](int n, int i, std::size_t k) { return Grad::variable(n, y[k].y[i], y[k].yd[i]); }));
   }
   /// Sum of lambda phi'' along the direction d of the variables, time fixed.
   double bend(const Points& y, const Inputs& in, const double* memory, const double* lambda,
               const Eigen::Matrix<double, kV, 1>& d) const {
-    const auto f = call(coords(y, in.t, Time(in.t, 0.0, 0.0), memory,
+    const auto f = call(coords(in, Time(in.t, 0.0, 0.0), memory,
                                [&](int n, int i, std::size_t k) { return Time(y[k].y[i], d[n], 0.0); }));
     double sum = 0;
     for (int r = 0; r < kRows; ++r) sum += lambda[r] * f[static_cast<std::size_t>(r)].h;
@@ -389,8 +371,7 @@ class PhiFunction {
   void refuse_unread(const std::string& link, Coords<Time> y) const {
     std::array<double, static_cast<std::size_t>(kMemory + 1)> memory{};
     start_memory({memory.data(), static_cast<std::size_t>(kMemory)});
-    const std::array<double, 7> some{0, 0, 0, 1, 0, 0, 0}, none_of_them{};
-    for (std::size_t k = 0; k < y.size(); ++k) expect(y[k], k, 0.0, memory.data(), some, none_of_them);
+    for (LockCoords<Time>& each : y) each.memory = memory.data();
     const auto finite = [&] {
       const auto rows = call(y);
       return std::all_of(rows.begin(), rows.end(), [](const Time& row) { return std::isfinite(row.v); });
@@ -409,6 +390,7 @@ class PhiFunction {
   Phi phi_;
   Pairs pairs_;
   std::array<FramePair, static_cast<std::size_t>(kPairs)> frames_;
+  std::array<const CountedAngle*, static_cast<std::size_t>(kPairs)> angles_{};  // null: its turns are not counted
   bool moving_ = false;  // whether a law moves one of the markers
 };
 

@@ -93,15 +93,16 @@ class PhiCoupling : public Lock, public Driven, public Remembering, public Tange
   /// Of the laws in phi.
   std::string diagnose(double t) const override;
 
-  /// This where phi counts turns or has a memory, else null.
+  /// Of each pair whose turns phi counts.
+  void count_angles(AngleCounter& counter) override { function_.count_angles(counter, unilateral() == nullptr); }
+
+  /// This where phi has a memory, else null.
   const Remembering* remembering() const override { return Function::kMemory > 0 ? this : nullptr; }
-  /// Unless phi has a memory of its own.
-  bool counts_turns_alone() const override { return Function::kOwn == 0; }
-  /// Three numbers for each pair whose turns are counted, and kMemory of phi.
+  /// kMemory of phi.
   int n_memory() const override { return Function::kMemory; }
-  /// The angles at the start, and what phi.reset() writes.
+  /// What phi.reset() writes.
   void start_memory(std::span<double> z) const override;
-  /// The angles with their rates, and what phi.accept_step() writes.
+  /// What phi.accept_step() writes.
   void accept_step(const Inputs& in, std::span<double> z) const override;
 
  protected:
@@ -236,15 +237,16 @@ class PhiLock : public MarkerLock, public Remembering {
   /// Of the lock's laws and of those in phi.
   std::string diagnose(double t) const override;
 
-  /// This where phi counts turns or has a memory, else null.
+  /// Of each pair whose turns phi counts.
+  void count_angles(AngleCounter& counter) override { function_.count_angles(counter, unilateral() == nullptr); }
+
+  /// This where phi has a memory, else null.
   const Remembering* remembering() const override { return Function::kMemory > 0 ? this : nullptr; }
-  /// Unless phi has a memory of its own.
-  bool counts_turns_alone() const override { return Function::kOwn == 0; }
-  /// Three numbers where turns are counted, and kMemory of phi.
+  /// kMemory of phi.
   int n_memory() const override { return Function::kMemory; }
-  /// The angle at the start, and what phi.reset() writes.
+  /// What phi.reset() writes.
   void start_memory(std::span<double> z) const override;
-  /// The angle with its rate, and what phi.accept_step() writes.
+  /// What phi.accept_step() writes.
   void accept_step(const Inputs& in, std::span<double> z) const override;
 
  protected:

@@ -34,6 +34,8 @@ struct InputsT {
   std::span<const MotionT<T>> motions;  ///< the ground first, then the slots
   std::span<const T> s;                 ///< integrated states, State::s
   std::span<const double> z;            ///< memory, State::z
+  /// Rates of the counted angles (CountedAngle) that are coordinates of joints, rad/s; NaN for others; empty: none is.
+  std::span<const double> angle_rates{};
 
   /// Motion of slot k, kGround for the ground.
   const MotionT<T>& slot(int k) const { return motions[static_cast<std::size_t>(k + 1)]; }  // kGround = -1 is the first

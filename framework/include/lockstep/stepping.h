@@ -134,7 +134,10 @@ LOCKSTEP_API StateRate sized_like(const State&);
 LOCKSTEP_API void size_like(const State&, StateRate& out);
 /// Copies t, q, v and s; memory and links, which do not change during a step, stay as they are in `out`.
 LOCKSTEP_API void copy_motion(const State& in, State& out);
-/// The same by exchange of the vectors: `in` is scratch afterwards.
+/// Writes to `to` the counted angles of `from`, moved on by the mean of their rates at both: for methods that find positions
+/// before integrated states.
+LOCKSTEP_API void lead_angles(Dynamics&, const State& from, State& to);
+/// copy_motion() by exchange of the vectors: `in` is scratch afterwards.
 LOCKSTEP_API void take_motion(State& in, State& out);
 
 // Error norm and step size control (framework/docs/solvers.md, section 7), and the limits of every adaptive step.
@@ -172,14 +175,15 @@ class LOCKSTEP_API ErrorNorm {
   double of(const StateRate& error, const State& y1);
 
  private:
-  // Motions of the slots at a state, the ground first; of states in other coordinates than the slots' own.
+  // Motions of the slots at a state, the ground first; of states in other coordinates than the slots' own. s: what controls
+  // the step.
   struct Moving {
     double t = std::numeric_limits<double>::quiet_NaN();
     VecX q, v, s;
     std::shared_ptr<const Coordinates> coordinates;
     std::vector<Motion> motions;
     bool are_of(const State&) const;
-    void at(const State&);
+    void at(const State&, int n_s);
   };
 
   Tolerance tolerance_;
@@ -237,7 +241,6 @@ LOCKSTEP_API bool end_is_near(const Dynamics&, const ProjectReport&, bool fixed 
 /// at most `largest`; nothing beyond it is evaluated. f0, f1 and y1 are scratch.
 LOCKSTEP_API double guess_first_step(Dynamics&, const State& y0, int order, double largest, ErrorNorm&, StateRate& f0,
                                      StateRate& f1, State& y1);
-
 
 // AdaptiveStepper: the step driver of every method that writes one attempt at a step: repeats attempts until one is
 // accepted, shortens the step, puts its end on the constraints, reports.
@@ -301,12 +304,10 @@ class LOCKSTEP_API AdaptiveStepper : public Integrator {
   StateRate guess0_, guess1_;  // scratch of first_step()
 };
 
-
 // SingularRate: the rates at a state that moves through a singular position. There the rows do not determine the branch
 // that the motion follows; a little before and a little behind they do.
 //
 //   a(+-d) at P(q (+) +-d v/|v|),  m(d) = (a(d) + a(-d))/2,  a = (15 m(d) - 6 m(2 d) + m(3 d))/10 + O(d^6)
-
 
 /// Rates at a singular position, from both of its sides.
 class LOCKSTEP_API SingularRate {
@@ -437,16 +438,16 @@ class LOCKSTEP_API SingularPassage {
   StateRate rate_;
   std::vector<Motion> motions_;  // of states in joint coordinates
   StagesOn on_ = StagesOn::plain;
-  bool near_ = false;             // automatic: the next step begins with its stages on the constraints
-  bool entered_ = false;          // the present step went onto the constraints
-  double longest_plain_ = 0;      // step so far, s
-  double rate_of_turn_ = 0;       // at the start of the present step, rad/s
-  double ahead_ = HUGE_VAL;       // time until a singular position is reached, s
-  double unplaced_ = 0;           // the present step, s, had it not been placed
-  std::vector<double> nodes_;     // as parts of the step, ascending
-  int inner_ = 0;                 // the stage of the last node before the end of the step,
-  int last_ = 0;                  // and one at the end
-  bool probed_ = false;           // whether the start of the run was probed for a singular position
+  bool near_ = false;          // automatic: the next step begins with its stages on the constraints
+  bool entered_ = false;       // the present step went onto the constraints
+  double longest_plain_ = 0;   // step so far, s
+  double rate_of_turn_ = 0;    // at the start of the present step, rad/s
+  double ahead_ = HUGE_VAL;    // time until a singular position is reached, s
+  double unplaced_ = 0;        // the present step, s, had it not been placed
+  std::vector<double> nodes_;  // as parts of the step, ascending
+  int inner_ = 0;              // the stage of the last node before the end of the step,
+  int last_ = 0;               // and one at the end
+  bool probed_ = false;        // whether the start of the run was probed for a singular position
   Redundant redundant_ = Redundant::unknown;
   bool from_both_sides_ = false;  // the first stage's rates are SingularRate's
   int shifts_ = 0;                // of the present step,

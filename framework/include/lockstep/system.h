@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -105,7 +106,7 @@ enum class NearlyRedundant {
 };
 
 /// A mechanism: its bodies, markers, links and forces, their setup, and the passes that evaluate them.
-class LOCKSTEP_API System {
+class LOCKSTEP_API System final : public AngleCounter {
  public:
   /// Options of a new system.
   struct Options {
@@ -139,6 +140,14 @@ class LOCKSTEP_API System {
   Force& add(std::unique_ptr<Force>);
   /// Adds states that are integrated along. Throws ModelError for nullptr.
   Auxiliary& add(std::unique_ptr<Auxiliary>);
+  /// Adds an angle that is integrated along, unless the system has one of that name; returns the one that it has. Throws
+  /// ModelError for nullptr.
+  CountedAngle& count(std::unique_ptr<CountedAngle>) override;
+  using AngleCounter::count;
+  /// All counted angles.
+  const std::vector<std::unique_ptr<CountedAngle>>& counted_angles() const { return angles_; }
+  /// The turn of p about an axis (0, 1, 2) of s, where somebody counts it; else null.
+  const CountedAngle* counted(const Marker& p, const Marker& s, int axis) const;
   /// Adds a number that a host sets, for forces and laws that take the reference. `unit`: for readers. Throws ModelError for
   /// a name that is empty or taken, ParameterError for a value that is not finite.
   ControlInput& add_input(const std::string& name, double value = 0, const std::string& unit = {});
@@ -295,8 +304,13 @@ class LOCKSTEP_API System {
   /// Writes the rates of State::s to sd, which has its size already; zero for links that are not in force. `values` as
   /// solved.
   void state_rates(const Evaluated& values, VecX& sd) const;
-  /// Updates State::z after an accepted step: turn counters of links and forces.
-  void accept(const Inputs&, State&) const;
+  /// The part of that which counted angles are.
+  void angle_rates(const Inputs&, VecX& sd) const;
+  /// Updates what a state keeps after an accepted step: memories of links and forces, and counted angles. `in`: of that
+  /// state.
+  void accept(const Inputs& in, State&) const;
+  /// Whether accept() does anything.
+  bool keeps_anything() const { return n_memory_ > 0 || !angles_.empty(); }
   /// Instants in (t0, t1), s, where any law of links and forces jumps, increasing, each once.
   std::vector<double> breakpoints(double t0, double t1) const;
   /// The same in place of what `times` holds, whose memory is used again.
@@ -331,6 +345,8 @@ class LOCKSTEP_API System {
   std::vector<std::unique_ptr<Lock>> links_;
   std::vector<std::unique_ptr<Force>> forces_;
   std::vector<std::unique_ptr<Auxiliary>> auxiliaries_;
+  std::vector<std::unique_ptr<CountedAngle>> angles_;
+  std::unordered_map<std::string, CountedAngle*> angle_of_;
   std::deque<ControlInput> inputs_;
   Body* ground_ = nullptr;
   // A thing whose name is taken, by the hash of the name, which the thing keeps itself.

@@ -62,6 +62,10 @@ void CoordinateForce::setup() {
   MarkerForce::setup();
 }
 
+void CoordinateForce::count_angles(AngleCounter& counter) {
+  if (is_rotation(axis_)) angle_ = &counter.count(p(), *s(), axis_index(axis_) % 3);
+}
+
 void CoordinateForce::breakpoints(double t0, double t1, std::vector<double>& out) const {
   MarkerForce::breakpoints(t0, t1, out);
   f_.breakpoints(2, t0, t1, out);
@@ -124,8 +128,7 @@ void CoordinateForce::act(const Ends<T>& at, Load& load) const {
   const bool has_angle = value_of(sum) != 0;
   const Vec3T<T> g = has_angle ? Vec3T<T>(T(1.0 / sum) * (a_P + a_S)) : Vec3T<T>(Vec3T<T>::Zero());
   const T rate = g.dot(at.P.w() - at.S.w());
-  const double expected = CountedAngle::expected(at.z.data() + first_memory(), value_of(at.t), value_of(rate));
-  q += kTwoPi * std::round((expected - value_of(q)) / kTwoPi);
+  q += kTwoPi * std::round((near_angle(at.s) - value_of(q)) / kTwoPi);
   const T f = has_angle ? effort(q, rate) : T(0);
   load.torque(Vec3T<T>(f * g));
   load.supplies(f * rate);

@@ -8,7 +8,6 @@
 #include <lockstep/mask.h>
 #include <lockstep/params.h>
 #include "framework/mechanism/expression/function.h"
-#include "framework/mechanism/forces/counted_angle.h"
 
 namespace lockstep {
 
@@ -22,7 +21,7 @@ extern template class LOCKSTEP_API FormulaForce<CoordinateForce>;
 ///     power   f qd, all of it supply                           W
 ///
 /// No potential: what the formula stores or dissipates is not known.
-class LOCKSTEP_API CoordinateForce final : public FormulaForce<CoordinateForce>, public Remembering {
+class LOCKSTEP_API CoordinateForce final : public FormulaForce<CoordinateForce> {
  public:
   /// `axis` rx, ry, rz: a torque. Throws ModelError as MarkerForce does.
   CoordinateForce(std::string name, Marker& p, Marker& s, Axis axis, expression::FormulaFunction f);
@@ -33,21 +32,18 @@ class LOCKSTEP_API CoordinateForce final : public FormulaForce<CoordinateForce>,
   template <class T, class Load>
   void act(const Ends<T>&, Load&) const;
 
-  /// This for a torque.
-  const Remembering* remembering() const override { return is_rotation(axis_) ? this : nullptr; }
-  int n_memory() const override { return CountedAngle::kMemory; }
-  bool counts_turns_alone() const override { return true; }
-  void start_memory(std::span<double> z) const override { std::ranges::fill(z, 0.0); }
-  void accept_step(const Inputs& in, std::span<double> z) const override {
-    CountedAngle::accept(quantity(0, in), quantity(1, in), in.t, z);
-  }
+  /// That of a torque.
+  void count_angles(AngleCounter&) override;
 
   static const TypeInfo& info();                                         ///< name and keys of its type
   static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 
  private:
   Axis axis_;
+  double near_angle(std::span<const double> s) const { return angle_ ? angle_->expected(s) : 0.0; }
+
   expression::FormulaFunction f_;
+  const CountedAngle* angle_ = nullptr;  // of a torque; null where no system counts it
 };
 
 }  // namespace lockstep

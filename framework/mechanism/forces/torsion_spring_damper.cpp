@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "framework/mechanism/forces/counted_angle.h"
-
 namespace lockstep {
 
 TorsionSpringDamper::TorsionSpringDamper(std::string name, Marker& p, Marker& s, Options options)
@@ -54,10 +52,6 @@ std::vector<Quantity> TorsionSpringDamper::quantities() const {
   return {{"angle", "rad"}, {"rate", "rad/s"}, {"torque", "N m"}, {"power", "W"}};
 }
 
-void TorsionSpringDamper::accept_step(const Inputs& in, std::span<double> z) const {
-  CountedAngle::accept(quantity(0, in), quantity(1, in), in.t, z);
-}
-
 template <class T, class Load>
 void TorsionSpringDamper::act(const Ends<T>& at, Load& load) const {
   using std::atan2;
@@ -69,8 +63,7 @@ void TorsionSpringDamper::act(const Ends<T>& at, Load& load) const {
   const Vec3T<T> g = has_angle ? Vec3T<T>(T(1.0 / sum) * (z_P + z_S)) : Vec3T<T>(Vec3T<T>::Zero());
   const T rate = g.dot(at.P.w() - at.S.w());
   T angle = 2.0 * atan2(e.z, e.w);
-  const double expected = CountedAngle::expected(at.z.data() + first_memory(), value_of(at.t), value_of(rate));
-  angle += kTwoPi * std::round((expected - value_of(angle)) / kTwoPi);
+  angle += kTwoPi * std::round((near_angle(at.s) - value_of(angle)) / kTwoPi);
   const T torque = LinearSpring{k, c, th0, T0}.force(angle, rate, value(law, at.t), load);
   load.torque(-torque * g);
   load.shows(angle, rate, has_angle ? torque : T(0));

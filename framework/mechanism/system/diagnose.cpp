@@ -133,6 +133,10 @@ ErrorContext context_of(const Auxiliary& auxiliary, double t) {
   return {.thing = {.kind = "integrated state", .name = auxiliary.name()}, .t = t};
 }
 
+ErrorContext context_of(const CountedAngle& angle, double t) {
+  return {.thing = {.kind = "counted angle", .name = angle.name()}, .t = t};
+}
+
 void rethrow_from_group(const System& system, const Inputs& in, const RowTable& table, const RowRun& run) {
   const auto entry = [&](int k) -> const RowEntry& {
     return table.entries[static_cast<std::size_t>(run.first_entry + k)];
@@ -217,6 +221,10 @@ void diagnose_rates(const System& system, double t, const VecX& sd) {
       throw NonFiniteError(at_time(t) + "the integrated state '" + auxiliary->name() +
                                "' has a rate that is not finite; look at what feeds it",
                            {.thing = {.kind = "integrated state", .name = auxiliary->name()}, .t = t});
+  for (const auto& angle : system.counted_angles())
+    if (bad(angle->first(), CountedAngle::kStates))
+      throw NonFiniteError(at_time(t) + "the " + angle->name() + " has a rate that is not finite; " + kShorterStep,
+                           {.thing = {.kind = "counted angle", .name = angle->name()}, .t = t});
   throw NonFiniteError(at_time(t) + "a rate of the integrated states is not finite; look at what feeds them",
                        {.thing = {.kind = "mechanism"}, .t = t});
 }

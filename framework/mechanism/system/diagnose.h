@@ -29,6 +29,7 @@ LOCKSTEP_API std::string or_against_stops(const System&, const RowTable&);
 LOCKSTEP_API ErrorContext context_of(const Lock&, double t);
 LOCKSTEP_API ErrorContext context_of(const Force&, double t);
 LOCKSTEP_API ErrorContext context_of(const Auxiliary&, double t);
+LOCKSTEP_API ErrorContext context_of(const CountedAngle&, double t);
 
 /// Setup of a link or force: its errors are refusals and keep their type.
 template <class T>

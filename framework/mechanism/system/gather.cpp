@@ -260,10 +260,19 @@ void System::state_rates(const Evaluated& values, VecX& sd) const {
   }
   for (const auto& auxiliary : auxiliaries_)
     named(*auxiliary, values.in.t, [&] { auxiliary->rates(values, part(sd, auxiliary->first(), auxiliary->size())); });
+  angle_rates(values.in, sd);
+}
+
+void System::angle_rates(const Inputs& in, VecX& sd) const {
+  for (const auto& angle : angles_) {
+    sd.segment(angle->first(), CountedAngle::kStates).setZero();
+    named(*angle, in.t, [&] { sd[angle->first()] = angle->rate(in); });
+  }
 }
 
 void System::accept(const Inputs& in, State& state) const {
   check_count("accept, remembered", state.z.size(), n_memory_);
+  for (const auto& angle : angles_) named(*angle, in.t, [&] { angle->accept(in, state.s); });
   for (const auto& link : links_)
     if (const int n = link->n_own_memory(); n > 0)
       named(*link, in.t, [&] { link->remembering()->accept_step(in, part(state.z, link->first_memory(), n)); });

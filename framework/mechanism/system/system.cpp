@@ -277,6 +277,20 @@ Auxiliary& System::add(std::unique_ptr<Auxiliary> auxiliary) {
   return *auxiliaries_.emplace_back(std::move(auxiliary));
 }
 
+CountedAngle& System::count(std::unique_ptr<CountedAngle> angle) {
+  if (!angle) throw ModelError("count: no angle was given; make one first");
+  const auto [place, is_new] = angle_of_.try_emplace(angle->name(), angle.get());
+  if (!is_new) return *place->second;
+  angles_.push_back(std::move(angle));
+  ready_ = false;
+  return *angles_.back();
+}
+
+const CountedAngle* System::counted(const Marker& p, const Marker& s, int axis) const {
+  const auto found = angle_of_.find(TurnAngle::name_of(p, s, axis));
+  return found == angle_of_.end() ? nullptr : found->second;
+}
+
 ControlInput::ControlInput(std::string name, double value, std::string unit)
     : name_(std::move(name)), unit_(std::move(unit)) {
   set(value);
@@ -363,7 +377,7 @@ std::optional<ModelError> System::try_setup() {
   return {};
 }
 
-// States whose error controls the step come first, then quadratures.
+// States whose error controls the step come first, then quadratures and counted angles.
 void System::setup_states() {
   n_states_ = 0;
   n_memory_ = 0;
@@ -384,6 +398,11 @@ void System::setup_states() {
       n_states_ += auxiliary->size();
     }
     if (controlled) n_controlled_ = n_states_;
+  }
+  for (std::size_t k = 0; k < angles_.size(); ++k) {
+    angles_[k]->setup();
+    angles_[k]->place(static_cast<int>(k), n_states_);
+    n_states_ += CountedAngle::kStates;
   }
 }
 
@@ -418,6 +437,7 @@ void System::setup_links() {
     if (merged_[k]) continue;
     Lock& l = *links_[k];
     set_up(l);
+    l.count_angles(*this);
     const auto [it, is_new] = known.try_emplace({typeid(l), l.pattern(), l.row_count(), l.slots().n}, Alike{first.size(), &l});
     if (is_new) first.push_back(0);
     l.share_rows(*it->second.first);
@@ -433,7 +453,10 @@ void System::setup_links() {
 }
 
 void System::setup_forces() {
-  for (auto& force : forces_) set_up(*force);
+  for (auto& force : forces_) {
+    set_up(*force);
+    force->count_angles(*this);
+  }
 }
 
 void System::check_size(const State& state) const {
@@ -490,6 +513,11 @@ State System::start() const {
   }
   for (const auto& auxiliary : auxiliaries_)
     named(*auxiliary, 0.0, [&] { auxiliary->start(part(state.s, auxiliary->first(), auxiliary->size())); });
+  if (angles_.empty()) return state;
+  std::vector<Motion> at_home;
+  motions(state, at_home);
+  const Inputs in{0, at_home, part(state.s, 0, n_states_), part(state.z, 0, n_memory_)};
+  for (const auto& angle : angles_) named(*angle, 0.0, [&] { angle->set(in, 0.0, state.s); });
   return state;
 }
 

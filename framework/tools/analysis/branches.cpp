@@ -22,7 +22,7 @@ BranchReport find_branches(Dynamics& dynamics, const State& start, const BranchO
   State turned = first;
   std::vector<std::string> warnings;  // said by assemble()
   begin_turns(dynamics, turned, {}, warnings);
-  if (turned.z != first.z || !fit(dynamics, first)) {
+  if (turned.s != first.s || !fit(dynamics, first)) {
     State again = start;
     assemble(dynamics, again);  // says which rows do not fit
     first = again;

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include <lockstep/error.h>
+#include <lockstep/stepping.h>
 #include <lockstep/lock.h>
 #include <lockstep/text.h>
 
@@ -81,6 +82,19 @@ void DrivenMotion::move_speed_drives(double t0, double t1) {
   }
 }
 
+/// Gives the trial's angles the values of its pose. False, and why, if one is not near where its rates led.
+bool DrivenMotion::settle_angles() {
+  const Inputs& in = dynamics_.inputs(trial_);
+  for (const auto& angle : dynamics_.system().counted_angles()) {
+    const double led = angle->expected(in.s);
+    angle->set(in, led, trial_.s);
+    if (std::abs(angle->expected(in.s) - led) < CountedAngle::kInDoubt) continue;
+    why_ = "the " + angle->name() + " is more than a quarter turn from where its rates lead";
+    return false;
+  }
+  return true;
+}
+
 /// One step. False, and why, where no pose near the predicted one fits.
 bool DrivenMotion::step(double t) {
   const double h = t - state_.t;
@@ -91,6 +105,7 @@ bool DrivenMotion::step(double t) {
   trial_.t = t;
   move_speed_drives(state_.t, t);
   normalize_state(trial_);
+  lead_angles(dynamics_, state_, trial_);
   guess_.q = trial_.q;
   const ProjectReport moved = dynamics_.project(trial_);
   const double length = dynamics_.system().length();
@@ -107,6 +122,7 @@ bool DrivenMotion::step(double t) {
     why_ = "the next position is not reached continuously";
     return false;
   }
+  if (!settle_angles()) return false;
   std::swap(state_, trial_);
   if (dynamics_.system().n_memory() > 0) dynamics_.accept(state_);
   solution_ = &dynamics_.evaluate(state_);

@@ -245,7 +245,7 @@ void EquilibriumSearch::finish() {
     if (moves_under_force(marker))
       report_.notes.push_back(
           fmt::format("marker '{}' moves by a law: dampers on it act as they do at that instant", marker.name));
-  if (system_.n_states() > 0)
+  if (system_.n_error_controlled_states() > 0)
     report_.notes.push_back("integrated states (controllers, drives by speed) keep their values of the start");
 }
 

@@ -34,7 +34,7 @@ Batch::Batch(std::span<System* const> systems, int first, std::size_t n_q, std::
   const auto& auxiliaries = systems_[0]->auxiliaries();
   for (std::size_t k = 0; k < auxiliaries.size(); ++k)
     if (!(auxiliaries[k]->reads_solution() && auxiliaries[k]->vanishes_without_laws())) integrated_.push_back(k);
-  reads_motions_ = has_forces_ || !stateful_.empty() || !integrated_.empty();
+  reads_motions_ = has_forces_ || !stateful_.empty() || !integrated_.empty() || !systems_[0]->counted_angles().empty();
   const int n_slots = systems_[0]->n_slots();
   motions_.resize(static_cast<std::size_t>(n_slots + 1));
   wrench_.assign(kL * 6 * static_cast<std::size_t>(n_slots), 0.0);
@@ -118,7 +118,7 @@ void Batch::fill_wrench(const double* y, const Numbers8& t) {
 
 void Batch::state_rates(const double* y, const Numbers8& t, double* rate) {
   if (n_s_ == 0) return;
-  if (stateful_.empty() && integrated_.empty()) {
+  if (stateful_.empty() && integrated_.empty() && systems_[0]->counted_angles().empty()) {
     std::fill_n(rate + kL * (n_q_ + n_v_), kL * n_s_, 0.0);
     return;
   }
@@ -139,6 +139,7 @@ void Batch::state_rates(const double* y, const Numbers8& t, double* rate) {
           const Auxiliary& own = *system(l).auxiliaries()[k];
           own.rates(values, {rates_of_one_.data() + own.first(), static_cast<std::size_t>(own.size())});
         }
+        system(l).angle_rates(in, rates_of_one_);
       });
     double* to = rate + kL * (n_q_ + n_v_) + lane;
     for (Eigen::Index i = 0; i < rates_of_one_.size(); ++i, to += kLanes) *to = rates_of_one_[i];

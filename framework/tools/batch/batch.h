@@ -78,9 +78,6 @@ class LOCKSTEP_API Batch {
   virtual void take_off_turns(int, double*) const {}
   /// Angular velocity of the slot of a copy that turns fastest, at the start of the step y, rad/s.
   virtual double fastest_turn(int lane, const double* y) const = 0;
-  /// Whether links count turns; whether a step of a copy outruns them, as Dynamics::miscounts has it.
-  virtual bool counts_turns() const { return false; }
-  virtual bool miscounts(int, const State&, const State&) const { return false; }
   /// From now on evaluate() sees the pivots, in mechanisms with loops.
   virtual void watch_pivots() {}
   bool watches() const { return watches_; }

@@ -151,19 +151,10 @@ void LaneRun::attempt() {
     const bool on =
         task_.options.stabilization.kind != Stabilization::Kind::project ||
         (fixed_ ? landed[i].converged : end_is_near(landed[i].converged, landed[i].before, batch_.system(l).length()));
-    on && !miscounts(l) ? accept(l, error[i]) : reject(l, 0.5);
+    on ? accept(l, error[i]) : reject(l, 0.5);
   }
   if (jumped_) batch_.start_from(y_.data(), t_);
   jumped_ = false;
-}
-
-// Whether links count turns that the step of a copy outruns.
-bool LaneRun::miscounts(int lane) {
-  if (!batch_.counts_turns()) return false;
-  const double t = t_[static_cast<std::size_t>(lane)];
-  read(lane, y_.data(), t, state_);
-  read(lane, end_.data(), t + h_[static_cast<std::size_t>(lane)], state_end_);
-  return batch_.miscounts(lane, state_, state_end_);
 }
 
 }  // namespace lockstep::lanes

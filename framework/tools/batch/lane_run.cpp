@@ -186,10 +186,11 @@ void LaneRun::accept(int lane, double error) {
 
 void LaneRun::update_memory(int lane) {
   const System& system = batch_.system(lane);
-  if (system.n_memory() == 0) return;
+  if (!system.keeps_anything()) return;
   read(lane, y_.data(), t_[static_cast<std::size_t>(lane)], state_);
   system.accept(inputs_.at(system, state_), state_);
   batch_.remember(lane, state_.z);
+  batch_.put(lane, state_, y_.data());
 }
 
 // Repeats with a smaller step; a copy that cannot go on leaves for the scalar code, which reports the error.

@@ -91,7 +91,6 @@ class LaneRun {
   void park(int lane);
   void see_pivots(bool first);
   bool near_singular(int lane);
-  bool miscounts(int lane);
 
   Batch& batch_;
   const RunTask& task_;

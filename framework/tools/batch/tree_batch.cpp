@@ -237,10 +237,6 @@ double TreeBatch::fastest_turn(int lane, const double*) const {
   return std::sqrt(most);
 }
 
-bool TreeBatch::miscounts(int lane, const State& from, const State& to) const {
-  return tree(lane).miscounts(from, to) >= 0;
-}
-
 void TreeBatch::take_off_turns(int lane, double* y) const {
   for (const TreeNode& node : tree(lane).nodes())
     if (node.turn == TreeTurn::hinge)

@@ -27,8 +27,6 @@ class LOCKSTEP_API TreeBatch final : public Batch {
   void weigh(const double* error, std::array<Change, kLanes>& out) override;
   void accept(int lane) override;
   double fastest_turn(int lane, const double* y) const override;
-  bool counts_turns() const override { return trees_.front()->counts_turns(); }
-  bool miscounts(int lane, const State& from, const State& to) const override;
   void watch_pivots() override;
   double n_small(std::size_t lane) const override { return closures_.n_small(lane); }
   double smallest_pivot(std::size_t lane) const override { return closures_.smallest_pivot(lane); }

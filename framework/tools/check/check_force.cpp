@@ -318,9 +318,9 @@ void ForceCheck::turns() {
   const std::string what = fmt::format("jumps by {:.3g} where body '{}' has turned by {:.0f} degrees about z of '{}'",
                                        fine, body(slot), at * 180 / kPi, about.name);
   if (force_.n_own_memory() > 0)
-    add("turns", what, "accept_step() and start_memory(): the angle at the last accepted step is remembered in z");
+    add("turns", what, "accept_step() and start_memory(), or count_angles(), which counts an angle for it");
   else
-    report_.note("it " + what + "; if it is to run on past full turns, count them: n_memory() and accept_step()");
+    report_.note("it " + what + "; if it is to run on past full turns, count them: count_angles()");
 }
 }  // namespace
 

@@ -302,7 +302,7 @@ void LockCheck::turn_about_z(const Marker& p, const Marker& s) {
     else
       add("turns", what,
           link_.n_own_memory() > 0
-              ? "accept_step() and start_memory(): the angle at the last accepted step is remembered in z"
+              ? "accept_step() and start_memory(), or count_angles(), which counts an angle for it"
               : "its angles: kCountsTurns = true and y.angle_z(), so that they run on past a full turn");
   }
 }

@@ -29,14 +29,34 @@ ClosedMotion free_top() {
   return m;
 }
 
+namespace {
+
+/// Counts accepted steps: a memory that methods have to leave alone.
+class StepCounter final : public Force, public Remembering {
+ public:
+  explicit StepCounter(const Lock& at) : Force("counter"), at_(at) {}
+  std::string_view type() const override { return "counter"; }
+  std::vector<const Marker*> markers() const override { return {at_.pairs().front().first}; }
+  void setup() override {}
+  void apply(const Inputs&, WrenchSum&) const override {}
+  const Remembering* remembering() const override { return this; }
+  int n_memory() const override { return 1; }
+  void start_memory(std::span<double> z) const override { z[0] = 0; }
+  void accept_step(const Inputs&, std::span<double> z) const override { ++z[0]; }
+
+ private:
+  const Lock& at_;
+};
+
+}  // namespace
+
 ClosedMotion hinged_pendulum() {
   constexpr double kAngle = 1.2, kLength = 0.8, kG = 9.81, kMass = 1.5, kRadius = kLength / 50;
   ClosedMotion m{"pendulum", 1.5, std::make_unique<System>(System::Options{{0, 0, -kG}}), {}};
   const auto end = [](double a) { return Vec3(kLength * std::sin(a), 0, -kLength * std::cos(a)); };
   Body& body = m.system->add_body("rod", shapes::rod(kMass, Vec3::Zero(), end(kAngle), kRadius));
   auto& hinge = m.system->add<Revolute>("hinge", body, m.system->ground(), pose_at(Vec3::Zero(), Vec3(0, 1, 0)));
-  m.system->add<TorsionSpringDamper>("counter", m.system->marker("hinge.P"), m.system->marker("hinge.S"), {});
-  (void)hinge;
+  m.system->add(std::make_unique<StepCounter>(hinge));
   m.system->setup();
   const double J = kMass * (kLength * kLength / 3 + kRadius * kRadius / 4);  // about the hinge
   const double rate = std::sqrt(kMass * kG * 0.5 * kLength / J), k = std::sin(0.5 * kAngle);

@@ -87,7 +87,6 @@ void warn_of_settings(const Scene& scene, const Mechanism& m, const Arguments& a
     say(fmt::format("run.output: {:g} s is longer than the run of {:g} s: only its start and its end are recorded",
                     run.output, run.until));
   for (const std::string& words : negative_stiffness(scene)) say(words);
-  if (const std::string words = uncounted_angles(m); !words.empty()) say(words);
   const Value* settings = scene.root.find("run");
   const bool in_scene = args.integrator.empty() && settings != nullptr && settings->find("tolerance") != nullptr;
   if ((in_scene || !args.tolerance.empty()) && !sim.integrator().info().adaptive)

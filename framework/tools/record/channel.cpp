@@ -11,8 +11,6 @@
 #include <lockstep/text.h>
 #include "framework/tools/record/channel_entry.h"
 #include "framework/tools/record/quadrature.h"
-#include "framework/tools/record/start_of_angle.h"
-#include "framework/tools/record/turn_counter.h"
 
 namespace lockstep {
 namespace channels {
@@ -29,81 +27,25 @@ void add_vector(Entries& out, const std::string& name, const std::string& unit, 
         [value, k](const Sample& s) { return value(s)[k]; });
 }
 
-namespace {
+namespace {}  // namespace
 
-constexpr double kUndefined = 1e-6, kUnclear = 1e-2;  // of RawAngle::clear
-constexpr double kWide = 0.25 * kPi;                  // rad in a step
-
-// Near the axis the rate grows beyond all bounds, and leads nowhere: the nearest branch is taken then.
-bool leads(const RawAngle& a, double h) {
-  return a.clear > kUnclear || (a.clear > kUndefined && std::abs(a.rate * h) < kWide);
-}
-
-// Follows the turns of an angle, and says where their count is in doubt.
-class Turns {
- public:
-  double at(const RawAngle& a, double t) const { return counter.at(a.angle, t, is_led(a, t) ? a.rate : 0); }
-  void accept(const RawAngle& a, double t, const std::string& channel) {
-    const bool led = is_led(a, t);
-    const double rate = led ? a.rate : 0;
-    if (!is_told_ && !(led && counter.is_sure(a.angle, t, rate))) tell(led, t, channel);
-    counter.accept(a.angle, t, rate);
-  }
-  void restart() { counter.restart(), is_told_ = false; }
-
-  /// Before the first value: the branch of the start is near `asked`, else near `about`.
-  void begin(const std::function<double(const Sample&)>& about, const Sample& s) {
-    if (counter.has_begun()) return;
-    const double angle = asked ? *asked : about ? about(s) : 0.0;
-    counter.begin_about(std::isfinite(angle) ? angle : 0.0);
-  }
-
-  TurnCounter counter;
-  std::optional<double> asked;
-
- private:
-  bool is_led(const RawAngle& a, double t) const { return leads(a, counter.since(t)); }
-  void tell(bool led, double t, const std::string& channel) {
-    is_told_ = true;
-    log_warning(
-        fmt::format("channel \"{}\": at t = {} s {}; its full turns may be miscounted from here on, and its "
-                    "values are in doubt nearby: {}",
-                    channel, text::brief(t),
-                    led ? "the angle is more than a quarter turn from where its rates led"
-                        : "the angle is undefined, or nearly so: what turns lies along the axis",
-                    led ? "take a smaller step (--step)" : "record an angle about another axis, or a quaternion"));
-  }
-  bool is_told_ = false;
-};
-
-/// Channel::restart of an angle, by which its turns are found.
-struct Restart {
-  std::shared_ptr<Turns> turns;
-  void operator()() const { turns->restart(); }
-};
-
-}  // namespace
-
-void begin_about(Channel& channel, double angle) {
-  if (const Restart* of = channel.restart.target<Restart>()) of->turns->asked = angle;
-}
-
-void add_angle(Entries& out, std::string name, std::string help, std::function<RawAngle(const Sample&)> raw,
-               std::function<double(const Sample&)> about) {
-  const auto make = [raw = std::move(raw), about = std::move(about)](System&, Channel& c) {
-    const auto turns = std::make_shared<Turns>();
-    c.value = [raw, about, turns](const Sample& s) {
-      turns->begin(about, s);
-      return turns->at(raw(s), s.state.t);
+void add_angle(Entries& out, std::string name, std::string help, std::function<const CountedAngle&(System&)> count) {
+  const auto make = [count = std::move(count)](System& system, Channel& c) {
+    const CountedAngle& angle = count(system);
+    c.value = [&angle, channel = c.name, told = std::make_shared<bool>(false)](const Sample& s) {
+      const Inputs& in = s.inputs();
+      if (!*told && angle.doubt(in.s) > CountedAngle::kInDoubt) {
+        *told = true;
+        log_warning(
+            fmt::format("channel \"{}\": up to t = {} s the angle has been more than a quarter turn from where its "
+                        "rate led: it has no "
+                        "value nearby, or steps are too long; its full turns are in doubt: record an angle about "
+                        "another axis, or take "
+                        "smaller steps (--step)",
+                        channel, text::brief(s.state.t)));
+      }
+      return angle.value(in);
     };
-    c.track = [raw, about, turns, channel = c.name](const Sample& s) {
-      turns->begin(about, s);
-      turns->accept(raw(s), s.state.t, channel);
-    };
-    c.jumped = c.track;
-    c.restart = Restart{turns};
-    c.save = [turns](Snapshot& to) { turns->counter.save(to); };
-    c.load = [turns](SnapshotReader& in) { turns->counter.load(in); };
   };
   out.push_back({std::move(name), "rad", std::move(help), make});
 }

@@ -1,18 +1,66 @@
 // Channels of bodies and markers: motion in the world, and seen from another frame.
 #include <spdlog/fmt/fmt.h>
 
+#include <cmath>
+#include <memory>
+
 #include <lockstep/params.h>
 #include "framework/tools/record/channel_entry.h"
 
 namespace lockstep::channels {
 namespace {
 
-// Angle of the frame's own next axis about the world's axis k, for planar motion: angle_z is that of its x axis.
-RawAngle turn_about(int k, const FrameMotion& m) {
-  const int i = (k + 1) % 3, j = (k + 2) % 3;
-  const Vec3 n = m.A.col(i), nd = cross(m.w, n);  // (1.10)
-  const double clear = n[i] * n[i] + n[j] * n[j];
-  return {std::atan2(n[j], n[i]), (n[i] * nd[j] - n[j] * nd[i]) / clear, clear};
+/// Angle of a frame's own next axis about axis k of another frame, or of the world, for planar motion: angle_z is that of its
+/// x axis. It has no value where that axis is along k.
+class DirectionAngle final : public CountedAngle {
+ public:
+  DirectionAngle(const Frame& m, const Frame& n, int k)
+      : CountedAngle(fmt::format("angle_{} of '{}'{}", kAxisName[k], name_of(m),
+                                 n.body ? fmt::format(" seen from '{}'", name_of(n)) : "")),
+        m_(m),
+        n_(n),
+        k_(k) {}
+  void setup() override {
+    M_ = m_.folded();
+    if (n_.body) N_ = n_.folded();
+  }
+  std::optional<Turn> turn() const override {
+    if (M_.rotation_law || N_.rotation_law) return {};
+    return Turn{M_.slot, N_.slot, rotation(N_.at(0).q).col(k_)};
+  }
+
+ protected:
+  double angle(const Inputs& in) const override {
+    const Vec3 axis = N(in).A().transpose() * M(in).axis(i());
+    return std::atan2(axis[j()], axis[i()]);
+  }
+  double rate_of_pose(const Inputs& in) const override {
+    const auto m = M(in), n = N(in);
+    const Mat3 to_n = n.A().transpose();
+    const Vec3 axis = to_n * m.axis(i()), rate = cross(Vec3(to_n * Vec3(m.w() - n.w())), axis);  // (1.10)
+    const double clear = axis[i()] * axis[i()] + axis[j()] * axis[j()];
+    return clear > 1e-12 ? (axis[i()] * rate[j()] - axis[j()] * rate[i()]) / clear : 0.0;
+  }
+
+ private:
+  int i() const { return (k_ + 1) % 3; }
+  int j() const { return (k_ + 2) % 3; }
+  MarkerOn<double> M(const Inputs& in) const { return {in.slot(M_.slot), M_.at(in.t)}; }
+  MarkerOn<double> N(const Inputs& in) const { return {in.slot(N_.slot), N_.at(in.t)}; }
+  static const std::string& name_of(const Frame& f) { return f.marker ? f.marker->name : f.body->name; }
+
+  Frame m_, n_;  // n without a body: the world
+  int k_;
+  MarkerFrame M_, N_;
+};
+
+void add_directions(Entries& out, const Frame& m, const Frame& n, const std::string& help) {
+  for (int k = 0; k < 3; ++k)
+    add_angle(out, std::string("angle_") + kAxisName[k],
+              fmt::format(fmt::runtime(help), kAxisName[k], kAxisName[(k + 1) % 3]),
+              [m, n, k](System& system) -> const CountedAngle& {
+                return system.count(std::make_unique<DirectionAngle>(m, n, k));
+              });
 }
 
 void add_quaternion(Entries& out, const std::string& help, const std::function<Quat(const Sample&)>& q) {
@@ -53,11 +101,7 @@ void of_frame(const Frame& f, Entries& out) {
              [f](const Sample& s) { return acceleration_of(f, s).alpha; });
   add_vector(out, "alpha_body_", "rad/s^2", "angular acceleration, own axes",
              [f](const Sample& s) { return Vec3(motion_of(f, s).A.transpose() * acceleration_of(f, s).alpha); });
-  for (int k = 0; k < 3; ++k)
-    add_angle(out, std::string("angle_") + kAxisName[k],
-              fmt::format("turn about the world's {}, of the own {} axis, counted past full turns", kAxisName[k],
-                          kAxisName[(k + 1) % 3]),
-              [f, k](const Sample& s) { return turn_about(k, motion_of(f, s)); });
+  add_directions(out, f, {}, "turn about the world's {}, of the own {} axis, counted past full turns");
   add_sequences(out, q);
 }
 
@@ -83,14 +127,7 @@ void of_pair(const Frame& m, const Frame& n, Entries& out) {
   add_quaternion(out, "quaternion to the other's axes", q);
   add_vector(out, "omega_", "rad/s", "angular velocity against the other, its axes",
              [y](const Sample& s) { return y(s).w; });
-  for (int k = 0; k < 3; ++k)
-    add_angle(out, std::string("angle_") + kAxisName[k], "turn about the other's axis, counted past full turns",
-              [y, k](const Sample& s) {
-                const Relative r = y(s);
-                FrameMotion f;
-                f.A = rotation(Quat::from(r.y.tail<4>())), f.w = r.w;
-                return turn_about(k, f);
-              });
+  add_directions(out, m, n, "turn about the other's axis, counted past full turns");
   add_sequences(out, q);
   add(out, "distance", "m", "distance of the two origins", [y](const Sample& s) { return y(s).y.head<3>().norm(); });
   add(out, "distance_d", "m/s", "rate of that; 0 where they meet", [y](const Sample& s) {

@@ -27,15 +27,9 @@ void add(Entries&, std::string name, std::string unit, std::string help, Value v
 void add_vector(Entries&, const std::string& name, const std::string& unit, const std::string& help,
                 std::function<Vec3(const Sample&)> value);
 
-/// An angle known up to full turns, and its rate. It is that of a part normal to an axis, of a vector of length 1.
-struct RawAngle {
-  double angle = 0, rate = 0;
-  double clear = 1;  ///< that part's length squared: where it is 0 the angle is undefined
-};
-/// An angle counted past full turns; where the count is in doubt, a warning says so, once. It begins on the branch nearest
-/// to `about`, rad, at the start; without one, or where that is not finite, within half a turn of zero.
-void add_angle(Entries&, std::string name, std::string help, std::function<RawAngle(const Sample&)> raw,
-               std::function<double(const Sample&)> about = {});
+/// An angle counted past full turns, by the system that `count` adds it to; where the count is in doubt, a warning reports it,
+/// once.
+void add_angle(Entries&, std::string name, std::string help, std::function<const CountedAngle&(System&)> count);
 /// The time integral of `rate` along the motion: the system's quadrature `id`, which all channels of that id share.
 void add_integral(Entries&, std::string name, std::string unit, std::string help, std::string id,
                   std::function<double(const Evaluated&)> rate, bool of_reactions = false);

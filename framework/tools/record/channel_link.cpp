@@ -3,24 +3,23 @@
 
 #include <memory>
 
-#include "framework/dynamics/simulate/start_turns.h"
 #include "framework/mechanism/system/diagnose.h"
 #include "framework/tools/record/channel_entry.h"
 
 namespace lockstep::channels {
 namespace {
 
-// theta = 2 atan2(e_k, e0) with its rates; not finite where both are 0, where the angle is undefined.
+// Rates of theta = 2 atan2(e_k, e0); not finite where both are 0, where the angle has no value.
 struct Turn {
-  double angle, d, dd, clear;
+  double d, dd;
 };
 Turn turn(int k, const Relative& r) {
   const double c = r.y[3], s = r.y[4 + k], cd = r.yd[3], sd = r.yd[4 + k], cdd = r.ydd[3], sdd = r.ydd[4 + k];
   const double n = c * c + s * s, d = 2.0 * (c * sd - s * cd) / n;
-  return {2.0 * std::atan2(s, c), d, (2.0 * (c * sdd - s * cdd) - 2.0 * d * (c * cd + s * sd)) / n, n};
+  return {d, (2.0 * (c * sdd - s * cdd) - 2.0 * d * (c * cd + s * sd)) / n};
 }
 
-void add_coordinates(const Lock& link, const Frame& p, const Frame& s, Entries& out) {
+void add_coordinates(const Frame& p, const Frame& s, Entries& out) {
   const auto y = [p, s](const Sample& x) { return relative(p, s, x); };
   const auto y2 = [p, s](const Sample& x) { return relative_with_second(p, s, x); };
   add_vector(out, "", "m", "origin of P, S axes", [y](const Sample& x) { return Vec3(y(x).y.head<3>()); });
@@ -32,13 +31,8 @@ void add_coordinates(const Lock& link, const Frame& p, const Frame& s, Entries& 
     const std::string axis = kAxisName[k];
     add(out, axis + "_d", "m/s", "rate of " + axis, [y, k](const Sample& x) { return y(x).yd[k]; });
     add(out, axis + "_dd", "m/s^2", "second rate of " + axis, [y2, k](const Sample& x) { return y2(x).ydd[k]; });
-    add_angle(
-        out, "angle_" + axis, "turn of P about S's " + axis + ", counted past full turns",
-        [y, k](const Sample& x) {
-          const Turn t = turn(k, y(x));
-          return RawAngle{t.angle, t.d, t.clear};
-        },
-        [l = &link, k](const Sample& x) { return known_turn(x.system(), x.state, *l, k).value_or(0.0); });
+    add_angle(out, "angle_" + axis, "turn of P about S's " + axis + ", counted past full turns",
+              [p, s, k](System& system) -> const CountedAngle& { return system.count(*p.marker, *s.marker, k); });
     add(out, "angle_" + axis + "_d", "rad/s", "rate of angle_" + axis,
         [y, k](const Sample& x) { return turn(k, y(x)).d; });
     add(out, "angle_" + axis + "_dd", "rad/s^2", "second rate of angle_" + axis,
@@ -113,7 +107,7 @@ void of_link(const System& system, const Lock& link, Entries& out) {
   const Lock* const l = &link;
   const auto pairs = link.pairs();
   if (!pairs.empty())
-    add_coordinates(link, {pairs.front().first->body, pairs.front().first},
+    add_coordinates({pairs.front().first->body, pairs.front().first},
                     {pairs.front().second->body, pairs.front().second}, out);
   if (system.ready()) add_rows(link, out);
   const auto scratch = std::make_shared<VecX>();

@@ -4,34 +4,13 @@
 
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/system_of.h"
-#include "framework/dynamics/simulate/start_turns.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/refusals.h"
 #include "framework/mechanism/params/units.h"
-#include "framework/tools/record/start_of_angle.h"
 
 namespace lockstep {
 
-namespace {
-
-// Whether what counts turns tells the turn in which a coordinate that is asked for approximately begins.
-bool is_counted(const Mechanism& m, const CoordinateTarget& target) {
-  return std::isfinite(target.weight) &&
-         known_turn(m.system, m.system.start(), m.system.link(target.link), axis_index(target.axis) % 3).has_value();
-}
-
-}  // namespace
-
-Channel channel_of(Mechanism& m, const std::string& name) {
-  Channel channel = make_channel(system_of(m), name);
-  if (!m.run.assemble) return channel;
-  for (const CoordinateTarget& target : m.assembly.coordinates)
-    if (is_rotation(target.axis) && !is_counted(m, target) &&
-        turns_about_one_axis(m.system.link(target.link), target.axis) &&
-        name == target.link + ".angle_" + "xyz"[axis_index(target.axis) % 3])
-      channels::begin_about(channel, target.value);
-  return channel;
-}
+Channel channel_of(Mechanism& m, const std::string& name) { return make_channel(system_of(m), name); }
 
 namespace {
 

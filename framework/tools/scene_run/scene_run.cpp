@@ -8,7 +8,6 @@
 #include "framework/dynamics/simulate/decided_rows.h"
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/tools/analysis/left_out_rows.h"
-#include "framework/tools/record/start_of_angle.h"
 
 namespace lockstep {
 namespace {
@@ -118,10 +117,6 @@ State decided_start(Dynamics& dynamics, Mechanism& m, NearRows* out) {
   }
   if (out != nullptr) *out = std::move(near);
   return start;
-}
-
-std::string uncounted_angles(const Mechanism& m) {
-  return channels::uncounted(m.system, m.assembly, m.run.record);
 }
 
 std::vector<NearDependency> nearly_redundant_at(Dynamics& dynamics, Mechanism& m, const State& start) {

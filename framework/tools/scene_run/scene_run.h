@@ -48,11 +48,7 @@ LOCKSTEP_API State decided_start(Dynamics& dynamics, Mechanism& m, NearRows* nea
 /// Rows that nearly depend on others at an assembled start, where nothing is decided; none where that cannot be found out.
 LOCKSTEP_API std::vector<NearDependency> nearly_redundant_at(Dynamics& dynamics, Mechanism& m, const State& start);
 
-/// channels::uncounted() of what a scene records.
-LOCKSTEP_API std::string uncounted_angles(const Mechanism&);
-
-/// The same start, assembled unless the scene says otherwise; what counts turns begins where drives do. Logs the angles
-/// whose turns nothing counts. `report`, where given, takes what assembly changed.
+/// The same start, assembled unless the scene says otherwise; counted angles begin where drives do. `report`, where given, takes what assembly changed.
 inline State assembled_start(Dynamics& dynamics, Mechanism& m, AssemblyReport* report = nullptr) {
   State start = decided_start(dynamics, m);
   if (m.run.assemble) {
@@ -61,7 +57,6 @@ inline State assembled_start(Dynamics& dynamics, Mechanism& m, AssemblyReport* r
   } else {
     begin_turns(dynamics, start);
   }
-  if (const std::string words = uncounted_angles(m); !words.empty()) log_warning(words);
   return start;
 }
 

@@ -8,7 +8,6 @@
 #include <lockstep/text.h>
 #include "framework/dynamics/simulate/start_turns.h"
 #include "framework/mechanism/params/read.h"
-#include "framework/tools/record/start_of_angle.h"
 #include "framework/tools/simulation/checkpoint.h"
 #include "framework/tools/simulation/simulation_parts.h"
 
@@ -88,7 +87,6 @@ StepLoop& Simulation::Parts::begun() {
 
 /// Channels may add quadratures to the system, so everything that takes its sizes is made when the run begins.
 State Simulation::Parts::begin(Dynamics& by, StepLoop&, AssemblyReport& report) {
-  if (const std::string words = channels::uncounted(system, {}, settings.record); !words.empty()) log_warning(words);
   State start = system.start();
   assemble_start(settings, by, start, report);
   return start;

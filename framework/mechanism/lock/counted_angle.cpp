@@ -1,0 +1,76 @@
+#include <lockstep/counted_angle.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace lockstep {
+
+namespace {
+
+constexpr double kNone = 1e-12;  // of e0^2 + ek^2: the angle has no value
+
+double nearest(double angle, double about) { return angle + kTwoPi * std::round((about - angle) / kTwoPi); }
+
+}  // namespace
+
+CountedAngle::~CountedAngle() = default;
+
+double CountedAngle::value(const Inputs& in) const { return nearest(angle(in), rest(in.s)) + kTwoPi * turns(in.s); }
+
+double CountedAngle::rate(const Inputs& in) const {
+  const double known = in.angle_rates.empty() ? NAN : in.angle_rates[static_cast<std::size_t>(number_)];
+  return std::isnan(known) ? rate_of_pose(in) : known;
+}
+
+void CountedAngle::accept(const Inputs& in, VecX& s) const {
+  double *own = s.data() + first(), &phi = own[0], &n = own[1], &doubt = own[2];
+  const double pose = nearest(angle(in), phi), turns = std::round(pose / kTwoPi);
+  doubt = std::max(doubt, std::abs(pose - phi));
+  phi = pose - kTwoPi * turns, n += turns;
+}
+
+void CountedAngle::set(const Inputs& in, double about, VecX& s) const {
+  double *own = s.data() + first(), &phi = own[0], &n = own[1];
+  const double pose = nearest(angle(in), about);
+  n = std::round(pose / kTwoPi), phi = pose - kTwoPi * n;
+}
+
+TurnAngle::TurnAngle(const Marker& p, const Marker& s, int axis)
+    : CountedAngle(name_of(p, s, axis)), p_(p), s_(s), axis_(axis) {}
+
+std::string TurnAngle::name_of(const Marker& p, const Marker& s, int axis) {
+  return "turn of '" + p.name + "' about " + "xyz"[axis] + " of '" + s.name + "'";
+}
+
+void TurnAngle::setup() { P_ = MarkerFrame(p_), S_ = MarkerFrame(s_); }
+
+std::optional<CountedAngle::Turn> TurnAngle::turn() const {
+  if (P_.rotation_law || S_.rotation_law) return {};
+  return Turn{P_.slot, S_.slot, rotation(S_.at(0).q).col(axis_)};
+}
+
+Quat TurnAngle::relative(const Inputs& in) const {
+  return conjugate(in.slot(S_.slot).e * S_.at(in.t).q) * (in.slot(P_.slot).e * P_.at(in.t).q);
+}
+
+double TurnAngle::angle(const Inputs& in) const {
+  const Quat e = relative(in);
+  return 2.0 * std::atan2(e.vec()[axis_], e.w);
+}
+
+double TurnAngle::rate_of_pose(const Inputs& in) const {
+  const MarkerOn<double> P{in.slot(P_.slot), P_.at(in.t)}, S{in.slot(S_.slot), S_.at(in.t)};
+  const Quat e = relative(in);
+  const Vec3 ev = e.vec(), w = S.A().transpose() * Vec3(P.w() - S.w());
+  const double e0 = e.w, ek = ev[axis_], n = e0 * e0 + ek * ek;
+  return n > kNone ? (e0 * e0 * w[axis_] + e0 * cross(w, ev)[axis_] + ek * w.dot(ev)) / n : 0.0;
+}
+
+const CountedAngle& AngleCounter::count(const Marker& p, const Marker& s, int axis, bool coupled) {
+  CountedAngle& angle = count(std::make_unique<TurnAngle>(p, s, axis));
+  if (coupled) angle.couple();
+  return angle;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,115 @@
+// Counted angles: what they are at the start, along motions with few steps, and where they have no value.
+#include <lockstep/counted_angle.h>
+
+#include <array>
+#include <cmath>
+#include <memory>
+#include <string>
+
+#include <lockstep/forces.h>
+#include <lockstep/integrators.h>
+#include <lockstep/joints.h>
+#include <lockstep/solvers.h>
+#include <lockstep/step_loop.h>
+#include <lockstep/system.h>
+#include "tests/support/catch.h"
+
+namespace counted_angle_test {
+
+using namespace lockstep;
+
+namespace {
+
+/// A wheel on a hinge about z, without gravity.
+struct Wheel {
+  System system;
+  Body& body = system.add_body("wheel", MassProperties{1, Vec3::Zero(), Mat3::Identity()});
+  Lock& hinge = system.add<Revolute>("A", body, system.ground(), pose_at(Vec3::Zero()));
+  const CountedAngle& angle = system.count(*hinge.pairs().front().first, *hinge.pairs().front().second, 2);
+
+  /// By rk4 in fixed steps of h, from a speed; returns the angle at t.
+  double after(double speed, double h, double t, Formulation formulation) {
+    Dynamics dynamics(system, std::make_unique<SchurSolver>(), {.formulation = formulation});
+    StepLoop loop(dynamics, std::make_unique<Rk4>(), {.step = h});
+    State start = system.start();
+    start.set_slot_twist(0, {Vec3::Zero(), Vec3(0, 0, speed)});
+    loop.set_state(start);
+    loop.run_until(t);
+    return angle.value(dynamics.inputs(loop.state()));
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a counted angle makes several turns in a step, in either formulation", "[unit][angles]") {
+  for (const Formulation formulation : {Formulation::omega, Formulation::joint}) {
+    Wheel wheel;
+    // of quaternions only steps within a turn or so are any good; along a joint they may be as long as one likes
+    const double h = formulation == Formulation::joint ? 3.7 : 0.01;
+    const double off = formulation == Formulation::joint ? 1e-9 : 1.5e-5;  // 740 steps of (w h / 2)^5 / 60 each
+    CHECK(wheel.after(13.0, h, 7.4, formulation) == Approx(13.0 * 7.4).margin(off));
+    CHECK(wheel.after(-13.0, h, 7.4, formulation) == Approx(-13.0 * 7.4).margin(off));
+  }
+}
+
+TEST_CASE("a million turns leave the angle its digits", "[unit][angles]") {
+  Wheel wheel;
+  const double speed = 1e6 * kTwoPi + 0.3;
+  const double end = wheel.after(speed, 0.1, 1.0, Formulation::joint);
+  CHECK(std::remainder(end - 0.3, kTwoPi) == Approx(0).margin(4e-9));  // the ulp of the sum is 9e-10
+  CHECK(std::round((end - 0.3) / kTwoPi) == 1e6);
+}
+
+TEST_CASE("a counted angle changes neither coordinates nor velocities", "[unit][angles]") {
+  const auto end_of = [](bool counted) {
+    System s({.gravity = Vec3(0, -9.81, 0)});
+    Body& a = s.add_body("a", shapes::rod(1.0, Vec3::Zero(), Vec3(1, 0, 0)));
+    Body& b = s.add_body("b", shapes::rod(1.0, Vec3(1, 0, 0), Vec3(2, 0.3, 0)));
+    s.add<Revolute>("A", a, s.ground(), pose_at(Vec3::Zero()));
+    Lock& joint = s.add<Revolute>("B", b, a, pose_at(Vec3(1, 0, 0)));
+    if (counted) s.count(*joint.pairs().front().first, *joint.pairs().front().second, 2);
+    Dynamics dynamics(s, std::make_unique<SchurSolver>());
+    StepLoop loop(dynamics, std::make_unique<Dopri5>(), {.tolerance = tolerance_of(1e-8)});
+    loop.run_until(3);
+    return loop.state();
+  };
+  const State with = end_of(true), without = end_of(false);
+  CHECK(with.q == without.q);
+  CHECK(with.v == without.v);
+  CHECK(with.s.size() == without.s.size() + 3);
+}
+
+TEST_CASE("all that count one angle share it", "[unit][angles]") {
+  Wheel wheel;
+  const auto [p, s] = wheel.hinge.pairs().front();
+  CHECK(&wheel.system.count(*p, *s, 2) == &wheel.angle);
+  CHECK(wheel.system.counted(*p, *s, 2) == &wheel.angle);
+  CHECK(wheel.system.counted(*p, *s, 0) == nullptr);
+  CHECK(wheel.system.counted_angles().size() == 1);
+}
+
+TEST_CASE("an angle that has no value on the way is in doubt", "[unit][angles]") {
+  System s;
+  Body& b = s.add_body("b", MassProperties{1, Vec3::Zero(), Mat3::Identity()});
+  const Vec3 axis = Vec3(1, 0.01, 0).normalized();
+  Lock& hinge = s.add<Revolute>("A", b, s.ground(), pose_at(Vec3::Zero(), axis));
+  Marker& P = s.add_marker("P", b);
+  Marker& S = s.add_marker("S", s.ground());
+  (void)hinge;
+  const CountedAngle& across = s.count(P, S, 1);  // e0 and e2 both come near zero after half a turn
+  Dynamics dynamics(s, std::make_unique<SchurSolver>());
+  StepLoop loop(dynamics, std::make_unique<Rk4>(), {.step = 0.1});
+  State start = s.start();
+  start.set_slot_twist(0, {Vec3::Zero(), 4 * axis});
+  loop.set_state(start);
+  const auto doubt = [&] {
+    const State& now = loop.state();
+    return across.doubt({now.s.data(), static_cast<std::size_t>(now.s.size())});
+  };
+  loop.run_until(0.6);
+  CHECK(doubt() < 0.01);
+  loop.run_until(1.0);
+  CHECK(doubt() > 0.5 * kPi);
+}
+
+}  // namespace counted_angle_test
