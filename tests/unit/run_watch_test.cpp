@@ -150,11 +150,11 @@ TEST_CASE("a run without an end is ended by counts", "[unit][dynamics]") {
     check_words(message_of<StepError>([&] { run.run_until(1); }), {"100 steps", "t = 0.1", "max_steps"});
     CHECK(run.state().t == Approx(0.1));
   }
-  SECTION("a slow one says so once") {
+  SECTION("a slow one says how many steps are left") {
     StepLoop run(dynamics, std::make_unique<Rk4>(), {.step = 1e-8, .max_steps = 30000});
-    message_of<StepError>([&] { run.run_until(1); });
-    REQUIRE(run.report().warnings.size() == 1);
-    check_words(run.report().warnings[0], {"the run is slow", "1e+08 steps"});
+    check_words(message_of<StepError>([&] { run.run_until(1); }),
+                {"30000 steps", "last 1000 steps were of 1e-08 s", "the rest of the run would take 1e+08"});
+    CHECK(run.report().warnings.empty());
   }
 }
 
@@ -201,7 +201,7 @@ TEST_CASE("a run that is too long for its steps says so, and blames no row", "[u
   Dynamics dynamics = dynamics_of(pendulum.system);
   StepLoop run(dynamics, std::make_unique<Dopri5>());
   const std::string said = message_of<StepError>([&] { run.run_until(1e10); });
-  check_words(said, {"from the start on its steps were of", "the run of 1e+10 s would take", "more: end it earlier"});
+  check_words(said, {"its last 1000 steps were of", "the rest of the run would take", "end it earlier"});
   CHECK_FALSE(says(said, {"look at its laws"}));
   CHECK_FALSE(says(said, {"shrank"}));
   CHECK(run.report().steps < 2000);

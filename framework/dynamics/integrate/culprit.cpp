@@ -71,8 +71,7 @@ std::string place_of(const Force& force, const System& system, const Inputs& in)
   return fmt::format(", body '{}' at [{:.6g}, {:.6g}, {:.6g}]", system.body_of_slot(slot).name, x[0], x[1], x[2]);
 }
 
-std::string in_words(Dynamics& dynamics, const State& state, const Said& from, const Said& to, double after,
-                     bool tell_rows) {
+std::string in_words(Dynamics& dynamics, const State& state, const Said& from, const Said& to, double after) {
   const System& system = dynamics.system();
   double largest = kNotableChange, all_forces = 0, all_asked = 0;
   std::string words;
@@ -91,7 +90,7 @@ std::string in_words(Dynamics& dynamics, const State& state, const Said& from, c
         place_of(force, system, dynamics.inputs(state)));
   }
   const Evaluation& e = dynamics.gather(state);
-  for (int row = 0; tell_rows && row < from.asked.size(); ++row) {
+  for (int row = 0; row < from.asked.size(); ++row) {
     const auto r = static_cast<std::size_t>(row);
     const double turns = change_of(from.rows[r], to.rows[r], 0),
                  asks = change_of(from.asked.segment<1>(row), to.asked.segment<1>(row), 1e-3 * all_asked);
@@ -141,7 +140,7 @@ std::string why_contradict(const std::vector<std::string>& moved, const std::str
 
 }  // namespace
 
-std::string who_varies(Dynamics& dynamics, const State& state, double after, bool rows) {
+std::string who_varies(Dynamics& dynamics, const State& state, double after) {
   try {
     const double off = dynamics.violation(state) / dynamics.system().length();
     const Solution& now = dynamics.evaluate(state);
@@ -158,7 +157,7 @@ std::string who_varies(Dynamics& dynamics, const State& state, double after, boo
     then.s += after * rate.s;
     then.t += after;
     dynamics.normalize(then);
-    std::string words = in_words(dynamics, state, from, listen(dynamics, then), after, rows);
+    std::string words = in_words(dynamics, state, from, listen(dynamics, then), after);
     if (const std::vector<std::string> moved = moved_by_laws(dynamics, state); moved.size() == 1 && !words.empty())
       words += "; a law moves " + moved.front();
     return words;

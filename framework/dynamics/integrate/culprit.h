@@ -10,8 +10,8 @@ namespace lockstep {
 
 /// In words for the end of a message: which row contradicts others at this state; or which force or link changes most
 /// within `after` seconds from it, with its values and the place; "" where nothing changes much. What an evaluation
-/// throws there is said instead. `rows`: whether a row that changes is told.
-LOCKSTEP_API std::string who_varies(Dynamics&, const State&, double after, bool rows = true);
+/// throws there is said instead.
+LOCKSTEP_API std::string who_varies(Dynamics&, const State&, double after);
 
 /// The row that is violated most at this state, "row z of link 'H' by 1e-05 m"; "" where there are no rows.
 LOCKSTEP_API std::string most_violated(Dynamics&, const State&);

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/dynamics/simulate/step_rules.h"
 #include <lockstep/error.h>
+#include "framework/dynamics/simulate/step_rules.h"
 
 namespace lockstep {
 
@@ -21,7 +21,7 @@ constexpr double kSameInstant = 1e-12;  // relative to max(|t|, length of the ru
 void Clock::start(double t) {
   t_start_ = t;
   breakpoints_to_ = -kInfinity;
-  pace_.start(t);
+  last_.begin(t);
   last_output_ = -kInfinity;
   next_output_ = 0;
   while (output_time(next_output_) < t) ++next_output_;
@@ -59,13 +59,7 @@ Clock::Target Clock::next_target(double t, double limit, double event, double la
   return {jump, jump - before > t ? jump - before : jump, true};
 }
 
-double Clock::too_long_by(double t, long n) const {
-  if (n == 0 || !std::isfinite(t_end_)) return 0;
-  const double mean = (t - t_start_) / static_cast<double>(n);
-  return t_end_ - t > kMostSteps * mean ? mean : 0;
-}
-
-double Clock::step_towards(double t, const Target& target, double largest, long n) const {
+double Clock::step_towards(double t, const Target& target, double largest) const {
   const double left = target.reach - t;
   if (!info_.adaptive) {
     const double size = largest > 0 ? largest : options_.step;
@@ -76,18 +70,13 @@ double Clock::step_towards(double t, const Target& target, double largest, long 
   if (options_.step > 0) h = std::min(h, options_.step);
   if (largest > 0) h = std::min(h, largest);
   const double scale = std::max(std::abs(t), span());
-  const bool lost = step_is_round_off(h, t, span());
-  if (lost && too_long_by(t, n) > 0)
+  if (step_is_round_off(h, t, span()))
     throw StepError(
-        fmt::format("{}: at t = {:.9g} s a step of {:.3g} s is lost beside the length of the run, {:.3g} s; the "
-                    "rest would take {:.2g} of them",
-                    info_.name, t, h, span(), (t_end_ - t) / h),
-        t);
-  if (lost)
-    throw StepError(
-        fmt::format("{}: the step shrank to {:.3g} s at t = {:.9g} s; use another method (--integrator), a wider "
-                    "tolerance, or look for a singular position (lockstep check)",
-                    info_.name, h, t),
+        fmt::format(
+            "{}: the step shrank to {:.3g} s at t = {:.9g} s, which is lost beside a run of {:.3g} s; use another "
+            "method (--integrator), a wider tolerance, an earlier end, or look for a singular position "
+            "(lockstep check)",
+            info_.name, h, t, span()),
         t);
   return step_within(left, h, kSameInstant * scale);
 }
@@ -95,10 +84,6 @@ double Clock::step_towards(double t, const Target& target, double largest, long 
 void Clock::count_step(double asked, const StepReport& report) {
   ++n_from_anchor_;
   if (info_.adaptive) advised_ = advised_after(advised_, asked, report.h, report.h_next);
-}
-
-std::string Clock::watch_pace(double t, long n) {
-  return pace_.watch({info_.name, info_.adaptive, t_end_, advised_, options_.max_steps}, t, n);
 }
 
 void Clock::refresh_breakpoints(double t, double limit, double largest) {
@@ -142,19 +127,16 @@ bool Clock::end_due(double t) const {
 
 // The jumps that are known of are kept: asked for anew from here they might differ in the last bit.
 void Clock::save(Snapshot& out) const {
-  for (const double x : {t_start_, t_end_, advised_, anchor_, pace_.from, last_output_, breakpoints_to_}) out.put(x);
-  for (const long n : {n_from_anchor_, pace_.from_n, pace_.slow_from, next_output_}) out.put(static_cast<double>(n));
-  out.put(pace_.warned ? 1 : 0);
+  for (const double x : {t_start_, t_end_, advised_, anchor_, last_output_, breakpoints_to_}) out.put(x);
+  for (const long n : {n_from_anchor_, next_output_}) out.put(static_cast<double>(n));
   out.put_all(
       std::vector<double>(breakpoints_.begin() + static_cast<std::ptrdiff_t>(next_breakpoint_), breakpoints_.end()));
 }
 
 void Clock::load(SnapshotReader& in) {
-  for (double* x : {&t_start_, &t_end_, &advised_, &anchor_, &pace_.from, &last_output_, &breakpoints_to_})
-    *x = in.get();
-  for (long* n : {&n_from_anchor_, &pace_.from_n, &pace_.slow_from, &next_output_}) *n = in.get_count();
+  for (double* x : {&t_start_, &t_end_, &advised_, &anchor_, &last_output_, &breakpoints_to_}) *x = in.get();
+  for (long* n : {&n_from_anchor_, &next_output_}) *n = in.get_count();
   if (next_output_ < 0) throw ModelError("the saved number of outputs is below zero: the checkpoint is damaged");
-  pace_.warned = in.get_flag();
   in.get_all(breakpoints_), next_breakpoint_ = 0;
 }
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include <lockstep/step_loop.h>
-#include "framework/dynamics/simulate/pace.h"
+#include "framework/dynamics/simulate/last_steps.h"
 
 namespace lockstep {
 
@@ -21,9 +21,9 @@ class LOCKSTEP_API Clock {
     bool jump = false;  ///< a law jumps at t
   };
 
-  /// The end of the run, which has made n steps and reached t; infinity: single steps. The pace is that towards one end.
-  void set_end(double end, double t, long n) {
-    if (end != t_end_) pace_.measure_from(t, n);
+  /// The end of the run, which has reached t; infinity: single steps. The steps kept are those towards one end.
+  void set_end(double end, double t) {
+    if (end != t_end_) last_.begin(t);
     t_end_ = end;
   }
   double end() const { return t_end_; }
@@ -43,28 +43,20 @@ class LOCKSTEP_API Clock {
   /// The nearest of `limit`, `event`, the laws' jumps and, unless they are interpolated, the output times. `largest`: a
   /// step length, by which to look ahead where no end is known.
   Target next_target(double t, double limit, double event, double largest, bool interpolates);
-  /// The length of the next step of a run that has made n. Throws StepError where it is round-off.
-  double step_towards(double t, const Target&, double largest, long n) const;
-  /// Whether the run, which has made n steps and reached t, would take very many steps by the mean of all of them: then
-  /// its length is the cause, and nothing that changes fast at t. That mean, s; 0: it is not so.
-  double too_long_by(double t, long n) const;
-  /// Whether n steps are all that the run may make.
-  bool is_counted_out(long n) const { return options_.max_steps > 0 && n >= options_.max_steps; }
+  /// The length of the next step. Throws StepError where it is round-off.
+  double step_towards(double t, const Target&, double largest) const;
   /// Counts a step of requested length `asked`.
   void count_step(double asked, const StepReport&);
-  /// Watches the pace of the run, which has made n steps and reached t. Returns a warning, once, where the rest will take
-  /// very many steps; "" otherwise. Throws StepError where it has no end in sight, or max_steps are made.
-  std::string watch_pace(double t, long n);
-  long paced(long n) const { return n - pace_.from_n; }  ///< of n steps those since the pace was last measured
-  /// The mean length of the steps since then, s; of a run that has made n and reached t.
-  double recent_mean(double t, long n) const {
-    return paced(n) > 0 ? (t - pace_.from) / static_cast<double>(paced(n)) : 0.0;
-  }
+  /// The last steps; those of the run are added where they are accepted.
+  LastSteps& last() { return last_; }
+  const LastSteps& last() const { return last_; }
+  /// Of a run that has made n steps and reached t, as LastSteps::check.
+  void check(double t, long n) const { last_.check({info_.name, info_.adaptive, t, t_end_, n, options_.max_steps}); }
   /// Whether an instant lies before t by more than rounding.
   bool is_past(double instant, double t) const;
 
   // -- outputs
-  double next_output() const { return output_time(next_output_); }  ///< infinity: none left
+  double next_output() const { return output_time(next_output_); }             ///< infinity: none left
   double output_ahead(long n) const { return output_time(next_output_ + n); }  ///< the n-th after the next
   void pass_output() { ++next_output_; }
   /// Whether the state at t is output: every step when no times were requested; else at the requested times, and at the
@@ -92,7 +84,7 @@ class LOCKSTEP_API Clock {
   double advised_ = 0;  // the method's next step
   double anchor_ = 0;   // fixed steps: the n-th ends at anchor + n step
   long n_from_anchor_ = 0;
-  Pace pace_;
+  LastSteps last_;
   long next_output_ = 0;
   double last_output_ = -std::numeric_limits<double>::infinity();
   std::vector<double> breakpoints_;

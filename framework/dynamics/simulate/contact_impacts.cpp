@@ -13,14 +13,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/dynamics/simulate/contact_manager.h"
 #include <lockstep/error.h>
+#include "framework/dynamics/simulate/contact_manager.h"
 #include "framework/dynamics/simulate/keep_state.h"
 
 namespace lockstep {
 namespace {
 
 constexpr double kNoise = 1e-10;  // relative to the largest impulse, speed, force or acceleration: less is rounding
+
+std::uint64_t bit_of(std::size_t contact) { return std::uint64_t{1} << contact % 64; }
 
 std::size_t most_pivots(std::size_t n) { return 20 + 10 * n * n; }
 
@@ -54,10 +56,9 @@ ContactManager::Settled ContactManager::settle_all(State& state) {
   }
   modes_before_ = state.modes;
   for (std::size_t k = 0; k < touching_.size(); ++k) {
-    Contact& contact = contacts_[touching_[k]];
-    const bool hit = hits_[k].cd < -contact.margin;
+    const bool hit = hits_[k].cd < -contacts_[touching_[k]].margin;
     out.impact = out.impact || hit;
-    if (here && (hit || !contacts_.in_force(touching_[k], state))) ++contact.engaged;  // not those that rest on
+    if (here && (hit || !contacts_.in_force(touching_[k], state))) out.touched |= bit_of(touching_[k]);
   }
   if (out.impact) impact(state);
   out.resting = rest(state);
@@ -186,28 +187,23 @@ std::string ContactManager::rest(State& state) {
   return names;
 }
 
-std::string ContactManager::who_engaged(long n) const {
-  constexpr long kFew = 10;  // a tenth of the steps
+std::string ContactManager::who_was_touched(const LastSteps& steps) const {
   std::string names;
   bool several = false;
   long most = 0;
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
-    const Contact& c = contacts_[i];
-    if (c.engaged == 0 || kFew * c.engaged < n) continue;
+    const long touched = steps.touched(bit_of(i));
+    if (touched == 0 || 10 * touched < steps.n()) continue;
     several = !names.empty();
-    most = std::max(most, c.engaged);
-    names += (names.empty() ? "'" : "', '") + c.link->name();
+    most = std::max(most, touched);
+    names += (names.empty() ? "'" : "', '") + contacts_[i].link->name();
   }
   if (names.empty()) return {};
   return fmt::format(
       "one-sided link{} touched or let go in {} of the last {} steps: a law may drive bodies on against {}, or they "
       "have no way left; let the law end there, give them way, or remove {}",
-      several ? fmt::format("s {}' were", names) : fmt::format(" {}' was", names), most, n, several ? "them" : "it",
-      several ? "one" : "it");
-}
-
-void ContactManager::forget_engaged() {
-  for (std::size_t i = 0; i < contacts_.size(); ++i) contacts_[i].engaged = 0;
+      several ? fmt::format("s {}' were", names) : fmt::format(" {}' was", names), most, steps.n(),
+      several ? "them" : "it", several ? "one" : "it");
 }
 
 void ContactManager::fail(const State& state, const char* what) const {

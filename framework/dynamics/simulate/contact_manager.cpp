@@ -48,7 +48,6 @@ void ContactManager::save(Snapshot& out) const {
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const Contact& c = contacts_[i];
     for (const double x : {c.floor, c.clear ? 1.0 : 0.0, c.gap.c, c.gap.cd, c.push, c.push_now}) out.put(x);
-    out.put(static_cast<double>(c.engaged));
   }
 }
 
@@ -60,7 +59,6 @@ void ContactManager::load(SnapshotReader& in) {
     Contact& c = contacts_[i];
     c.floor = in.get(), c.clear = in.get_flag();
     for (double* x : {&c.gap.c, &c.gap.cd, &c.push, &c.push_now}) *x = in.get();
-    c.engaged = in.get_count();
   }
 }
 

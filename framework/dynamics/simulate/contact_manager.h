@@ -2,12 +2,14 @@
 // contacts and releases. Internal to the step loop.
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "framework/dynamics/simulate/contacts.h"
+#include "framework/dynamics/simulate/last_steps.h"
 #include "framework/dynamics/simulate/step_search.h"
 
 namespace lockstep {
@@ -29,18 +31,17 @@ class ContactManager {
   bool locate(State& state);
 
   struct Settled {
-    bool impact = false;   ///< velocities jumped
-    bool restart = false;  ///< the method must restart
-    std::string resting;   ///< names the links that stay in contact, whose rows must be made consistent
+    bool impact = false;        ///< velocities jumped
+    bool restart = false;       ///< the method must restart
+    std::uint64_t touched = 0;  ///< a bit for each link that was touched or let go, but for those that rest on
+    std::string resting;        ///< names the links that stay in contact, whose rows must be made consistent
   };
   /// Resolves impacts, contacts and releases at this state.
   Settled settle(State&);
 
-  /// Names those that were touched or let go in at least a tenth of the last n steps, "one-sided link 'floor' was touched
-  /// in 998 of the last 1000 steps; ..."; "" where none was.
-  std::string who_engaged(long n) const;
-  /// Counts anew.
-  void forget_engaged();
+  /// Names those that were touched or let go in at least a tenth of these steps, "one-sided link 'floor' was touched in 998
+  /// of the last 1000 steps; ..."; "" if none was.
+  std::string who_was_touched(const LastSteps&) const;
 
   // -- checkpoints
   void save(Snapshot&) const;

@@ -21,7 +21,6 @@ struct Contact {
   Gap gap;              ///< at the beginning of the present step
   double push = 0;      ///< there, while in force: its multiplier, positive when it pushes
   double push_now = 0;  ///< where it was evaluated last
-  long engaged = 0;     ///< instants at which it was touched, of the steps over which the pace of a run is measured
 
   double restitution() const { return link->unilateral()->restitution; }
   double rest_speed() const { return link->unilateral()->rest_speed; }

@@ -143,7 +143,7 @@ const SimulationReport& StepLoop::advance(double h) {
 void StepLoop::aim_at(double end) {
   if (phase_ == Phase::none && !keeps_stop_) report_.stopped = false, report_.stopped_by.clear();
   keeps_stop_ = false;
-  parts_->clock.set_end(end, state_.t, report_.steps);
+  parts_->clock.set_end(end, state_.t);
 }
 
 void StepLoop::go_to(double t, bool with_output) try {
@@ -263,20 +263,15 @@ void StepLoop::make_start() {
 void StepLoop::make_step(double limit, double largest) {
   auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause,
          detailed] = *parts_;
-  const auto who = [&] {
-    const double tolerance = parts_->clock.adaptive() ? options_.tolerance.relative : HUGE_VAL;
-    return parts_->who_slows(dynamics_, state_, report_.steps, tolerance);
-  };
-  const auto with_culprit = [&](auto&& ask) {
+  const auto explained = [&](auto&& ask) {
     try {
       return ask();
     } catch (const StepError& error) {
-      throw StepError(error.what() + who(), state_.t);
+      const double tolerance = parts_->clock.adaptive() ? options_.tolerance.relative : HUGE_VAL;
+      throw StepError(error.what() + parts_->why_steps_end(dynamics_, state_, tolerance), state_.t);
     }
   };
-  const std::string slow = with_culprit([&] { return parts_->clock.watch_pace(state_.t, report_.steps); });
-  if (!slow.empty()) warn(slow + who());
-  if (parts_->clock.paced(report_.steps) == 0) parts_->contacts.forget_engaged();
+  explained([&] { parts_->clock.check(state_.t, report_.steps); });
   if (!dynamics_.has_current_coordinates(state_))
     begin_method();  // the system was changed
   else if (take_inputs())
@@ -285,7 +280,7 @@ void StepLoop::make_step(double limit, double largest) {
   if (!passing && state_.coordinates && state_.coordinates->take_off_turns(state_)) interval.begin(state_);
   const double t0 = state_.t;
   const Clock::Target target = clock.next_target(t0, limit, events.next_instant(t0), largest, interval.has_dense());
-  const double wanted = with_culprit([&] { return parts_->clock.step_towards(t0, target, largest, report_.steps); });
+  const double wanted = explained([&] { return parts_->clock.step_towards(t0, target, largest); });
   interval.make(state_, wanted);
   const StepReport& step = interval.report();
   bool landed = step.h >= wanted && state_.t >= target.reach - 1e-13 * std::max(std::abs(target.reach), wanted);
@@ -305,7 +300,7 @@ void StepLoop::make_step(double limit, double largest) {
     events.forget_met();
     throw;
   }
-  ++report_.steps;
+  ++report_.steps, clock.last().add(state_.t);
   events.pass(state_.t);
   phase_ = Phase::inside;  // from here on the state is accepted: whoever throws, its outputs follow
   for (const std::string& name : events.take_left_zero())

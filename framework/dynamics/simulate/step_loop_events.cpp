@@ -186,6 +186,7 @@ void StepLoop::settle_contacts() {
   ContactManager::Settled settled;
   try {
     settled = parts_->contacts.settle(state_);
+    parts_->clock.last().touch(settled.touched);
   } catch (...) {
     if (converted) keep_state(parts_->before_change, state_);
     throw;

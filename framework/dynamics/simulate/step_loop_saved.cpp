@@ -165,7 +165,8 @@ void StepLoop::load_parts(SnapshotReader& in) {
   measures_turns_ = !method.adaptive || method.implicit;
   interval.start(state_);
   begin_inputs();
-  clock.load(of_clock), contacts.load(in), interval.load(state_, in);
+  clock.load(of_clock), clock.last().begin(state_.t);
+  contacts.load(in), interval.load(state_, in);
   constexpr double kMostBehind = 1000;  // outputs; what lies behind is past between two steps
   if (options_.output > 0 && !(state_.t - clock.next_output() < kMostBehind * options_.output))
     throw ModelError("the saved outputs do not belong to the time of the saved state: the checkpoint is damaged");

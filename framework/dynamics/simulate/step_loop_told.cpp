@@ -85,27 +85,17 @@ std::string below_rounding(const System& system, const State& state, double tole
 
 }  // namespace
 
-// Links and forces are compared over ten steps. In a run that is too long for its steps every row changes from step to
-// step: only those that contradict each other are blamed. Nobody is where a limit of steps ends a run with long ones.
-std::string StepLoop::Parts::who_slows(Dynamics& dynamics, const State& state, long n, double tolerance) const {
-  constexpr long kEnough = 100;       // steps that tell what cuts them
-  constexpr double kLongStep = 1e-3;  // of the time in which something turns by a radian, or moves by its size
-  const long paced = clock.paced(n) > 0 ? clock.paced(n) : Pace::kPaced;
-  if (const std::string stops = paced < kEnough ? "" : contacts.who_engaged(paced); !stops.empty()) return "; " + stops;
-  std::string words;
-  const double rate = fastest_rate(dynamics, state);
-  if (clock.is_counted_out(n) && clock.recent_mean(state.t, n) * rate > kLongStep) return {};
-  double mean = clock.too_long_by(state.t, n);
-  if (!(mean * rate > kLongStep)) mean = 0;  // the steps are short, not the run long
-  if (mean == 0) words = below_rounding(dynamics.system(), state, tolerance);
-  if (mean > 0)
-    words = fmt::format(
-        "; from the start on its steps were of {:.2g} s on average, of which the run of {:.3g} s would take "
-        "{:.2g} more: end it earlier (until)",
-        mean, clock.end() - clock.started_at(), (clock.end() - state.t) / mean);
+// Links and forces are compared over ten steps. In long steps all of them change.
+std::string StepLoop::Parts::why_steps_end(Dynamics& dynamics, const State& state, double tolerance) const {
+  constexpr double kLongStep = 1e-3;
+  const LastSteps& last = clock.last();
+  if (const std::string links = contacts.who_was_touched(last); !links.empty()) return "; " + links;
+  const double mean = last.mean();
+  if (mean * fastest_rate(dynamics, state) > kLongStep)
+    return "; its motion needs steps of that length: end it earlier (until)";
   const std::string varies =
-      who_varies(dynamics, state, std::max(10 * clock.advised(), 1e-9 * std::max(1.0, std::abs(state.t))), mean == 0);
-  return varies.empty() ? words : words + "; " + varies;
+      who_varies(dynamics, state, std::max(10 * clock.advised(), 1e-9 * std::max(1.0, std::abs(state.t))));
+  return below_rounding(dynamics.system(), state, tolerance) + (varies.empty() ? "" : "; " + varies);
 }
 
 bool StepLoop::Parts::acts(double t) const {

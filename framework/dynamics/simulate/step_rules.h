@@ -6,9 +6,7 @@
 
 namespace lockstep {
 
-inline constexpr double kMostSteps = 1e9;  ///< a run that would take more of them has no end in sight,
-inline constexpr long kSlow = 1000;        ///< if it says so at this many steps in a row
-inline constexpr double kLongTurn = 1;     ///< rad in a step: the run warns of more
+inline constexpr double kLongTurn = 1;  ///< rad in a step: the run warns of more
 
 /// The shortest step, s, at t that is no round-off beside t and the length of the run.
 inline double least_step(double t, double span) { return 1e-13 * std::max(std::abs(t), span); }

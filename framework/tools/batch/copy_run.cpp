@@ -57,10 +57,8 @@ void pass_jump(Dynamics& dynamics, State& state, double t) {
   make_consistent(dynamics, state, "the jump of a law", limit);
 }
 
-void watch_pace(Pace& pace, const RunTask& task, int copy, double end, double advised, double t, long n) {
-  const bool adaptive = task.scheme.error != nullptr;
-  const std::string slow = pace.watch({task.options.integrator, adaptive, end, advised, task.options.max_steps}, t, n);
-  if (!slow.empty()) log_warning(fmt::format("copy {}: {}", copy, slow));
+void check_length(const LastSteps& last, const RunTask& task, double end, double t, long n) {
+  last.check({task.options.integrator, task.scheme.error != nullptr, t, end, n, task.options.max_steps});
 }
 
 void check_copy(Dynamics& dynamics, const State& start) { check_start(dynamics, start, StepLoopOptions().start_limit); }
@@ -98,7 +96,7 @@ namespace {
 class AloneRun {
  public:
   AloneRun(System& system, int copy, State state, OutputSchedule schedule, double h, const RunTask& task,
-           CopyReport& report, Pace pace)
+           CopyReport& report, const LastSteps& last)
       : copy_(copy),
         task_(task),
         report_(report),
@@ -106,7 +104,7 @@ class AloneRun {
         integrator_(task.make_integrator()),
         state_(std::move(state)),
         schedule_(std::move(schedule)),
-        pace_(pace),
+        last_(last),
         t_start_(state_.t),
         h_(h) {
     integrator_->set_tolerance(task.options.tolerance);
@@ -122,7 +120,7 @@ class AloneRun {
       while (!schedule_.done() && schedule_.reach() <= state_.t) arrive();  // the start may be an output time
       if (schedule_.done()) break;
       task_.go_on_from(state_.t);
-      watch_pace(pace_, task_, copy_, schedule_.end(), h_, state_.t, report_.steps);
+      check_length(last_, task_, schedule_.end(), state_.t, report_.steps);
       step();
     }
   }
@@ -173,6 +171,7 @@ class AloneRun {
     dynamics_.accept(state_);
     if (state_.coordinates) state_.coordinates->take_off_turns(state_);
     ++report_.steps, report_.rejected += step.rejected;
+    last_.add(state_.t);
     if (step.h_next > 0) h_ = advised_after(h_, asked, step.h, step.h_next);
     const bool landed = lands && step.h >= asked;
     if (landed) state_.t = schedule_.reach();
@@ -189,7 +188,7 @@ class AloneRun {
   std::unique_ptr<Integrator> integrator_;
   State state_;
   OutputSchedule schedule_;
-  Pace pace_;
+  LastSteps last_;
   double t_start_, h_;
   double largest_ = std::numeric_limits<double>::infinity();
 };
@@ -197,9 +196,9 @@ class AloneRun {
 }  // namespace
 
 void run_alone(System& system, int copy, State state, OutputSchedule schedule, double h, const RunTask& task,
-               CopyReport& report, Pace pace) {
+               CopyReport& report, const LastSteps& last) {
   try {
-    AloneRun(system, copy, std::move(state), std::move(schedule), h, task, report, pace).run();
+    AloneRun(system, copy, std::move(state), std::move(schedule), h, task, report, last).run();
   } catch (const Error& error) {
     report.finished = false;
     report.error = error.what();
@@ -215,9 +214,9 @@ void start_alone(System& system, int copy, const State& start, const OutputSched
     report.finished = false, report.t = start.t, report.error = error.what();
     return;
   }
-  Pace pace;
-  pace.start(start.t);
-  run_alone(system, copy, start, schedule, task.options.step, task, report, pace);
+  LastSteps last;
+  last.begin(start.t);
+  run_alone(system, copy, start, schedule, task.options.step, task, report, last);
 }
 
 }  // namespace lockstep::lanes

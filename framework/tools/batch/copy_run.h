@@ -7,7 +7,7 @@
 
 #include <lockstep/batch.h>
 #include <lockstep/stepping.h>
-#include "framework/dynamics/simulate/pace.h"
+#include "framework/dynamics/simulate/last_steps.h"
 #include "framework/tools/batch/batch.h"
 
 namespace lockstep::lanes {
@@ -64,15 +64,16 @@ struct RunTask {
 /// jump are projected, as StepLoop does. Throws AssemblyError where positions jump, and what the laws throw.
 void pass_jump(Dynamics&, State&, double t);
 
-/// Watches the pace of a copy that has made n steps and reached t, as StepLoop does. Throws what Pace::watch does.
-void watch_pace(Pace&, const RunTask&, int copy, double end, double advised, double t, long n);
+/// LastSteps::check of a copy that has made n steps and reached t.
+void check_length(const LastSteps&, const RunTask&, double end, double t, long n);
 
 /// Throws AssemblyError where a start, in the slots' own coordinates, violates the constraints, as StepLoop does.
 void check_copy(Dynamics&, const State&);
 
 /// Runs from `state` to the end of the schedule with the scalar Dynamics and integrator, or until it fails. `h`: first
-/// step; 0: the method's own guess. The pace: of the steps so far, which the report counts.
-void run_alone(System&, int copy, State state, OutputSchedule schedule, double h, const RunTask&, CopyReport&, Pace);
+/// step; 0: the method's own guess. The last steps: of those that the report counts.
+void run_alone(System&, int copy, State state, OutputSchedule schedule, double h, const RunTask&, CopyReport&,
+               const LastSteps&);
 /// The same from a start, which is checked.
 void start_alone(System&, int copy, const State& start, const OutputSchedule&, const RunTask&, CopyReport&);
 

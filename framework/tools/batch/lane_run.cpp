@@ -49,7 +49,7 @@ void LaneRun::begin(std::span<const State> starts) {
     the.norm.set_states(batch_.system(lane).n_error_controlled_states());
     the.norm.scale(start, 1.0);
     the.control.begin();
-    the.pace.start(start.t);
+    the.last.begin(start.t);
     reports_[l].t = start.t;
     if (the.schedule.reach() <= start.t) arrive(lane);
     if (the.going) the.advised = task_.options.step > 0 ? task_.options.step : first_step(lane, start);
@@ -167,7 +167,7 @@ void LaneRun::accept(int lane, double error) {
   first_done_ = false;
   t_[l] = the.lands ? the.schedule.reach() : t_[l] + h_[l];
   reports_[l].t = t_[l];
-  ++reports_[l].steps;
+  ++reports_[l].steps, the.last.add(t_[l]);
   if (!fixed_) {
     const double next = h_[l] * the.control.accept(h_[l], error, 0, the.rejected);
     the.advised = the.rejected ? next : advised_after(the.asked, h_[l], h_[l], next);
@@ -176,7 +176,7 @@ void LaneRun::accept(int lane, double error) {
   try {
     update_memory(lane);
     if (!the.schedule.done() && t_[l] < the.schedule.end())
-      watch_pace(the.pace, task_, batch_.first() + lane, the.schedule.end(), the.advised, t_[l], reports_[l].steps);
+      check_length(the.last, task_, the.schedule.end(), t_[l], reports_[l].steps);
   } catch (const Error& failure) {
     return fail(lane, failure);
   }
@@ -216,7 +216,7 @@ void LaneRun::leave(int lane) {
     return fail(lane, error);
   }
   run_alone(batch_.system(lane), batch_.first() + lane, std::move(state), lanes_[l].schedule, h, task_, reports_[l],
-            lanes_[l].pace);
+            lanes_[l].last);
 }
 
 void LaneRun::fail(int lane, const Error& error) {

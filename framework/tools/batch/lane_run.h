@@ -31,7 +31,7 @@ struct Lane {
   double advised = 0, asked = 0;
   OutputSchedule schedule;
   PiControl control;
-  Pace pace;
+  LastSteps last;
   ErrorNorm norm;
   Pivots first, stages;     // of the first stage, and of all of them
   double usual = HUGE_VAL;  // number of small pivots: those of rows that are redundant everywhere
