@@ -1,10 +1,11 @@
 #include <cmath>
 
+#include <lockstep/integrators.h>
 #include "framework/dynamics/simulate/clock.h"
 #include "framework/dynamics/simulate/root_finder.h"
 #include "framework/dynamics/simulate/step_rules.h"
-#include <lockstep/integrators.h>
 #include "tests/support/catch.h"
+#include "tests/support/messages.h"
 
 namespace step_loop_parts_test {
 
@@ -64,7 +65,7 @@ TEST_CASE("the clock outputs its interval, the start and the end", "[unit][dynam
   Rk4 method;
   const StepLoopOptions options{.step = 0.25, .output = 0.5};
   Clock clock(system, method, options);
-  clock.set_end(1.7, 0, 0);
+  clock.set_end(1.7, 0);
   clock.start(0);
   clock.begin(0, 0);
   CHECK_FALSE(clock.adaptive());
@@ -75,15 +76,54 @@ TEST_CASE("the clock outputs its interval, the start and the end", "[unit][dynam
   CHECK_FALSE(target.jump);
   CHECK(clock.next_target(0, 1.7, 0.4, 0, false).t == 0.4);  // an event before it
   CHECK(clock.next_target(0, 1.7, HUGE_VAL, 0, true).t == 1.7);
-  CHECK(clock.step_towards(0, target, 0, 0) == 0.25);
+  CHECK(clock.step_towards(0, target, 0) == 0.25);
   clock.count_step(0.25, {});
-  CHECK(clock.step_towards(0.25, target, 0, 1) == 0.25);  // what is left
+  CHECK(clock.step_towards(0.25, target, 0) == 0.25);  // what is left
   CHECK_FALSE(clock.output_due(0.25));
   CHECK(clock.output_due(0.5));
   clock.note_output(0.5);
   CHECK(clock.end_due(1.7));
   clock.note_output(1.7);
   CHECK_FALSE(clock.end_due(1.7));
+}
+
+TEST_CASE("the last steps have their mean length and the links that were touched at their ends", "[unit][dynamics]") {
+  LastSteps last;
+  last.begin(2);
+  CHECK(last.n() == 0);
+  CHECK(last.mean() == 0);
+  last.touch(1);  // no step was made
+  for (int k = 1; k <= 4; ++k) last.add(2 + 0.5 * k);
+  last.touch(1), last.touch(4);
+  CHECK(last.n() == 4);
+  CHECK(last.mean() == 0.5);
+  CHECK(last.touched(1) == 1);
+  CHECK(last.touched(2) == 0);
+  for (long k = 1; k < 2 * LastSteps::kKept; ++k)
+    last.add(4 + 0.25 * static_cast<double>(k));  // those before are forgotten
+  CHECK(last.n() == LastSteps::kKept);
+  CHECK(last.mean() == 0.25);
+  CHECK(last.touched(1) == 0);
+  last.begin(0);
+  CHECK(last.n() == 0);
+}
+
+TEST_CASE("a run may have a thousand million steps left by the mean of its last, and no more", "[unit][dynamics]") {
+  const std::string method = "any";
+  const auto refusal = [&](double end, long n, double h, long max_steps = 0) {
+    LastSteps last;
+    last.begin(0);
+    for (long k = 1; k <= n; ++k) last.add(h * static_cast<double>(k));
+    const RunSoFar run{method, true, h * static_cast<double>(n), end, n, max_steps};
+    return testing::message_of<StepError>([&] { last.check(run); });
+  };
+  CHECK(refusal(1e6, LastSteps::kKept, 0.9e-3).find("the rest of the run would take 1.1e+09") != std::string::npos);
+  CHECK(refusal(1e6, LastSteps::kKept, 1.1e-3) == "no error");
+  CHECK(refusal(1e6, LastSteps::kKept - 1, 1e-9) == "no error");  // too few to say
+  CHECK(refusal(HUGE_VAL, LastSteps::kKept, 1e-9) == "no error");
+  CHECK(refusal(1, 10, 0.01, 10).find("has made its 10 steps") != std::string::npos);
+  CHECK(refusal(1, 10, 0.01, 11) == "no error");
+  CHECK(refusal(0.1, 10, 0.01, 10) == "no error");  // it is there
 }
 
 }  // namespace step_loop_parts_test

@@ -358,7 +358,7 @@ bool find_positions(Dynamics& dynamics, State& work, const AssemblyOptions& opti
              follows =
                  led || (has_coupled_angles(system) && (!options.coordinates.empty() || has_drives(system, work)));
   const State begun = work;
-  follow_turns(dynamics, work);
+  if (!led) follow_turns(dynamics, work);  // led ones are those of the poses to come
   report.before = weighs(options) ? dynamics.violation(work) : assembler.distance();
   const State given = work;
   try {

@@ -268,11 +268,10 @@ bool turns_begin(const System& system, const State& state) {
 void settle_turns(Dynamics& dynamics, const State& given, State& state) {
   const System& system = dynamics.system();
   if (system.counted_angles().empty()) return;
-  const State home = system.start();
   const Inputs& in = dynamics.inputs(state);
   for (const auto& angle : system.counted_angles()) {
     const double began = expected(*angle, given), now = expected(*angle, state);
-    const bool led = std::abs(began - expected(*angle, home)) > kNearlyHalf;
+    const bool led = std::abs(began) > kNearlyHalf;
     if (angle->coupled() || (!led && std::abs(now - began) > kNearlyHalf)) continue;
     named(*angle, in.t, [&] { angle->set(in, led ? began : 0.0, state.s); });
   }

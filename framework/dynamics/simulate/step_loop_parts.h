@@ -46,7 +46,7 @@ struct StepLoop::Parts {
   /// Shows states inside of the last step, from t0 to t1.
   void show_inside(DetailObserver& to, Dynamics& dynamics, double t0, double t1);
   /// Why the last steps do not reach the end of the run: the one-sided links that cut them; its length, if something turns by
-  /// kLongStep radians in each, or moves by as much of its size; else the body whose turn rounding keeps from this relative
+  /// kLongStep radians in the next, or moves by as much of its size; else the body whose turn rounding keeps from this relative
   /// tolerance (infinite for fixed steps), and what varies most. For the end of a message: "" or "; ...".
   std::string why_steps_end(Dynamics& dynamics, const State& state, double tolerance) const;
   /// Whether something acts at the end of the last step, t: an impact, a law's jump, an event that changes something.

@@ -90,8 +90,7 @@ std::string StepLoop::Parts::why_steps_end(Dynamics& dynamics, const State& stat
   constexpr double kLongStep = 1e-3;
   const LastSteps& last = clock.last();
   if (const std::string links = contacts.who_was_touched(last); !links.empty()) return "; " + links;
-  const double mean = last.mean();
-  if (mean * fastest_rate(dynamics, state) > kLongStep)
+  if (clock.advised() * fastest_rate(dynamics, state) > kLongStep)
     return "; its motion needs steps of that length: end it earlier (until)";
   const std::string varies =
       who_varies(dynamics, state, std::max(10 * clock.advised(), 1e-9 * std::max(1.0, std::abs(state.t))));
@@ -142,10 +141,12 @@ void StepLoop::finish(Errors of_observers) {
 void StepLoop::measure_turns(double h) {
   if (!measures_turns_) return;
   const Inputs& in = dynamics_.inputs(state_);
-  for (int k = 0; k < system().n_slots(); ++k) {
-    const double turn = h * in.slot(k).w.norm();
-    if (turn > report_.largest_turn) report_.largest_turn = turn, report_.turned_most = system().body_of_slot(k).name;
-  }
+  double most = 0;  // rad^2/s^2
+  int fastest = 0;
+  for (int k = 0; k < system().n_slots(); ++k)
+    if (const double w2 = in.slot(k).w.squaredNorm(); w2 > most) most = w2, fastest = k;
+  if (const double turn = h * std::sqrt(most); turn > report_.largest_turn)
+    report_.largest_turn = turn, report_.turned_most = system().body_of_slot(fastest).name;
 }
 
 void StepLoop::warn_of_turns() {

@@ -12,6 +12,7 @@
 #include <lockstep/charts.h>
 #include <lockstep/check.h>
 #include <lockstep/combined_laws.h>
+#include <lockstep/counted_angle.h>
 #include <lockstep/couplings.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/equations.h>

@@ -12,18 +12,6 @@ namespace {
 
 constexpr double kStill = 1e-9;  // of the system's length, and rad: less is rounding
 
-// Angular velocity, world, rad/s.
-Vec3 turning_of(const Body& body, const Sample& s) {
-  const Motion& O = s.inputs().slot(body.slot);
-  return O.A * O.w;
-}
-
-// Velocity of the mass centre, m/s.
-Vec3 speed_of(const Body& body, const Vec3& center, const Sample& s) {
-  const Motion& O = s.inputs().slot(body.slot);
-  return O.v + cross(turning_of(body, s), Vec3(center - O.x));
-}
-
 // The integral of |v| over a step, by Simpson's rule with v of the cubic in the middle: 3/2 way / h - (v0 + v1) / 4.
 double length_of_step(const Vec3& way, const Vec3& v0, const Vec3& v1, double h) {
   if (!(h > 0)) return way.norm();
@@ -39,47 +27,48 @@ double turn_of_step(double shortest, double h, double rate) {
   return std::abs(with - expected) <= std::abs(against - expected) ? with : against;
 }
 
-// Axes of the body's frame at its mass centre. By the inputs, which are found once for all bodies: in joint coordinates
-// the pose of one body alone is found along the whole chain to the ground.
-Pose center_pose(const Body& body, const Sample& s) {
-  const Motion& O = s.inputs().slot(body.slot);
-  return Pose{O.x, normalized(O.e)} * body.in_slot * Pose{body.mass.center, {}};
-}
-
 }  // namespace
+
+// By the inputs, which are found once for all bodies: in joint coordinates the pose of one body alone is found along the
+// whole chain to the ground.
+Summary::Mover Summary::at(const Body& body, const Vec3& center, const Sample& s) {
+  const Motion& O = s.inputs().slot(body.slot);
+  const Vec3 r = O.A * center, w = O.A * O.w, x = O.x + r;
+  return {&body, center, x, x, O.v + cross(w, r), w, normalized(O.e)};
+}
 
 void Summary::start(const Sample& s) {
   movers_.clear();
   length_ = s.system().length();
   for (const Body& body : s.system().bodies())
-    if (!body.fixed) {
-      const Pose at = center_pose(body, s);
-      movers_.push_back({&body, at.x, at.x, speed_of(body, at.x, s), turning_of(body, s), at.q});
-    }
+    if (!body.fixed) movers_.push_back(at(body, (body.in_slot * Pose{body.mass.center, {}}).x, s));
 }
 
 // Paths and turns are summed over the steps, so that coarse outputs do not shorten them.
 void Summary::step(const Sample& s) {
   for (Mover& m : movers_) {
-    const Pose at = center_pose(*m.body, s);
-    const Vec3 v = speed_of(*m.body, at.x, s), w = turning_of(*m.body, s);
-    const Vec3 turn = rotation_vector(at.q * conjugate(m.last_q));  // world axes
-    const double h = s.report.h, shortest = turn.norm(), whole = turn_of_step(shortest, h, w.norm());
-    m.away = std::max(m.away, (at.x - m.x0).norm());
-    m.path += length_of_step(at.x - m.last_x, m.last_v, v, h);
-    m.turned += whole == shortest ? length_of_step(turn, m.last_w, w, h) : whole;
-    m.last_x = at.x, m.last_v = v, m.last_w = w, m.last_q = at.q;
+    const Mover now = at(*m.body, m.center, s);
+    const double h = s.report.h;
+    m.away = std::max(m.away, (now.last_x - m.x0).norm());
+    m.path += length_of_step(now.last_x - m.last_x, m.last_v, now.last_v, h);
+    const Vec3 turn = rotation_vector(now.last_e * conjugate(m.last_e));  // world axes
+    const double shortest = turn.norm(), whole = turn_of_step(shortest, h, now.last_w.norm());
+    m.turned += whole == shortest ? length_of_step(turn, m.last_w, now.last_w, h) : whole;
+    m.last_x = now.last_x, m.last_v = now.last_v, m.last_w = now.last_w, m.last_e = now.last_e;
   }
 }
 
 void Summary::jumped(const Sample& s) {
-  for (Mover& m : movers_) m.last_v = speed_of(*m.body, m.last_x, s), m.last_w = turning_of(*m.body, s);
+  for (Mover& m : movers_) {
+    const Mover now = at(*m.body, m.center, s);
+    m.last_v = now.last_v, m.last_w = now.last_w;
+  }
 }
 
 void Summary::save(Snapshot& out) const {
   for (const Mover& m : movers_) {
     for (const Vec3* x : {&m.x0, &m.last_x, &m.last_v, &m.last_w}) out.put((*x)[0]), out.put((*x)[1]), out.put((*x)[2]);
-    for (const double x : {m.last_q.w, m.last_q.x, m.last_q.y, m.last_q.z, m.away, m.path, m.turned}) out.put(x);
+    for (const double x : {m.last_e.w, m.last_e.x, m.last_e.y, m.last_e.z, m.away, m.path, m.turned}) out.put(x);
   }
 }
 
@@ -88,7 +77,7 @@ void Summary::load(SnapshotReader& in) {
   for (Mover& m : movers_) {
     for (Vec3* x : {&m.x0, &m.last_x, &m.last_v, &m.last_w})
       for (int k = 0; k < 3; ++k) (*x)[k] = in.get();
-    for (double* x : {&m.last_q.w, &m.last_q.x, &m.last_q.y, &m.last_q.z, &m.away, &m.path, &m.turned}) *x = in.get();
+    for (double* x : {&m.last_e.w, &m.last_e.x, &m.last_e.y, &m.last_e.z, &m.away, &m.path, &m.turned}) *x = in.get();
   }
 }
 

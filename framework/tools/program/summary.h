@@ -24,10 +24,12 @@ class Summary final : public Observer {
  private:
   struct Mover {
     const Body* body;
-    Vec3 x0, last_x, last_v, last_w;  // m, m/s, rad/s, world
-    Quat last_q;
+    Vec3 center;                            // slot axes, m
+    Vec3 x0, last_x, last_v, last_w;        // of the mass centre, m, m/s, rad/s, world
+    Quat last_e;                            // of the slot
     double away = 0, path = 0, turned = 0;  // m, m, rad
   };
+  static Mover at(const Body&, const Vec3& center, const Sample&);
   std::vector<Mover> movers_;
   double length_ = 1;  // of the system, m
 };

@@ -27,8 +27,6 @@ void add_vector(Entries& out, const std::string& name, const std::string& unit, 
         [value, k](const Sample& s) { return value(s)[k]; });
 }
 
-namespace {}  // namespace
-
 void add_angle(Entries& out, std::string name, std::string help, std::function<const CountedAngle&(System&)> count) {
   const auto make = [count = std::move(count)](System& system, Channel& c) {
     const CountedAngle& angle = count(system);
@@ -38,10 +36,8 @@ void add_angle(Entries& out, std::string name, std::string help, std::function<c
         *told = true;
         log_warning(
             fmt::format("channel \"{}\": up to t = {} s the angle has been more than a quarter turn from where its "
-                        "rate led: it has no "
-                        "value nearby, or steps are too long; its full turns are in doubt: record an angle about "
-                        "another axis, or take "
-                        "smaller steps (--step)",
+                        "rate led: it has no value nearby, or steps are too long; its full turns are in doubt: record "
+                        "an angle about another axis, or take smaller steps (--step)",
                         channel, text::brief(s.state.t)));
       }
       return angle.value(in);

@@ -26,8 +26,13 @@ MarkerFrame Frame::folded() const {
   return f;
 }
 
+const MarkerFrame& Frame::in(const System& system) const {
+  if (revision != system.revision()) last = folded(), revision = system.revision();
+  return last;
+}
+
 FrameMotion motion_of(const Frame& frame, const Sample& sample) {
-  const MarkerFrame f = frame.folded();
+  const MarkerFrame& f = frame.in(sample.system());
   const Motion& O = sample.inputs().slot(f.slot);
   const MarkerMotion m = f.at(sample.state.t);
   FrameMotion r;
@@ -41,7 +46,7 @@ FrameMotion motion_of(const Frame& frame, const Sample& sample) {
 
 FrameAcceleration acceleration_of(const Frame& frame, const Sample& sample) {
   const VecX& a = sample.values().a;
-  const MarkerFrame f = frame.folded();
+  const MarkerFrame& f = frame.in(sample.system());
   const Motion& O = sample.inputs().slot(f.slot);
   const MarkerMotion m = f.at(sample.state.t);
   const Vec3 al = slot_alpha(a, f.slot);
@@ -52,21 +57,29 @@ FrameAcceleration acceleration_of(const Frame& frame, const Sample& sample) {
   return r;
 }
 
-Relative relative(const Frame& m, const Frame& n, const Sample& s) {
-  const MarkerFrame P = m.folded(), S = n.folded();
-  const RelativeKinematics L = kinematics_of(P, S, s.inputs());
+namespace {
+
+Relative relative(const RelativeKinematics& L, const MarkerFrame& P, const MarkerFrame& S, const Inputs& in) {
   Relative r;
   r.y = L.y, r.yd = L.yd, r.ydd.setZero();
-  const FrameMotion p = motion_of(m, s), o = motion_of(n, s);
-  r.w = o.A.transpose() * (p.w - o.w);
+  const MarkerOn<double> p{in.slot(P.slot), P.at(in.t)}, s{in.slot(S.slot), S.at(in.t)};
+  r.w = s.A().transpose() * (p.w() - s.w());
   return r;
+}
+
+}  // namespace
+
+Relative relative(const Frame& m, const Frame& n, const Sample& sample) {
+  const MarkerFrame &P = m.in(sample.system()), &S = n.in(sample.system());
+  const Inputs& in = sample.inputs();
+  return relative(kinematics_of(P, S, in), P, S, in);
 }
 
 Relative relative_with_second(const Frame& m, const Frame& n, const Sample& sample) {
   const VecX& a = sample.values().a;
-  const MarkerFrame P = m.folded(), S = n.folded();
+  const MarkerFrame &P = m.in(sample.system()), &S = n.in(sample.system());
   const RelativeKinematics L = kinematics_of(P, S, sample.inputs());
-  Relative r = relative(m, n, sample);
+  Relative r = relative(L, P, S, sample.inputs());
   // (2.2) ydd = Jh_y acc - Qhat_y
   r.ydd = L.Jv1 * (slot_acceleration(a, P.slot) - slot_acceleration(a, S.slot)) + L.Jw1 * slot_alpha(a, P.slot) +
           L.Jw2 * slot_alpha(a, S.slot) - L.Qhat;

@@ -1,16 +1,21 @@
 // Frame: a body's frame or a marker, and its motion in the world or relative to another one.
 #pragma once
 
-#include <lockstep/step_loop.h>
 #include <lockstep/relative.h>
+#include <lockstep/step_loop.h>
 
 namespace lockstep::channels {
 
-/// Stays valid through a new set-up of the system: it is folded into its slot at each call.
+/// Stays valid through a new set-up of the system: it is folded into its slot anew after each.
 struct Frame {
   const Body* body = nullptr;
   const Marker* marker = nullptr;  ///< null: the body's own frame
   MarkerFrame folded() const;
+  /// The same, folded once for each set-up.
+  const MarkerFrame& in(const System&) const;
+
+  mutable MarkerFrame last{};  ///< as folded for the set-up of this number
+  mutable long revision = -1;
 };
 
 /// World axes; alpha is the rate of w.
