@@ -158,12 +158,11 @@ bool EmbeddedRungeKutta::dense(double t, State& out) const {
   out.z = start_.z;
   out.modes = start_.modes, out.watched = start_.watched;
   if (h_ == 0) return t == start_.t;
-  const bool moves = out.v.size() > 0;  // else laws alone say where all are
-  if (!dense_ready_ && (moves || out.s.size() > 0)) prepare_dense();
+  if (!dense_ready_ && (out.v.size() > 0 || out.s.size() > 0)) prepare_dense();
   const double theta = (t - start_.t) / h_;
   double factor = theta;  // theta, theta (1 - theta), theta^2 (1 - theta), ...
   for (std::size_t i = 0; i < poly_.size(); ++i) {
-    if (moves) out.q += factor * poly_[i].q, out.v += factor * poly_[i].v;
+    out.q += factor * poly_[i].q, out.v += factor * poly_[i].v;
     out.s += factor * poly_[i].s;
     factor *= i % 2 == 0 ? 1 - theta : theta;
   }
@@ -183,7 +182,7 @@ void EmbeddedRungeKutta::prepare_dense() const {
     p1 = h_ * (stages_.k(0).*part) - p0;
     p2 = p0 - h_ * (stages_.k(scheme_.end_stage).*part) - p1;
   };
-  if (start_.v.size() > 0) each(&StateRate::q, &State::q), each(&StateRate::v, &State::v);
+  each(&StateRate::q, &State::q), each(&StateRate::v, &State::v);
   each(&StateRate::s, &State::s);
   for (int i = 0; i < scheme_.n_dense; ++i)
     stages_.sum(h_, dense_w_[static_cast<std::size_t>(i)], poly_[static_cast<std::size_t>(3 + i)]);

@@ -22,7 +22,7 @@ double SemiImplicitEuler::start_step(Dynamics& dynamics, double h) {
 
 Attempt SemiImplicitEuler::attempt(Dynamics& dynamics, double h) {
   copy_motion(start_, end_);
-  if (end_.v.size() > 0) end_.v += h * rate_.v;  // else laws alone say where all are
+  end_.v += h * rate_.v;
   end_.s += h * rate_.s;
   dynamics.advance(end_, h, end_.v);
   end_.t = start_.t + h;

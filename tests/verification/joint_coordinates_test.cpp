@@ -169,7 +169,7 @@ VecX differences(Dynamics& dynamics, const State& state, const StateRate& rate) 
     for (const double sign : {1.0, -1.0}) {
       State y = state;
       y.t += sign * k * h;
-      if (y.v.size() > 0) y.q += sign * k * h * rate.q, y.v += sign * k * h * rate.v;  // else laws alone move the slots
+      y.q += sign * k * h * rate.q, y.v += sign * k * h * rate.v;
       dynamics.system().motions(y, motions);
       for (int slot = 0; slot < dynamics.system().n_slots(); ++slot) {
         const Motion& O = motions[static_cast<std::size_t>(slot + 1)];

@@ -16,17 +16,7 @@ namespace lockstep {
 
 namespace {
 
-// The rates of slots that laws alone move, world axes: velocities, and their rates. a: 6 per slot, as in Evaluated.
-void write_rates(std::span<const Motion> motions, const VecX& a, StateRate& out) {
-  out.q.resize(a.size()), out.v.resize(a.size());
-  for (Eigen::Index at = 0; at < a.size(); at += 6) {
-    const Motion& O = motions[static_cast<std::size_t>(at / 6 + 1)];
-    out.q.segment<3>(at) = O.v, out.q.segment<3>(at + 3) = O.A * O.w;
-    out.v.segment<3>(at) = a.segment<3>(at), out.v.segment<3>(at + 3) = O.A * a.segment<3>(at + 3);
-  }
-}
-
-// The rates of those that laws move while others are free, likewise.
+// The rates of slots that laws move, world axes: velocities, and their rates. a: 6 per slot, as in Evaluated.
 void write_followed(std::span<const int> slots, std::span<const Motion> motions, const VecX& a, VecX& out) {
   if (out.size() != 12 * static_cast<Eigen::Index>(slots.size())) return;
   Eigen::Index at = 0;
@@ -222,10 +212,8 @@ void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* repo
   else
     solved = joint_accelerations(t, state, in, out, report);
   out.largest_a = t.recursion->largest().a(), out.largest_alpha = t.recursion->largest().alpha();
-  if (driven)
-    t.recursion->accelerations(*t.coordinates, t.motions, t.a), write_rates(t.motions, t.a, out);
-  else
-    t.coordinates->kinematic_rate(state, out.q);
+  if (driven) out.v.resize(0);
+  t.coordinates->kinematic_rate(state, out.q);
   if (out.followed.size() > 0) {
     t.recursion->accelerations(*t.coordinates, t.motions, t.a);
     write_followed(t.coordinates->followed(), t.motions, t.a, out.followed);
@@ -244,8 +232,9 @@ void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* repo
     if (!out.s.allFinite()) diagnose_rates(system_, state.t, out.s);
   }
   ++work_.evaluations;
-  if (out.v.allFinite() && (!driven || t.f.allFinite())) return;  // what laws move does not feel its forces
-  gather(state);                                                  // names the culprit
+  if (out.v.allFinite() && out.followed.allFinite() && (!driven || t.f.allFinite()))
+    return;       // what laws move does not feel its forces
+  gather(state);  // names the culprit
   throw NonFiniteError("t = " + text::number(state.t) +
                            " s: the accelerations are not finite although every force is; the motion has blown up: "
                            "take a smaller step (--step) or tolerance",

@@ -153,7 +153,7 @@ std::string who_varies(Dynamics& dynamics, const State& state, double after) {
     State then = state;
     StateRate rate;
     dynamics.rates(state, rate);
-    if (then.v.size() > 0) then.q += after * rate.q, then.v += after * rate.v;  // else laws alone say where all are
+    then.q += after * rate.q, then.v += after * rate.v;
     then.s += after * rate.s;
     then.t += after;
     dynamics.normalize(then);

@@ -169,9 +169,8 @@ StateRate sized_like(const State& y) {
 }
 
 void size_like(const State& y, StateRate& out) {
-  const Eigen::Index alone = y.coordinates && y.v.size() == 0 ? 6 * y.coordinates->n_slots() : 0;  // rates of the slots
   const auto followed = y.coordinates ? static_cast<Eigen::Index>(y.coordinates->followed().size()) : 0;
-  out.q.setZero(y.q.size() + alone), out.v.setZero(y.v.size() + alone), out.s.setZero(y.s.size());
+  out.q.setZero(y.q.size()), out.v.setZero(y.v.size()), out.s.setZero(y.s.size());
   out.followed.setZero(12 * followed);
   out.largest_a = out.largest_alpha = 0;
 }

@@ -178,12 +178,13 @@ double guess_first_step(Dynamics& dynamics, const State& y0, int order, double l
   copy_motion(y0, y1);
   y1.z = y0.z;
   y1.t = y0.t + h0;
-  if (y1.v.size() > 0) y1.q += h0 * f0.q, y1.v += h0 * f0.v;  // else laws alone say where all are
+  y1.q += h0 * f0.q, y1.v += h0 * f0.v;
   y1.s += h0 * f0.s;
   dynamics.rates(y1, f1);
   f1.q -= f0.q;
   f1.v -= f0.v;
   f1.s -= f0.s;
+  f1.followed -= f0.followed;
   const double most = std::max(d1, norm.of(f1, y0) / h0);
   const double h1 = most <= 1e-15 ? std::max(1e-6, 1e-3 * h0) : std::pow(0.01 / most, 1.0 / (order + 1));
   return std::min({100 * h0, h1, largest});

@@ -6,13 +6,11 @@
 
 namespace lockstep {
 
-/// Whether a method takes states in these coordinates; null: the slots' own. Where these have none of their own, the rates
-/// are those of the slots (Dynamics::rates), which do not fit the state: a method whose coefficients are known takes them, and
-/// of the library's own one whose steps are fixed.
+/// Whether a method takes states in these coordinates; null: the slots' own. One that chooses its steps by a way of its own
+/// sees no error where nothing is free, and would pass events by.
 inline bool takes(const Integrator& method, const IntegratorInfo& info, const Coordinates* coordinates) {
   if (coordinates == nullptr) return true;
-  const bool along_laws = method.scheme() != nullptr || (!info.adaptive && method.origin() == "built in");
-  return info.joint && (coordinates->n_v() > 0 || along_laws);
+  return info.joint && (coordinates->n_v() > 0 || !info.adaptive || method.scheme() != nullptr);
 }
 
 /// The same of any method.

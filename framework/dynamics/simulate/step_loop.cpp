@@ -382,7 +382,7 @@ void StepLoop::conclude() {
 // Crosses the last part of a step to a jump with the rates on its left side; the error is quadratic in its length. What
 // the laws of a tree do on that side becomes the bodies' own.
 void StepLoop::cross_jump(double t) {
-  if (state_.coordinates && (state_.coordinates->has_laws() || state_.coordinates->n_v() == 0)) {
+  if (state_.coordinates && !state_.coordinates->followed().empty()) {
     keep_state(state_, parts_->before_change);
     dynamics_.to_slots(state_);
   }

@@ -212,9 +212,8 @@ std::shared_ptr<const JointTree> JointTree::of(const System& system, const std::
   const auto [joints, others] = tree_and_closures(system, modes);
   tree->closures_ = others, tree->has_rows_ = tree->may_be_redundant_ = !others.empty();
   tree->grow(system, Graph(system, joints));
-  if (tree->n_v_ > 0)
-    for (const TreeNode& n : tree->nodes_)
-      if (n.has_laws()) tree->followed_.push_back(n.slot);
+  for (const TreeNode& n : tree->nodes_)
+    if (n.has_laws() || tree->n_v_ == 0) tree->followed_.push_back(n.slot);
   tree->planar_ = PlanarJoints::of(tree->nodes_, system.plane());
   why_not = tree->refusal_of_memories(system);
   if (!why_not.empty()) return nullptr;

@@ -122,22 +122,9 @@ bool JointTree::take_off_turns(State& y) const {
   return any;
 }
 
-namespace {
-
-// Where laws alone move the slots.
-void vary_driven(const StateRate& d, VecX& dx, VecX& dv) {
-  if (d.q.size() == dx.size() && d.v.size() == dv.size())
-    dx = d.q, dv = d.v;
-  else
-    dx.setZero(), dv.setZero();
-}
-
-}  // namespace
-
 void JointTree::variations(const State& y, std::span<const Motion> at, const StateRate& d, VecX& dx, VecX& dv) const {
   const auto n = static_cast<Eigen::Index>(nodes_.size());
   dx.resize(6 * n), dv.resize(6 * n);
-  if (n_v_ == 0) return vary_driven(d, dx, dv);
   for (const TreeNode& node : nodes_) {
     NodeVariation p;
     if (node.parent >= 0) {

@@ -59,7 +59,7 @@ class LOCKSTEP_API Coordinates {
   /// Writes the motions of all slots to out[1], out[2], ...; out[0] is the ground, at rest, which the caller sets.
   virtual void motions(const State&, std::span<MotionT<double>> out) const = 0;
   virtual bool has_laws() const = 0;  ///< whether laws in time are part of the motions
-  /// Slots that laws move while others are free: StateRate::followed has their rates. Default: none.
+  /// Slots that laws move, all of them where nothing is free: StateRate::followed has their rates. Default: none.
   virtual std::span<const int> followed() const { return {}; }
   /// Whether rows stay beside them (of links that close loops, or that joints leave), from which states may drift.
   /// Default: none.
@@ -160,14 +160,12 @@ LOCKSTEP_API void normalize_state(State&);
 /// quaternion as it is stored, so that the exact flow keeps its length.
 LOCKSTEP_API void kinematic_rate(const State&, VecX& qd);
 
-/// Time derivatives of q, v and s, in the order of State; those of quaternions are (1/2) e w. Of coordinates without any
-/// of their own, where laws alone move the slots, q and v are the rates of the slots' motions, world axes, 6 per slot:
-/// velocity of the mass centre and angular velocity, and their rates. By them a method measures the error of its step.
+/// Time derivatives of q, v and s, in the order of State; those of quaternions are (1/2) e w.
 struct StateRate {
   VecX q,                    ///< in the slots' own coordinates 7 per slot, m/s and 1/s
       v,                     ///< likewise 6 per slot, m/s^2 (world) and rad/s^2 (slot axes)
       s;                     ///< rates of the integrated states
-  /// Of the slots that laws move while others are free, 12 each: velocity and angular velocity, and their rates, world
+  /// Of the slots that laws move (Coordinates::followed), 12 each: velocity and angular velocity, and their rates, world
   /// axes. Dynamics::rates writes them where there is room for them (sized_like()). By them a method measures errors.
   VecX followed{};
   double largest_a = 0;      ///< in other coordinates than the slots' own: largest acceleration of a slot, m/s^2
