@@ -49,7 +49,7 @@ std::vector<std::pair<std::string, bool>> scenes_in_space_and_plane(const std::s
 double difference(Dynamics& dynamics, const State& state, SolveReport& report) {
   StateRate rate;
   report = dynamics.rates_with_report(state, rate);
-  if (state.coordinates->has_laws()) {
+  if (!state.coordinates->followed().empty()) {
     State slots = state;
     dynamics.to_slots(slots);
     StateRate of_slots, omega;
@@ -112,7 +112,7 @@ TEST_CASE("scenes with loops accelerate in joint coordinates as in omega", "[ver
       if (m.run.assemble) assemble(dynamics, start, m.start_speeds, m.assembly);
       dynamics.to_formulation(start);
       REQUIRE(start.coordinates);
-      if (!start.coordinates->has_rows() || start.coordinates->has_laws() || flat != bool(m.system.plane())) continue;
+      if (!start.coordinates->has_rows() || !start.coordinates->followed().empty() || flat != bool(m.system.plane())) continue;
       Draw draw(7);
       for (int n = 0; n < 4; ++n) {
         CAPTURE(n);
@@ -164,7 +164,7 @@ TEST_CASE("random loops accelerate in joint coordinates as in omega, whichever t
     CHECK(dynamics.violation_v(state) < 1e-11);
     SolveReport report;
     CHECK(difference(dynamics, state, report) < 1e-10);
-    if (driven && plane) ++(state.coordinates->has_laws() ? driven_flat : others);
+    if (driven && plane) ++(state.coordinates->followed().empty() ? others : driven_flat);
     if (largest(state.v) > 1e-3) ++moving;
 
     State there = state;

@@ -292,7 +292,6 @@ void JointTree::add_node(const System& system, int slot, int parent, int link) {
       node.first_s = lock.first_state(), node.n_s = lock.n_own_states();
     }
     node.lock = &lock, node.rows = held;
-    has_laws_ = has_laws_ || node.imposed || is_moving(*p) || is_moving(*s);
     if (is_moving(*p) || is_moving(*s))
       node.moving = std::make_shared<const MovingMarkers>(P.slot == slot ? MovingMarkers{S, P} : MovingMarkers{P, S});
   }

@@ -89,7 +89,6 @@ class LOCKSTEP_API JointTree final : public Coordinates {
   int n_q() const override { return n_q_; }
   int n_v() const override { return n_v_; }
   int n_slots() const override { return static_cast<int>(nodes_.size()); }
-  bool has_laws() const override { return has_laws_; }
   std::span<const int> followed() const override { return followed_; }
   bool has_rows() const override { return has_rows_; }
   void motions(const State&, std::span<Motion> out) const override;
@@ -131,7 +130,7 @@ class LOCKSTEP_API JointTree final : public Coordinates {
   std::shared_ptr<const PlanarJoints> planar_;
   int n_q_ = 0, n_v_ = 0;
   std::vector<int> followed_;  // slots
-  bool has_laws_ = false, has_rows_ = false, may_be_redundant_ = false;
+  bool has_rows_ = false, may_be_redundant_ = false;
 };
 
 /// Takes whole turns off an angle of more than 1000, which is known to 1e-12 rad only: twice a whole number of them, which

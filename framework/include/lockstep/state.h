@@ -58,7 +58,6 @@ class LOCKSTEP_API Coordinates {
   virtual int n_slots() const = 0;            ///< number of slots that it moves
   /// Writes the motions of all slots to out[1], out[2], ...; out[0] is the ground, at rest, which the caller sets.
   virtual void motions(const State&, std::span<MotionT<double>> out) const = 0;
-  virtual bool has_laws() const = 0;  ///< whether laws in time are part of the motions
   /// Slots that laws move, all of them where nothing is free: StateRate::followed has their rates. Default: none.
   virtual std::span<const int> followed() const { return {}; }
   /// Whether rows stay beside them (of links that close loops, or that joints leave), from which states may drift.
