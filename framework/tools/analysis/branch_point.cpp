@@ -20,9 +20,9 @@ namespace {
 
 constexpr int kMostBranchRows = 300;
 constexpr std::size_t kMostBranchUnknowns = 3000;
-constexpr int kMostMotions = 3;  // with more of them branches are no lines
-constexpr double kIn = 1e-5;     // singular value of rows of length 1: in the position
-constexpr double kFlat = 1e-6;   // of the curvature of the rows: none
+constexpr int kMostMotions = 3;      // with more of them branches are no lines
+constexpr double kIn = 1e-5;         // singular value of rows of length 1: in the position
+constexpr double kFlat = 1e-6;       // of the curvature of the rows: none
 constexpr double kStillRows = 1e-9;  // m/s: laws move the rows no faster
 constexpr double kSameLine = 1e-3;
 

@@ -10,15 +10,9 @@ namespace lockstep {
 namespace {
 
 constexpr int kMostFadingRows = 300;
-constexpr double kFadedAway = 1e-7;  // singular value of rows of length 1: redundant everywhere
-constexpr double kFaded = 0.03;  // of what it is in the regular position
+constexpr double kFadedAway = 1e-7;     // singular value of rows of length 1: redundant everywhere
+constexpr double kFaded = 0.03;         // of what it is in the regular position
 constexpr double kShareOfFading = 0.1;  // of the combination: a row with less takes no part
-
-MatX matrix_of_rows(const LoopRows& rows) {
-  MatX Jt = MatX::Zero(rows.n_columns(), rows.n());
-  for (const auto& t : rows.Jt()) Jt(t.row(), t.col()) += t.value();
-  return Jt;
-}
 
 }  // namespace
 
@@ -28,8 +22,8 @@ std::vector<std::string> fading_links(System& system, const State& regular, cons
   for (const std::vector<int>& entries : loops_of(system, there.rows())) {
     const LoopRows rows(system, there.rows(), entries), usual(system, before.rows(), entries);
     if (rows.n() > kMostFadingRows || rows.n() != usual.n()) continue;
-    const Eigen::BDCSVD<MatX> svd(matrix_of_rows(rows), Eigen::ComputeFullV);
-    const VecX was = matrix_of_rows(usual).bdcSvd().singularValues(), now = svd.singularValues();
+    const Eigen::BDCSVD<MatX> svd(rows.matrix(), Eigen::ComputeFullV);
+    const VecX was = usual.matrix().bdcSvd().singularValues(), now = svd.singularValues();
     Eigen::Index rank = 0;
     while (rank < was.size() && was[rank] > kFadedAway) ++rank;
     if (rank == 0 || !(now[rank - 1] < kFaded * was[rank - 1])) continue;

@@ -1,46 +1,10 @@
 #include "framework/tools/analysis/free_motions.h"
 
-#include <algorithm>
-#include <cmath>
 #include <utility>
 
-#include <Eigen/QR>
-
-#include "framework/tools/analysis/dependency.h"
+#include "framework/tools/analysis/row_space.h"
 
 namespace lockstep {
-
-//   Jt P = Q (R1 R2; 0 0),   N = Q (0; 1),   Jt P (-R1^-1 R2; 1) = 0
-FreeSpace free_space(MatX Jt) {
-  FreeSpace out;
-  const Eigen::Index n = Jt.rows(), rows = Jt.cols();
-  if (rows == 0) {
-    out.N = MatX::Identity(n, n), out.circuits = MatX(0, 0);
-    return out;
-  }
-  const VecX sizes = VecX(Jt.colwise().norm()).unaryExpr([](double x) { return x > 0 ? x : 1.0; });
-  Jt = (Jt * sizes.cwiseInverse().asDiagonal()).eval();
-  const Eigen::ColPivHouseholderQR<MatX> qr(Jt);
-  for (Eigen::Index i = 0; i < std::min(n, rows); ++i) {
-    const double pivot = std::abs(qr.matrixR()(i, i));
-    if (pivot <= kDependent) break;
-    ++out.rank;
-    if (pivot <= kNearlyDependent) ++out.nearly;
-  }
-  MatX Q = MatX::Identity(n, n);
-  Q = qr.householderQ() * Q;
-  out.N = Q.rightCols(n - out.rank);
-  out.circuits.resize(rows, rows - out.rank);
-  if (out.circuits.cols() == 0) return out;
-  MatX circuits(rows, rows - out.rank);
-  circuits.topRows(out.rank) = -qr.matrixR()
-                                    .topLeftCorner(out.rank, out.rank)
-                                    .triangularView<Eigen::Upper>()
-                                    .solve(MatX(qr.matrixR().topRightCorner(out.rank, rows - out.rank)));
-  circuits.bottomRows(rows - out.rank).setIdentity();
-  out.circuits = sizes.cwiseInverse().asDiagonal() * MatX(qr.colsPermutation() * circuits);
-  return out;
-}
 
 std::vector<int> unknowns_of(const System& system) {
   const std::array<int, 6> velocity = unknown_velocities(system.plane());
@@ -64,7 +28,7 @@ MatX free_motions(const Evaluation& e, const std::vector<int>& unknowns) {
           if (const int u = number[static_cast<std::size_t>(6 * entry.slots[i] + c)]; u >= 0)
             Jt(u, entry.first_row + k) += r[static_cast<std::size_t>(c)] / (c < 3 ? 1.0 : e.system().length());
       }
-  return free_space(std::move(Jt)).N;
+  return RowSpace(std::move(Jt)).free();
 }
 
 VecX motion_of(const System& system, const std::vector<int>& unknowns, const VecX& u) {

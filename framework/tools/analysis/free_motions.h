@@ -8,16 +8,6 @@
 
 namespace lockstep {
 
-/// What rows hold and what they leave free, in unknowns of one unit.
-struct FreeSpace {
-  MatX N;          ///< what they leave free: orthonormal columns
-  int rank = 0;    ///< of the rows
-  int nearly = 0;  ///< rows of pivots from 1e-9 to 1e-4: near a singular position, or nearly redundant
-  MatX circuits;   ///< combinations of rows that are zero, one a column
-};
-/// Jt: rows transposed, of any length. Pivots below 1e-9, of rows of length 1, are zero.
-FreeSpace free_space(MatX Jt);
-
 /// Unknowns of a mechanism with rotations as lengths, so that all are m: their number among 6 per slot.
 std::vector<int> unknowns_of(const System&);
 

@@ -40,6 +40,12 @@ LoopRows::LoopRows(const System& system, const RowTable& table, const std::vecto
       t = {t.row(), t.col(), t.value() / length};
 }
 
+MatX LoopRows::matrix() const {
+  MatX out = MatX::Zero(n_columns(), n());
+  for (const auto& t : Jt_) out(t.row(), t.col()) += t.value();
+  return out;
+}
+
 void LoopRows::add(const System& system, const RowTable& table, const RowEntry& e) {
   const RowView block = table.block(e);
   for (int k = 0; k < e.m; ++k) {

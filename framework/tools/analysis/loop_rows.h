@@ -5,8 +5,9 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/SparseCore>
+
 #include <lockstep/system.h>
-#include "framework/tools/analysis/dependency.h"
 
 namespace lockstep {
 
@@ -22,6 +23,7 @@ class LoopRows {
   int number(int row) const { return numbers_[static_cast<std::size_t>(row)]; }    ///< in the table
   double length(int row) const { return length_[static_cast<std::size_t>(row)]; }  ///< before it was scaled
   const std::vector<Eigen::Triplet<double>>& Jt() const { return Jt_; }            ///< transposed: a row is a column
+  MatX matrix() const;                                                             ///< the same
 
  private:
   void add(const System&, const RowTable&, const RowEntry&);

@@ -7,7 +7,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
-#include "framework/tools/analysis/free_motions.h"
+#include "framework/tools/analysis/row_space.h"
 #include "framework/tools/analysis/unknowns.h"
 
 namespace lockstep {
@@ -25,12 +25,8 @@ VecX lengths_of(const MechanismMatrices& m) {
 
 MinimalCoordinates minimal_coordinates(const MechanismMatrices& m) {
   const VecX turned = lengths_of(m).cwiseInverse();
-  FreeSpace found = free_space(turned.asDiagonal() * MatX(m.J).transpose());
-  MinimalCoordinates out;
-  out.rank = found.rank, out.nearly = found.nearly;
-  out.N = turned.asDiagonal() * found.N;
-  out.stresses = std::move(found.circuits);
-  return out;
+  const RowSpace rows(turned.asDiagonal() * MatX(m.J).transpose());
+  return {turned.asDiagonal() * rows.free(), rows.rank(), rows.circuits(), rows.nearly()};
 }
 
 std::vector<int> independent_unknowns(const MechanismMatrices& m, const MatX& N) {

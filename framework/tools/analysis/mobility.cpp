@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "framework/tools/analysis/dependency.h"
 #include "framework/tools/analysis/loop_rows.h"
 
 namespace lockstep {
@@ -33,7 +34,7 @@ MobilityReport mobility(Dynamics& dynamics, const State& state) {
   std::vector<bool> takes_part(system.links().size(), false);
   for (const std::vector<int>& entries : loops_of(system, table)) {
     const LoopRows rows(system, table, entries);
-    const Dependencies found = find_dependencies(rows.n_columns(), rows.n(), rows.Jt());
+    const Dependencies found = find_dependencies(rows);
     report.rank += found.rank;
     for (const DependentRows& set : found.sets) {
       report.dependencies.push_back({row_names(system, table, rows, set.rows), set.too_many, set.nearly, set.pivot});

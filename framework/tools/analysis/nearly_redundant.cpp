@@ -35,7 +35,7 @@ void for_each_loop(const System& system, const RowTable& table, Visit&& visit) {
 std::vector<NearSet> nearly_dependent(const System& system, const RowTable& table) {
   std::vector<NearSet> all;
   for_each_loop(system, table, [&](const LoopRows& rows) {
-    const Dependencies found = find_dependencies(rows.n_columns(), rows.n(), rows.Jt());
+    const Dependencies found = find_dependencies(rows);
     NearSet one;
     for (const DependentRows& set : found.sets) {
       if (set.nearly == 0) continue;

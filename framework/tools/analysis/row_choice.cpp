@@ -8,13 +8,6 @@
 namespace lockstep {
 namespace {
 
-VecX column_of(const LoopRows& rows, int row) {
-  VecX out = VecX::Zero(rows.n_columns());
-  for (const auto& t : rows.Jt())
-    if (t.col() == row) out[t.row()] = t.value();
-  return out;
-}
-
 VecX jacobian_of(const System& system, const RowTable& table, const RowEntry& e, int k) {
   VecX out = VecX::Zero(6 * system.n_slots());
   for (int i = 0; i < e.slots.n; ++i) {
@@ -31,7 +24,8 @@ class Selection {
       : system_(system), table_(table), rows_(rows), which_(static_cast<std::size_t>(rows.n())) {
     std::iota(which_.begin(), which_.end(), 0);
     std::ranges::sort(which_, {}, [&](int row) { return place(row); });
-    for (const int row : which_) left_.push_back(column_of(rows_, row)), keeper_.push_back(keeper(row));
+    const MatX Jt = rows_.matrix();
+    for (const int row : which_) left_.push_back(Jt.col(row)), keeper_.push_back(keeper(row));
   }
 
   Choice above(double limit) {

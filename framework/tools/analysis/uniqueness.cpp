@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <span>
 
-#include <Eigen/Eigenvalues>
-
+#include "framework/tools/analysis/dependency.h"
 #include "framework/tools/analysis/loop_rows.h"
 
 namespace lockstep {
@@ -50,23 +49,8 @@ class Undetermined {
   std::vector<MatX> loops_;
 };
 
-// Combinations of rows that are zero but for a singular value up to kNearlyDependent: where such rows were left out, how
-// those that stay and those that went would share a load is not known.
-NullVectors near_null_vectors(const LoopRows& rows) {
-  constexpr double kShare = 1e-3;  // numbers below it are of the order of what the rows still hold
-  MatX J = MatX::Zero(rows.n(), rows.n_columns());
-  for (const auto& t : rows.Jt()) J(t.col(), t.row()) = t.value();
-  // lambda with J^T lambda = 0: the eigenvectors of J J^T of eigenvalues up to the square, of which the smallest of those
-  // that matter, 1e-8, is above round-off
-  const Eigen::SelfAdjointEigenSolver<MatX> eigen(MatX(J * J.transpose()));
-  Eigen::Index n = 0;
-  while (n < eigen.eigenvalues().size() && eigen.eigenvalues()[n] < kNearlyDependent * kNearlyDependent) ++n;
-  NullVectors out{eigen.eigenvectors().leftCols(n), kShare, static_cast<int>(n)};
-  for (Eigen::Index k = 0; k < n; ++k) out.columns.col(k) /= out.columns.col(k).cwiseAbs().maxCoeff();
-  return out;
-}
-
-// Whether rows of it were left out that depend on others nearly.
+// Whether rows of it were left out that depend on others nearly: how those that stay and those that went would share a
+// load is not known.
 bool leaves_near_rows_out(const System& system, const RowTable& table, const std::vector<int>& entries) {
   if (system.held_down_to() > 0) return false;  // those hold
   return std::ranges::any_of(entries, [&](int k) {
@@ -80,7 +64,7 @@ Undetermined undetermined_of(const System& system, const RowTable& table) {
   for (const std::vector<int>& entries : loops_of(system, table)) {
     const LoopRows rows(system, table, entries);
     const bool near = leaves_near_rows_out(system, table, entries);
-    NullVectors null = near ? near_null_vectors(rows) : null_vectors(rows.n_columns(), rows.n(), rows.Jt());
+    NullVectors null = null_vectors(rows, near ? kNearlyDependent : kDependent);
     if (null.columns.cols() == 0) continue;
     found.n += null.n;
     found.round_off = std::max(found.round_off, null.round_off);
