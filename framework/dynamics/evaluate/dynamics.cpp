@@ -113,6 +113,7 @@ void Dynamics::forget_rows(const State& state) {
 const Inputs& Dynamics::inputs(const State& state) {
   system_.setup();
   system_.check_size(state);
+  ++n_inputs_;
   return inputs_.at(system_, state);
 }
 
@@ -229,9 +230,13 @@ double Dynamics::project_velocity(State& state) {
   return of_slots;
 }
 
-void Dynamics::accept(State& state) {
+const Inputs* Dynamics::accept(State& state) {
   check_state(system_, state);
-  if (system_.keeps_anything()) system_.accept(inputs_.at(system_, state), state);
+  if (!system_.keeps_anything()) return nullptr;
+  ++n_inputs_;
+  const Inputs& in = inputs_.at(system_, state);
+  system_.accept(in, state);
+  return &in;
 }
 
 void Dynamics::save(const State& state, Snapshot& out) {

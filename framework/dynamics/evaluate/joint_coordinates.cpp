@@ -49,7 +49,7 @@ Dynamics::Tree& Dynamics::tree(const std::vector<bool>& modes) {
   t.f.setZero(6 * system_.n_slots());
   if (layout.tree) t.recursion = TreeRecursion::of(*layout.tree, system_, std::move(layout.fronts));
   t.coordinates = std::move(layout.tree);
-  if (t.coordinates) lay_out_reactions(t), t.find_hinges(system_);
+  if (t.coordinates) lay_out_reactions(t), t.find_turns(system_);
   t.revision = system_.revision();
   return t;
 }
@@ -61,50 +61,51 @@ Dynamics::Tree& Dynamics::Tree::of(const State& state) {
       "(Dynamics::to_slots)");
 }
 
-void Dynamics::Tree::find_hinges(const System& system) {
-  hinges.clear(), angle_rates.clear();
+void Dynamics::Tree::find_turns(const System& system) {
+  turns.clear(), angle_rates.clear();
   for (const auto& angle : system.counted_angles())
     if (const auto turn = angle->turn(); turn && turn->slot != turn->other)
-      find_hinges(*turn, static_cast<std::size_t>(angle->number()));
-  if (!hinges.empty()) angle_rates.assign(system.counted_angles().size(), NAN);
+      find_turn(*turn, static_cast<std::size_t>(angle->number()));
+  if (!turns.empty()) angle_rates.assign(system.counted_angles().size(), NAN);
 }
 
-// The turn of a slot against another is the sum of the turns of all hinges between them if these have one axis: those of a
-// planar tree, or a single one.
-void Dynamics::Tree::find_hinges(const CountedAngle::Turn& turn, std::size_t angle) {
+// In a plane all slots turn about its normal, in space two that a hinge joins about its axis: wherever the axis is fixed in
+// both, with unit vectors a and b in their axes,
+//
+//     theta' = a . w_slot - b . w_other
+void Dynamics::Tree::find_turn(const CountedAngle::Turn& turn, std::size_t angle) {
   const auto& nodes = coordinates->nodes();
-  const PlanarJoints* const plane = coordinates->planar();
-  const std::size_t n_before = hinges.size();
-  int end = coordinates->node_of(turn.slot), begin = coordinates->node_of(turn.other);
-  const Vec3 normal = !plane      ? Vec3::Zero()
-                      : begin < 0 ? Vec3::Unit(plane->plane().n)
-                                  : plane->normal(plane->nodes()[static_cast<std::size_t>(begin)]);
-  bool is_sum = !plane || are_parallel(normal, turn.axis);
-  while (is_sum && begin != end) {
-    const bool outward = end > begin;
-    int& at = outward ? end : begin;
-    const auto k = static_cast<std::size_t>(at);
-    const TreeNode& n = nodes[k];
-    at = n.parent;
-    is_sum = !n.has_laws() && n.turn != TreeTurn::ball && (plane || (n.turn == TreeTurn::hinge && begin == end));
-    if (!is_sum || n.turn == TreeTurn::none) continue;
-    const Vec3 axis = plane     ? Vec3(plane->nodes()[k].sign * normal)
-                      : outward ? n.axis
-                                : Vec3(rotation(n.K0).transpose() * n.axis);
-    is_sum = are_parallel(axis, turn.axis);
-    hinges.push_back({angle, n.first_v + n.n_slides, (outward ? 1.0 : -1.0) * (axis.dot(turn.axis) > 0 ? 1.0 : -1.0)});
+  const int slot = coordinates->node_of(turn.slot), other = coordinates->node_of(turn.other);
+  const bool outward = slot > other;
+  const TreeNode& n = nodes[static_cast<std::size_t>(outward ? slot : other)];
+  const bool joined = n.parent == (outward ? other : slot) && n.turn == TreeTurn::hinge && !n.has_laws();
+  AxisInBoth own{angle, turn.slot, turn.other, n.axis, n.axis};
+  if (joined) {
+    (outward ? own.a : own.b) = rotation(n.K0).transpose() * n.axis;
+    own.v = n.first_v + n.n_slides, own.sign = outward ? 1.0 : -1.0;
+  } else if (const PlanarJoints* const plane = coordinates->planar()) {
+    const auto normal = [&](int node) {
+      return node < 0 ? Vec3(Vec3::Unit(plane->plane().n))
+                      : plane->normal(plane->nodes()[static_cast<std::size_t>(node)]);
+    };
+    own.a = normal(slot), own.b = normal(other);
+  } else {
+    return;
   }
-  if (!is_sum) hinges.resize(n_before);
+  if (!are_parallel(own.b, turn.axis)) return;
+  if (own.b.dot(turn.axis) < 0) own.a = -own.a, own.b = -own.b, own.sign = -own.sign;
+  turns.push_back(own);
 }
 
 Inputs Dynamics::Tree::inputs(const State& state) {
-  for (const HingeOfAngle& h : hinges) angle_rates[h.angle] = 0;
-  for (const HingeOfAngle& h : hinges) angle_rates[h.angle] += h.sign * state.v[h.v];
   Inputs in;
-  in.angle_rates = angle_rates;
   in.t = state.t, in.motions = motions;
   in.s = {state.s.data(), static_cast<std::size_t>(state.s.size())};
   in.z = {state.z.data(), static_cast<std::size_t>(state.z.size())};
+  for (const AxisInBoth& turn : turns)
+    angle_rates[turn.angle] = turn.v >= 0 ? turn.sign * state.v[turn.v]
+                                          : turn.a.dot(in.slot(turn.slot).w) - turn.b.dot(in.slot(turn.other).w);
+  in.angle_rates = angle_rates;
   return in;
 }
 

@@ -23,16 +23,18 @@ struct Dynamics::Tree {
   std::unique_ptr<TreeRecursion> recursion;
   std::vector<Motion> motions;
   VecX f, a, none;
-  struct HingeOfAngle {
+  struct AxisInBoth {
     std::size_t angle;  // its number among the counted ones
-    int v;              // rate of the hinge
-    double sign;
+    int slot, other;
+    Vec3 a, b;   // the axis in the axes of the slot and of the other
+    int v = -1;  // of the rate itself where both are joined by a hinge of the tree,
+    double sign = 1;
   };
-  std::vector<HingeOfAngle> hinges;  // those whose turns a counted angle is the sum of
-  std::vector<double> angle_rates;   // of all counted angles; NaN: it is no such sum. Empty: none is
-  RowTable rows;                     // of the links whose multipliers somebody reads, and of those with laws
-  bool solves = false;               // integrated states read accelerations or multipliers,
-  bool reads_all = false;            // not only those of links with laws
+  std::vector<AxisInBoth> turns;    // of counted angles whose axis is fixed in both slots
+  std::vector<double> angle_rates;  // of all counted angles; NaN: it is none of these. Empty: none is
+  RowTable rows;                    // of the links whose multipliers somebody reads, and of those with laws
+  bool solves = false;              // integrated states read accelerations or multipliers,
+  bool reads_all = false;           // not only those of links with laws
   TreeReactions reactions;
   RowTable closure_rows;
   VecX C, Cd, correction, loaded;
@@ -46,9 +48,9 @@ struct Dynamics::Tree {
   ClosureRows& closures() { return recursion->closures(); }
   // The state, and the motions as found last.
   Inputs inputs(const State&);
-  // Finds the hinges of all counted angles, and of one.
-  void find_hinges(const System&);
-  void find_hinges(const CountedAngle::Turn&, std::size_t angle);
+  // Of all counted angles, and of one.
+  void find_turns(const System&);
+  void find_turn(const CountedAngle::Turn&, std::size_t angle);
   // |C| of the closures, as Evaluation::norm measures it; not finite where something is not.
   double violation(System&, const State&);
   // Brings a state onto C = 0 and J v = -Ct of the closures by the least move in the mass metric, as Projection does.

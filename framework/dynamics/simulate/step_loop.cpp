@@ -283,6 +283,7 @@ void StepLoop::make_step(double limit, double largest) {
   const double wanted = explained([&] { return parts_->clock.step_towards(t0, target, largest); });
   interval.make(state_, wanted);
   const StepReport& step = interval.report();
+  const Inputs* seen = nullptr;
   bool landed = step.h >= wanted && state_.t >= target.reach - 1e-13 * std::max(std::abs(target.reach), wanted);
   if (landed) state_.t = target.reach;
   clock.count_step(wanted, step);
@@ -293,13 +294,14 @@ void StepLoop::make_step(double limit, double largest) {
     const bool jump = landed && target.jump;
     ended = {.landed = landed, .met = met, .touched = touched, .jump = jump};
     if (jump) cross_jump(target.t);
-    dynamics_.accept(state_);
+    seen = dynamics_.accept(state_);
     cause = touched ? "an impact" : jump ? "the jump of a law" : "";
   } catch (...) {
     keep_state(interval.from(), state_);
     events.forget_met();
     throw;
   }
+  const Sample sample(dynamics_, state_, step, seen);
   ++report_.steps, clock.last().add(state_.t);
   events.pass(state_.t);
   phase_ = Phase::inside;  // from here on the state is accepted: whoever throws, its outputs follow
@@ -308,7 +310,7 @@ void StepLoop::make_step(double limit, double largest) {
         fmt::format("event '{}': its condition is zero at {}, from where it did not cross; it falls due only when it "
                     "passes zero again",
                     name, report_.steps == 1 ? "the start" : fmt::format("t = {:.9g} s, when it was added", t0)));
-  measure_turns(step.h);
+  measure_turns(step.h, sample);
   report_.rejected += step.rejected;
   if (step.manifold) ++report_.manifold_steps;
   if (step.stiff && !(report_.stiff_since <= state_.t) && may_damp(dynamics_, state_)) report_.stiff_since = state_.t;
@@ -316,14 +318,15 @@ void StepLoop::make_step(double limit, double largest) {
   if (!(step.violation_after <= report_.largest_violation)) report_.largest_violation = step.violation_after;
   interval.check_again(state_, report_.steps, report_.largest_violation);
   warn_of_drift(largest_before);
-  conclude();
+  conclude(sample);
 }
 
+void StepLoop::conclude() { conclude(Sample(dynamics_, state_, parts_->interval.report())); }
+
 // All that follows an accepted step. A phase that throws is gone on with when the run goes on.
-void StepLoop::conclude() {
+void StepLoop::conclude(const Sample& sample) {
   auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause,
          detailed] = *parts_;
-  const Sample sample(dynamics_, state_, interval.report());
   switch (phase_) {
     case Phase::none:
       return;

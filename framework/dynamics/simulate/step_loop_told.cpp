@@ -138,9 +138,9 @@ void StepLoop::finish(Errors of_observers) {
 }
 
 // Methods that control their error see what a turn does to it, implicit ones only what it does to their Newton steps.
-void StepLoop::measure_turns(double h) {
+void StepLoop::measure_turns(double h, const Sample& sample) {
   if (!measures_turns_) return;
-  const Inputs& in = dynamics_.inputs(state_);
+  const Inputs& in = sample.inputs();
   double most = 0;  // rad^2/s^2
   int fastest = 0;
   for (int k = 0; k < system().n_slots(); ++k)

@@ -166,9 +166,7 @@ class LOCKSTEP_API KktAssembler {
   int n_links_ = 0;               // of the table; unit-length rows follow them
 };
 
-
 // Factor: the saddle-point matrix of an evaluation, factored, and solutions by it.
-
 
 /// Counters of work done, for reports and charts.
 struct WorkCount {
@@ -241,7 +239,6 @@ class LOCKSTEP_API Factor {
   Learned rested_;                                    // while it rests: what it had learned; else without a layout
 };
 
-
 // Projection: brings a state onto the constraints by the least move in the mass metric, positions, then velocities.
 
 /// Constraint violations before and after a projection.
@@ -277,7 +274,6 @@ class LOCKSTEP_API Projection {
   VecX C_, Cd_, d_, lambda_, zero_;
 };
 
-
 // ReactionIteration: solutions with forces that depend on the reactions that they cause (friction).
 
 /// Finds the accelerations where forces depend on the reactions (friction), and holds the scratch for it: nothing is
@@ -308,7 +304,7 @@ class LOCKSTEP_API ReactionIteration {
 /// Formulation and stabilisation.
 struct DynamicsOptions {
   Formulation formulation = Formulation::automatic;  ///< unknowns of the equations of motion
-  Stabilization stabilization;                   ///< how drift off the constraints is removed
+  Stabilization stabilization;                       ///< how drift off the constraints is removed
 };
 
 /// Accelerations and multipliers at one state, with the evaluation that they belong to. Views of a Dynamics, valid
@@ -340,9 +336,9 @@ class LOCKSTEP_API Dynamics {
   /// As System::input().
   ControlInput& input(const std::string& name) { return system_.input(name); }
   std::deque<ControlInput>& control_inputs() { return system_.control_inputs(); }  ///< those of the system
-  const DynamicsOptions& options() const { return options_; }  ///< as given
-  const LinearSolver& solver() const { return *solver_; }      ///< as given
-  WorkCount& work() { return work_; }                          ///< counters of work done so far
+  const DynamicsOptions& options() const { return options_; }                      ///< as given
+  const LinearSolver& solver() const { return *solver_; }                          ///< as given
+  WorkCount& work() { return work_; }                                              ///< counters of work done so far
 
   // -- at a state
   /// d/dt of q, v and s in the state's own coordinates: what an integrator needs that takes all formulations. Throws as
@@ -364,8 +360,9 @@ class LOCKSTEP_API Dynamics {
   const Evaluation& gather_rows(const State&);
   /// As System::InSpace of the mechanism.
   System::InSpace look_in_space() { return System::InSpace(system_); }
-  /// What links and forces see of this state, without rows; valid until the next call.
+  /// What links and forces see of this state, without rows; valid until the next call of this or of accept().
   const Inputs& inputs(const State&);
+  long inputs_read() const { return n_inputs_; }  ///< counts those calls
   /// Whether rows of all links are laid out, since somebody has gathered or evaluated them.
   bool holds_rows() const { return evaluation_ != nullptr; }
   /// Gives back the memory of the last evaluation, gather() and evaluate(), and of its factor, where the formulation has
@@ -414,8 +411,9 @@ class LOCKSTEP_API Dynamics {
     system_.check_size(state);
     lockstep::normalize_state(state);
   }
-  /// After an accepted step: updates what links and forces remember (State::z).
-  void accept(State&);
+  /// After an accepted step: updates what links and forces remember (State::z) and counted angles. Returns what they see of
+  /// the state, as inputs() does; null where there is nothing to update.
+  const Inputs* accept(State&);
 
   // -- matrices
   /// The factored matrix of this evaluation; valid until the next evaluation or projection. Throws SolveError.
@@ -476,6 +474,7 @@ class LOCKSTEP_API Dynamics {
   Projection projection_;
   ReactionIteration reacting_;
   StateInputs inputs_;
+  long n_inputs_ = 0;
   VecX a_, lambda_, c_, C_, Cd_;
   std::optional<Solution> solution_;
 };

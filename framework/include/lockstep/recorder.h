@@ -17,15 +17,13 @@ namespace lockstep {
 
 // Channels: what can be recorded, by name. "crank.angle_z", "B.force_on_p_world_x", "energy.total".
 
-
 /// A quantity that can be recorded, by name.
 struct Channel {
   std::string name,                            ///< "crank.angle_z"
       unit;                                    ///< "rad"; "" without dimension
   std::function<double(const Sample&)> value;  ///< its value at a state of a run
-  /// Called at the start of a run and after every accepted step, where present: counts turns and rejected attempts.
+  /// Called at the start of a run and after every accepted step, where present: counts rejected attempts.
   std::function<void(const Sample&)> track{};
-  std::function<void(const Sample&)> jumped{};  ///< called as Observer::jumped, where present
   /// Called at the start of a run before track(), where present: forgets an earlier run.
   std::function<void()> restart{};
   /// Write and read what track() keeps, for a checkpoint, where present.
@@ -41,17 +39,15 @@ struct ChannelHelp {
 };
 
 /// Makes the channel of this name. The system is set up if it was not (a link's rows have names only then). Channels of
-/// work add a quadrature to the system, shared by all that ask for it, so make channels before the run (before the
-/// StepLoop takes the start). From then on the system must stay where it is in memory. Throws ModelError with the
+/// works and angles add states to the system, shared by all that ask for them, so make channels before the run (before
+/// the StepLoop takes the start). From then on the system must stay where it is in memory. Throws ModelError with the
 /// closest name and with all quantities of the object.
 LOCKSTEP_API Channel make_channel(System&, const std::string& name);
 
 /// All channels of a system except those of pairs ("M.x@N"); those of links' rows only where it is set up.
 LOCKSTEP_API std::vector<ChannelHelp> channel_help(const System&);
 
-
 // Table: columns of numbers with name and unit; what a recorder fills, a CSV file holds and a chart draws.
-
 
 /// One column of a table.
 struct Column {
@@ -105,7 +101,6 @@ LOCKSTEP_API Table read_csv(const std::string& file);
 /// The same from a stream. `file`: its name in messages.
 LOCKSTEP_API Table read_csv(std::istream&, const std::string& file);
 
-
 // Recorder: an observer that fills a table. Names become functions once; an output is one row of numbers.
 
 /// A column to record: a channel, under its own name or another ("Bx": "B.force_on_p_world_x").
@@ -133,7 +128,7 @@ class LOCKSTEP_API Recorder : public Observer {
   void add(const std::string& name, const std::string& unit, std::function<double(const Sample&)> value);
   /// Adds a column with the values of a channel, under its name. Throws as the other.
   void add(Channel channel);
-  /// Keeps a channel up to date (counts its turns) that is used elsewhere, as in an event's condition; adds no column.
+  /// Keeps a channel up to date that is used elsewhere, as in an event's condition; adds no column.
   void follow(Channel channel);
   /// Reserves memory for n rows in all; beyond them the table grows geometrically.
   void reserve(std::size_t n) { table_.reserve(n); }
@@ -150,11 +145,10 @@ class LOCKSTEP_API Recorder : public Observer {
   /// Begins a new table: removes the rows of an earlier run.
   void start(const Sample&) override;
   void step(const Sample&) override;
-  void jumped(const Sample&) override;
   void output(const Sample&) override;
   void save(Snapshot&) const override;
   void load(SnapshotReader&) override;
-  /// Removes the rows that were recorded so far, for whoever has taken them; columns and counted turns stay.
+  /// Removes the rows that were recorded so far, for whoever has taken them; columns stay.
   void drop_rows() { table_.clear_rows(); }
 
  private:

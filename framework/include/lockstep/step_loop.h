@@ -19,10 +19,12 @@ namespace lockstep {
 /// multipliers are solved for only when they are asked for.
 class Sample {
  public:
-  /// Of the state `s`, which the step `r` led to. All three must outlive it.
-  Sample(Dynamics& dynamics, const State& s, const StepReport& r) : state(s), report(r), dynamics_(dynamics) {}
-  const State& state;                                          ///< the state
-  const StepReport& report;                                    ///< what the last step did
+  /// Of the state `s`, which the step `r` led to. All three must outlive it. `known`: its inputs, as Dynamics read them last;
+  /// null: they are read at the first call of inputs().
+  Sample(Dynamics& dynamics, const State& s, const StepReport& r, const Inputs* known = nullptr)
+      : state(s), report(r), dynamics_(dynamics), inputs_(known), read_(dynamics.inputs_read()) {}
+  const State& state;        ///< the state
+  const StepReport& report;  ///< what the last step did
   /// What acted at this instant, to Observer::jumped: "event 'grab'", "a call", "an impact", "the jump of a law"; else "".
   std::string_view cause{};
   const System& system() const { return dynamics_.system(); }  ///< the mechanism
@@ -32,9 +34,10 @@ class Sample {
     if (!values_) values_ = &dynamics_.evaluate(state);
     return *values_;
   }
-  /// Motions of all slots, integrated states and memory at this state; found at the first call.
+  /// Motions of all slots, integrated states and memory at this state; read again only after those of another.
   const Inputs& inputs() const {
-    if (!inputs_) inputs_ = &dynamics_.inputs(state);
+    if (!inputs_ || read_ != dynamics_.inputs_read())
+      inputs_ = &dynamics_.inputs(state), read_ = dynamics_.inputs_read();
     return *inputs_;
   }
   /// Force and moment that a link exerts on the body of one of its markers, by Reactions::on_body_of; computed once for
@@ -56,7 +59,8 @@ class Sample {
   };
   Dynamics& dynamics_;
   mutable const Solution* values_ = nullptr;
-  mutable const Inputs* inputs_ = nullptr;
+  mutable const Inputs* inputs_;
+  mutable long read_;  // Dynamics::inputs_read() then
   mutable Asked last_;
 };
 
@@ -118,7 +122,6 @@ struct Event {
   std::function<void(State&)> change{};
 };
 
-
 // StepLoop: runs a mechanism. Makes steps, ends them on jumps, events and output times, accepts them, calls observers.
 
 /// Limits beyond which the result of a run counts as wrong (EnergyAudit, recorder.h).
@@ -162,9 +165,9 @@ struct SimulationReport {
   double stiff_since = std::numeric_limits<double>::infinity();  ///< when damped fast modes first limited the steps, s
   double largest_turn = 0;  ///< of a body within a step, rad; measured in fixed steps and of implicit methods
   std::string turned_most;  ///< that body
-  bool stopped = false;                                          ///< by events or by StepLoop::progress
-  std::string stopped_by;                                        ///< names of the events, or "the caller"
-  std::vector<std::string> warnings{};                           ///< in the order in which they came
+  bool stopped = false;     ///< by events or by StepLoop::progress
+  std::string stopped_by;   ///< names of the events, or "the caller"
+  std::vector<std::string> warnings{};  ///< in the order in which they came
 };
 
 /// Runs a mechanism: steps, events, contacts, outputs, observers.
@@ -272,6 +275,7 @@ class LOCKSTEP_API StepLoop {
   void settle_now();
   void begin_steps();
   void conclude();
+  void conclude(const Sample&);
   void begin_method();
   void cross_jump(double t);
   bool fire_events();
@@ -289,7 +293,7 @@ class LOCKSTEP_API StepLoop {
   void ask_progress();
   enum class Errors { thrown, dropped };
   void finish(Errors of_observers);
-  void measure_turns(double h);
+  void measure_turns(double h, const Sample&);
   void warn_of_turns();
   void load_parts(SnapshotReader&);
   void warn_of_drift(double largest_before);

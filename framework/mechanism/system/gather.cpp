@@ -1,10 +1,11 @@
 // The passes over the mechanism: slots -> links -> forces. Each reads the arrays filled by the pass before.
 #include <algorithm>
+#include <cmath>
 
 #include <lockstep/error.h>
+#include <lockstep/system.h>
 #include <lockstep/text.h>
 #include "framework/mechanism/system/diagnose.h"
-#include <lockstep/system.h>
 
 namespace lockstep {
 namespace {
@@ -248,8 +249,15 @@ void System::check_plane(const Inputs& in, const VecX& f) const {
 
 void System::state_rates(const Evaluated& values, VecX& sd) const {
   check_count("state_rates", sd.size(), n_states_);
+  int of_links = n_states_ - CountedAngle::kStates * static_cast<int>(angles_.size());
+  for (const auto& auxiliary : auxiliaries_) {
+    named(*auxiliary, values.in.t, [&] { auxiliary->rates(values, part(sd, auxiliary->first(), auxiliary->size())); });
+    of_links -= auxiliary->size();
+  }
   for (const auto& link : links_) {
+    if (of_links == 0) break;
     const int n = link->n_own_states();
+    of_links -= n;
     if (n == 0) continue;
     const bool active = values.rows.entry_of_link[static_cast<std::size_t>(link->number())] >= 0;
     const std::span<double> rates = part(sd, link->first_state(), n);
@@ -258,15 +266,18 @@ void System::state_rates(const Evaluated& values, VecX& sd) const {
     else
       std::fill(rates.begin(), rates.end(), 0.0);  // restarted when the link is activated
   }
-  for (const auto& auxiliary : auxiliaries_)
-    named(*auxiliary, values.in.t, [&] { auxiliary->rates(values, part(sd, auxiliary->first(), auxiliary->size())); });
   angle_rates(values.in, sd);
 }
 
 void System::angle_rates(const Inputs& in, VecX& sd) const {
-  for (const auto& angle : angles_) {
-    sd.segment(angle->first(), CountedAngle::kStates).setZero();
-    named(*angle, in.t, [&] { sd[angle->first()] = angle->rate(in); });
+  if (angles_.empty()) return;
+  double* rate = sd.data() + angles_.front()->first();
+  for (std::size_t k = 0; k < angles_.size(); ++k, rate += CountedAngle::kStates) {
+    rate[1] = rate[2] = 0;
+    if (k < in.angle_rates.size() && !std::isnan(in.angle_rates[k]))
+      rate[0] = in.angle_rates[k];
+    else
+      named(*angles_[k], in.t, [&] { rate[0] = angles_[k]->rate(in); });
   }
 }
 

@@ -1,5 +1,7 @@
 #include <lockstep/system.h>
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <array>
 #include <functional>
@@ -11,8 +13,8 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
-#include "framework/mechanism/system/diagnose.h"
 #include "framework/mechanism/system/check_writes.h"
+#include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
 namespace {
@@ -312,13 +314,23 @@ ControlInput& System::input(const std::string& name) {
   return find("input", inputs_, number_of(Kind::input, name), name);
 }
 Body& System::body(const std::string& name) { return find("body", bodies_, number_of(Kind::body, name), name); }
-Marker& System::marker(const std::string& name) { return find("marker", markers_, number_of(Kind::marker, name), name); }
+Marker& System::marker(const std::string& name) {
+  return find("marker", markers_, number_of(Kind::marker, name), name);
+}
 Lock& System::link(const std::string& name) { return *find("link", links_, number_of(Kind::link, name), name); }
 Force& System::force(const std::string& name) { return *find("force", forces_, number_of(Kind::force, name), name); }
-const Body& System::body(const std::string& name) const { return find("body", bodies_, number_of(Kind::body, name), name); }
-const Marker& System::marker(const std::string& name) const { return find("marker", markers_, number_of(Kind::marker, name), name); }
-const Lock& System::link(const std::string& name) const { return *find("link", links_, number_of(Kind::link, name), name); }
-const Force& System::force(const std::string& name) const { return *find("force", forces_, number_of(Kind::force, name), name); }
+const Body& System::body(const std::string& name) const {
+  return find("body", bodies_, number_of(Kind::body, name), name);
+}
+const Marker& System::marker(const std::string& name) const {
+  return find("marker", markers_, number_of(Kind::marker, name), name);
+}
+const Lock& System::link(const std::string& name) const {
+  return *find("link", links_, number_of(Kind::link, name), name);
+}
+const Force& System::force(const std::string& name) const {
+  return *find("force", forces_, number_of(Kind::force, name), name);
+}
 
 // --------------------------------------------------------------------------------------------------------------- setup
 
@@ -438,12 +450,13 @@ void System::setup_links() {
     Lock& l = *links_[k];
     set_up(l);
     l.count_angles(*this);
-    const auto [it, is_new] = known.try_emplace({typeid(l), l.pattern(), l.row_count(), l.slots().n}, Alike{first.size(), &l});
+    const auto [it, is_new] =
+        known.try_emplace({typeid(l), l.pattern(), l.row_count(), l.slots().n}, Alike{first.size(), &l});
     if (is_new) first.push_back(0);
     l.share_rows(*it->second.first);
     of_link.push_back(it->second.number), ++first[it->second.number];
   }
-  for (std::size_t begin = 0; std::size_t& n : first) begin += std::exchange(n, begin);
+  for (std::size_t begin = 0; std::size_t & n : first) begin += std::exchange(n, begin);
   ordered_.resize(of_link.size()), group_.resize(of_link.size());
   for (std::size_t k = 0, i = 0; k < links_.size(); ++k) {
     if (merged_[k]) continue;
@@ -459,20 +472,29 @@ void System::setup_forces() {
   }
 }
 
+namespace {
+
+// Apart, since the check is made at every evaluation.
+[[noreturn]] void refuse_size(const System& system, const State& state) {
+  throw ModelError(
+      fmt::format("a state of {} coordinates, {} velocities, {} own states, {} remembered numbers and {} links does "
+                  "not fit a system "
+                  "of {} moving bodies, {} own states, {} remembered numbers and {} links; begin from System::start() "
+                  "once the system "
+                  "is complete",
+                  state.q.size(), state.v.size(), state.s.size(), state.z.size(), state.modes.size(), system.n_slots(),
+                  system.n_states(), system.n_memory(), system.links().size()));
+}
+
+}  // namespace
+
 void System::check_size(const State& state) const {
   const auto links = links_.size();
   const int n_q = state.coordinates ? state.coordinates->n_q() : 7 * n_slots();
   const int n_v = state.coordinates ? state.coordinates->n_v() : 6 * n_slots();
-  if (state.q.size() == n_q && state.v.size() == n_v && state.s.size() == n_states_ && state.z.size() == n_memory_ &&
-      state.modes.size() == links && state.watched.size() == links)
-    return;
-  throw ModelError("a state of " + std::to_string(state.q.size()) + " coordinates, " + std::to_string(state.v.size()) +
-                   " velocities, " + std::to_string(state.s.size()) + " own states, " + std::to_string(state.z.size()) +
-                   " remembered numbers and " + std::to_string(state.modes.size()) +
-                   " links does not fit a system of " + std::to_string(n_slots()) + " moving bodies, " +
-                   std::to_string(n_states_) + " own states, " + std::to_string(n_memory_) +
-                   " remembered numbers and " + std::to_string(links) +
-                   " links; begin from System::start() once the system is complete");
+  if (state.q.size() != n_q || state.v.size() != n_v || state.s.size() != n_states_ || state.z.size() != n_memory_ ||
+      state.modes.size() != links || state.watched.size() != links)
+    refuse_size(*this, state);
 }
 
 State System::start() const {

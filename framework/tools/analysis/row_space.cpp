@@ -27,11 +27,11 @@ class Sets {
 
 }  // namespace
 
-RowSpace::RowSpace(MatX Jt) : lengths_(Jt.colwise().norm()) {
+RowSpace::RowSpace(MatX Jt) : n_(Jt.rows()), lengths_(Jt.colwise().norm()) {
   for (double& length : lengths_)
     if (!(length > 0)) length = 1;
   for (Eigen::Index k = 0; k < Jt.cols(); ++k) Jt.col(k) /= lengths_[k];
-  qr_.compute(Jt);
+  if (Jt.size() > 0) qr_.compute(Jt);
 }
 
 double RowSpace::pivot(int place) const {
@@ -45,9 +45,8 @@ int RowSpace::above(double limit) const {
 }
 
 MatX RowSpace::free() const {
-  const Eigen::Index n = qr_.rows(), left = n - rank();
-  MatX N = MatX::Identity(n, n).rightCols(left);
-  if (n_rows() > 0) N.applyOnTheLeft(qr_.householderQ());
+  MatX N = MatX::Identity(n_, n_).rightCols(n_ - rank());
+  if (qr_.rows() > 0) N.applyOnTheLeft(qr_.householderQ());
   return N;
 }
 
@@ -60,6 +59,7 @@ MatX RowSpace::shares(int regular) const {
 
 MatX RowSpace::circuits(double limit) const {
   const int regular = above(limit), left = n_rows() - regular;
+  if (qr_.rows() == 0) return MatX::Identity(left, left);
   MatX pivoted = MatX::Identity(n_rows(), n_rows()).rightCols(left);
   if (left == 0) return pivoted;
   pivoted.topRows(regular) = -shares(regular);
@@ -68,7 +68,10 @@ MatX RowSpace::circuits(double limit) const {
 
 std::vector<DependentRows> RowSpace::sets() const {
   const int regular = above(kNearlyDependent), exact = rank();
-  if (regular == n_rows()) return {};
+  std::vector<DependentRows> out;
+  if (qr_.rows() == 0)  // they touch nothing that moves
+    for (int row = 0; row < n_rows(); ++row) out.push_back({{row}, 1});
+  if (regular == n_rows() || qr_.rows() == 0) return out;
   const MatX x = shares(regular);
   Sets sets(n_rows());
   for (int j = regular; j < n_rows(); ++j) {
@@ -87,7 +90,6 @@ std::vector<DependentRows> RowSpace::sets() const {
   }
   for (int row = 0; row < n_rows(); ++row)
     if (const auto set = found.find(sets.of(row)); set != found.end()) set->second.rows.push_back(row);
-  std::vector<DependentRows> out;
   for (auto& [number, set] : found) out.push_back(std::move(set));
   std::ranges::sort(out, {}, [](const DependentRows& s) { return s.rows.front(); });
   return out;

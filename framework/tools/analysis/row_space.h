@@ -49,6 +49,7 @@ class RowSpace {
   int row_at(int place) const { return static_cast<int>(qr_.colsPermutation().indices()[place]); }
   MatX shares(int regular) const;  // R1^-1 R2 of so many pivots
 
+  Eigen::Index n_;  // unknowns
   VecX lengths_;
   Eigen::ColPivHouseholderQR<MatX> qr_;
 };

@@ -41,7 +41,6 @@ void PictureRows::before_jump(const Sample& sample) {
 }
 
 void PictureRows::jumped(const Sample& sample) {
-  own_->jumped(sample);
   if (sample.state.t == acted_) add(sample, true);
 }
 

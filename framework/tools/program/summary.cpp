@@ -31,53 +31,60 @@ double turn_of_step(double shortest, double h, double rate) {
 
 // By the inputs, which are found once for all bodies: in joint coordinates the pose of one body alone is found along the
 // whole chain to the ground.
-Summary::Mover Summary::at(const Body& body, const Vec3& center, const Sample& s) {
-  const Motion& O = s.inputs().slot(body.slot);
-  const Vec3 r = O.A * center, w = O.A * O.w, x = O.x + r;
-  return {&body, center, x, x, O.v + cross(w, r), w, normalized(O.e)};
+Summary::Place Summary::place(const Mover& m, const Sample& s) {
+  const Motion& O = s.inputs().slot(m.body->slot);
+  const Vec3 w = O.A * O.w;
+  if (m.center == Vec3::Zero()) return {O.x, O.v, w, O.e};
+  const Vec3 r = O.A * m.center;
+  return {O.x + r, O.v + cross(w, r), w, O.e};
 }
 
 void Summary::start(const Sample& s) {
   movers_.clear();
   length_ = s.system().length();
   for (const Body& body : s.system().bodies())
-    if (!body.fixed) movers_.push_back(at(body, (body.in_slot * Pose{body.mass.center, {}}).x, s));
+    if (!body.fixed) {
+      const bool alone = s.system().slot(body.slot).bodies.size() == 1;  // then its mass centre is the slot's origin
+      Mover m{&body, alone ? Vec3(Vec3::Zero()) : (body.in_slot * Pose{body.mass.center, {}}).x, {}, {}};
+      m.last = place(m, s), m.x0 = m.last.x;
+      movers_.push_back(m);
+    }
 }
 
 // Paths and turns are summed over the steps, so that coarse outputs do not shorten them.
 void Summary::step(const Sample& s) {
+  const double h = s.report.h;
   for (Mover& m : movers_) {
-    const Mover now = at(*m.body, m.center, s);
-    const double h = s.report.h;
-    m.away = std::max(m.away, (now.last_x - m.x0).norm());
-    m.path += length_of_step(now.last_x - m.last_x, m.last_v, now.last_v, h);
-    const Vec3 turn = rotation_vector(now.last_e * conjugate(m.last_e));  // world axes
-    const double shortest = turn.norm(), whole = turn_of_step(shortest, h, now.last_w.norm());
-    m.turned += whole == shortest ? length_of_step(turn, m.last_w, now.last_w, h) : whole;
-    m.last_x = now.last_x, m.last_v = now.last_v, m.last_w = now.last_w, m.last_e = now.last_e;
+    const Place now = place(m, s);
+    m.away = std::max(m.away, (now.x - m.x0).norm());
+    m.path += length_of_step(now.x - m.last.x, m.last.v, now.v, h);
+    const Vec3 turn = rotation_vector(now.e * conjugate(m.last.e));  // world axes
+    const double shortest = turn.norm(), whole = turn_of_step(shortest, h, now.w.norm());
+    m.turned += whole == shortest ? length_of_step(turn, m.last.w, now.w, h) : whole;
+    m.last = now;
   }
 }
 
 void Summary::jumped(const Sample& s) {
   for (Mover& m : movers_) {
-    const Mover now = at(*m.body, m.center, s);
-    m.last_v = now.last_v, m.last_w = now.last_w;
+    const Place now = place(m, s);
+    m.last.v = now.v, m.last.w = now.w;
   }
 }
 
 void Summary::save(Snapshot& out) const {
   for (const Mover& m : movers_) {
-    for (const Vec3* x : {&m.x0, &m.last_x, &m.last_v, &m.last_w}) out.put((*x)[0]), out.put((*x)[1]), out.put((*x)[2]);
-    for (const double x : {m.last_e.w, m.last_e.x, m.last_e.y, m.last_e.z, m.away, m.path, m.turned}) out.put(x);
+    for (const Vec3* x : {&m.x0, &m.last.x, &m.last.v, &m.last.w}) out.put((*x)[0]), out.put((*x)[1]), out.put((*x)[2]);
+    for (const double x : {m.last.e.w, m.last.e.x, m.last.e.y, m.last.e.z, m.away, m.path, m.turned}) out.put(x);
   }
 }
 
 // start() has found the bodies.
 void Summary::load(SnapshotReader& in) {
   for (Mover& m : movers_) {
-    for (Vec3* x : {&m.x0, &m.last_x, &m.last_v, &m.last_w})
+    for (Vec3* x : {&m.x0, &m.last.x, &m.last.v, &m.last.w})
       for (int k = 0; k < 3; ++k) (*x)[k] = in.get();
-    for (double* x : {&m.last_e.w, &m.last_e.x, &m.last_e.y, &m.last_e.z, &m.away, &m.path, &m.turned}) *x = in.get();
+    for (double* x : {&m.last.e.w, &m.last.e.x, &m.last.e.y, &m.last.e.z, &m.away, &m.path, &m.turned}) *x = in.get();
   }
 }
 

@@ -22,14 +22,18 @@ class Summary final : public Observer {
   bool nothing_moved() const;
 
  private:
+  struct Place {
+    Vec3 x, v, w;  // of the mass centre, m, m/s, rad/s, world
+    Quat e;        // of the slot
+  };
   struct Mover {
     const Body* body;
-    Vec3 center;                            // slot axes, m
-    Vec3 x0, last_x, last_v, last_w;        // of the mass centre, m, m/s, rad/s, world
-    Quat last_e;                            // of the slot
+    Vec3 center;  // slot axes, m
+    Vec3 x0;      // of the mass centre at the start, m
+    Place last;
     double away = 0, path = 0, turned = 0;  // m, m, rad
   };
-  static Mover at(const Body&, const Vec3& center, const Sample&);
+  static Place place(const Mover&, const Sample&);
   std::vector<Mover> movers_;
   double length_ = 1;  // of the system, m
 };

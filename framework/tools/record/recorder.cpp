@@ -69,7 +69,6 @@ void Recorder::start(const Sample& sample) {
 }
 
 void Recorder::step(const Sample& sample) { call_at(sample, &Channel::track, channels_, followed_); }
-void Recorder::jumped(const Sample& sample) { call_at(sample, &Channel::jumped, channels_, followed_); }
 
 // A row is added whole. One that cannot be made is asked for again when the run goes on, as no other way leads to it.
 void Recorder::output(const Sample& sample) try {

@@ -130,7 +130,7 @@ std::vector<CopyReport> run_together(std::vector<std::unique_ptr<Lane>>& lanes, 
       Lane& lane = *lanes[static_cast<std::size_t>(copy)];
       Sample sample(*lane.dynamics, state, kNoReport);
       if (jumped) sample.cause = "the jump of a law";
-      jumped ? lane.recorder->jumped(sample) : lane.recorder->step(sample);
+      if (!jumped) lane.recorder->step(sample);
       if (lane.audit) jumped ? lane.audit->jumped(sample) : lane.audit->step(sample);
     };
   return copies.run(starts, times, output, step, go_on);
