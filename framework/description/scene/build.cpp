@@ -197,7 +197,7 @@ std::shared_ptr<const JointTree> Builder::tree() const {
   system_.setup();
   const Taken taken = formulation == Formulation::joint ? Taken::all : Taken::where_cheaper;
   std::shared_ptr<const JointTree> tree = lay_out_tree(system_, system_.start().modes, taken).tree;
-  return takes(*method, tree.get()) ? tree : nullptr;
+  return takes(*method, method->info(), tree.get()) ? tree : nullptr;
 }
 
 // A start speed of a link that leads out of the plane; null where there is none. Of a system that is set up in it.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
@@ -69,30 +70,46 @@ void Dynamics::Tree::find_turns(const System& system) {
   if (!turns.empty()) angle_rates.assign(system.counted_angles().size(), NAN);
 }
 
-// In a plane all slots turn about its normal, in space two that a hinge joins about its axis: wherever the axis is fixed in
-// both, with unit vectors a and b in their axes,
+namespace {
+
+// The axis k of both markers about which the joint of a node turns its slot, by itself or by its laws; -1: it is none of
+// them.
+int axis_of(const TreeNode& n) {
+  const Jointed* const joint = n.lock != nullptr && !n.moving ? n.lock->jointed() : nullptr;
+  if (joint == nullptr || joint->imposed().turn || joint->imposed().hold) return -1;
+  for (int k = 0; k < 3; ++k)
+    if (includes(joint->rows() | row_bit(3 + k), Mask::e123) &&
+        std::ranges::all_of(joint->imposed().drives, [k](const Drive& drive) {
+          return !is_rotation(drive.axis) || axis_index(drive.axis) % 3 == k;
+        }))
+      return k;
+  return -1;
+}
+
+}  // namespace
+
+// In a plane all slots turn about its normal, in space two that a joint holds but for one axis about that: wherever the axis
+// is fixed in both, with unit vectors a and b in their axes,
 //
 //     theta' = a . w_slot - b . w_other
 void Dynamics::Tree::find_turn(const CountedAngle::Turn& turn, std::size_t angle) {
-  const auto& nodes = coordinates->nodes();
   const int slot = coordinates->node_of(turn.slot), other = coordinates->node_of(turn.other);
   const bool outward = slot > other;
-  const TreeNode& n = nodes[static_cast<std::size_t>(outward ? slot : other)];
-  const bool joined = n.parent == (outward ? other : slot) && n.turn == TreeTurn::hinge && !n.has_laws();
-  AxisInBoth own{angle, turn.slot, turn.other, n.axis, n.axis};
-  if (joined) {
-    (outward ? own.a : own.b) = rotation(n.K0).transpose() * n.axis;
-    own.v = n.first_v + n.n_slides, own.sign = outward ? 1.0 : -1.0;
+  const TreeNode& n = coordinates->nodes()[static_cast<std::size_t>(outward ? slot : other)];
+  AxisInBoth own{angle, turn.slot, turn.other, Vec3::Zero(), Vec3::Zero()};
+  if (const int k = n.parent == (outward ? other : slot) ? axis_of(n) : -1; k >= 0) {
+    own.a = rotation(n.far_q).col(k), own.b = rotation(n.near_q).col(k);
+    if (n.turn == TreeTurn::hinge && !n.has_laws())
+      own.v = n.first_v + n.n_slides, own.sign = own.b.dot(n.axis) > 0 ? 1.0 : -1.0;
+    if (!outward) std::swap(own.a, own.b), own.sign = -own.sign;
   } else if (const PlanarJoints* const plane = coordinates->planar()) {
     const auto normal = [&](int node) {
       return node < 0 ? Vec3(Vec3::Unit(plane->plane().n))
                       : plane->normal(plane->nodes()[static_cast<std::size_t>(node)]);
     };
     own.a = normal(slot), own.b = normal(other);
-  } else {
-    return;
   }
-  if (!are_parallel(own.b, turn.axis)) return;
+  if (!(own.b.squaredNorm() > 0) || !are_parallel(own.b, turn.axis)) return;
   if (own.b.dot(turn.axis) < 0) own.a = -own.a, own.b = -own.b, own.sign = -own.sign;
   turns.push_back(own);
 }

@@ -1,7 +1,10 @@
-// Which methods run a mechanism that laws alone move along these laws, without q and v.
+// Which methods take joint coordinates, and run a mechanism that laws alone move without q and v.
 #pragma once
 
+#include <string>
+
 #include <lockstep/dynamics.h>
+#include <lockstep/error.h>
 #include <lockstep/integrator.h>
 
 namespace lockstep {
@@ -13,16 +16,23 @@ inline bool takes(const Integrator& method, const IntegratorInfo& info, const Co
   return info.joint && (coordinates->n_v() > 0 || !info.adaptive || method.scheme() != nullptr);
 }
 
-/// The same of any method.
-inline bool takes(const Integrator& method, const Coordinates* coordinates) {
-  return takes(method, method.info(), coordinates);
-}
-
-/// Whether a method takes the coordinates that the formulation gives a state.
-inline bool takes_formulation(const Integrator& method, Dynamics& dynamics, const State& state) {
+/// Why a run of a state by this method does not take joint coordinates; "" if it does.
+inline std::string why_not_joint(Dynamics& dynamics, const State& state, const Integrator& method) {
+  const IntegratorInfo info = method.info();
+  if (std::string why = dynamics.why_not_joint(state.modes); !why.empty()) return why;
+  if (!info.joint) return "integrator " + info.name + " does not take joint coordinates";
   State there = state;
   dynamics.to_formulation(there);
-  return takes(method, there.coordinates.get());
+  return takes(method, info, there.coordinates.get())
+             ? ""
+             : "integrator " + info.name + " takes no mechanism that laws alone move";
+}
+
+/// Throws ModelError with that reason, unless there is none.
+inline void refuse_joint(const std::string& why) {
+  if (why.empty()) return;
+  throw ModelError("joint coordinates (formulation joint) are not possible: " + why +
+                   "; take the formulation auto or omega");
 }
 
 }  // namespace lockstep

@@ -39,19 +39,6 @@ void to_coordinates(Dynamics& dynamics, const Integrator& method, const Integrat
   if (!takes(method, info, state.coordinates.get())) dynamics.to_slots(state);
 }
 
-// Joint coordinates that were asked for by name must be possible.
-void check_formulation(Dynamics& dynamics, const State& state, const Integrator& method) {
-  if (dynamics.options().formulation != Formulation::joint) return;
-  std::string why = dynamics.why_not_joint(state.modes);
-  const IntegratorInfo info = method.info();
-  if (why.empty() && !info.joint) why = "the integrator " + info.name + " does not take them";
-  if (why.empty() && !takes_formulation(method, dynamics, state))
-    why = "the integrator " + info.name + " takes no mechanism that laws alone move there";
-  if (!why.empty())
-    throw ModelError("joint coordinates (formulation joint) are not possible: " + why +
-                     "; take the formulation auto or omega");
-}
-
 // Without rows nothing else would notice it before the first step.
 void check_finite(const System& system, const State& state) {
   if (!std::isfinite(state.t))
@@ -213,7 +200,7 @@ void StepLoop::make_start() {
   before_change = {};
   system().check_size(state_);
   check_start(dynamics_, state_, options_.start_limit);
-  check_formulation(dynamics_, state_, *method_);
+  if (dynamics_.options().formulation == Formulation::joint) refuse_joint(why_not_joint(dynamics_, state_, *method_));
   count_from(dynamics_, state_);
   dynamics_.accept(state_);
   interval.start(state_);

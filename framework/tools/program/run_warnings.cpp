@@ -94,13 +94,7 @@ void warn_of_settings(const Scene& scene, const Mechanism& m, const Arguments& a
 }
 
 std::string why_not_joint(const RunSettings& run, Dynamics& dynamics, const State& start, const Registry& registry) {
-  const std::unique_ptr<Integrator> method = make_integrator(run, registry);
-  const IntegratorInfo info = method->info();
-  std::string why = dynamics.why_not_joint(start.modes);
-  if (why.empty() && !info.joint) why = "integrator " + info.name + " does not take joint coordinates";
-  if (why.empty() && !takes_formulation(*method, dynamics, start))
-    why = "integrator " + info.name + " takes no mechanism that laws alone move";
-  return why;
+  return why_not_joint(dynamics, start, *make_integrator(run, registry));
 }
 
 // Of a mechanism of its own: what is decided of its rows, and said of its settings, is so for the run once more.
@@ -115,9 +109,7 @@ void refuse_impossible_formulation(const RunSettings& run, const Loaded& loaded)
   } catch (const Error&) {
     return;
   }
-  if (!why.empty())
-    throw ModelError("joint coordinates (formulation joint) are not possible: " + why +
-                     "; take the formulation auto or omega");
+  refuse_joint(why);
 }
 
 void warn_of_branches(Dynamics& dynamics, StepLoop& sim) {

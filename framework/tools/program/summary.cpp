@@ -66,10 +66,7 @@ void Summary::step(const Sample& s) {
 }
 
 void Summary::jumped(const Sample& s) {
-  for (Mover& m : movers_) {
-    const Place now = place(m, s);
-    m.last.v = now.v, m.last.w = now.w;
-  }
+  for (Mover& m : movers_) m.last = place(m, s);
 }
 
 void Summary::save(Snapshot& out) const {
