@@ -115,19 +115,6 @@ TEST_CASE("accelerations at a start in a change point are those of the branch th
                     !(std::abs(table["Ax"][0]) < 10));
 }
 
-// How two aligned hinges share radial forces is the solver's choice; whatever it is, the run goes on.
-TEST_CASE("a door on two hinges with friction turns", "[defect][one idea]") {
-  const Ended dense = end_of("door_with_friction", {"dop853", Formulation::automatic, "dense"});
-  const Ended coarse = end_of("door_with_friction", {"dopri5", Formulation::automatic, "schur", 0, 1e-6});
-  REQUIRE((dense.error + coarse.error).empty());
-  const double angle = dense.table["low.angle_z"].back();
-  CHECK(coarse.table["low.angle_z"].back() == Approx(angle).margin(1e-5));
-  const Ended ended = end_of("door_with_friction", {"dop853"});
-  INFO(ended.error);
-  expect_defect("door_with_friction", kOneIdea, says(ended, ".friction'") || says(ended, "jams"),
-                ended.error.empty() && std::abs(ended.table["low.angle_z"].back() - angle) < 1e-5);
-}
-
 // Turned about x by 1 rad, then about the new y by 0.5 rad.
 TEST_CASE("a start may ask for both angles of a universal joint", "[defect][one idea]") {
   const Ended ended = end_of("universal_two_angles", {"dopri5"});

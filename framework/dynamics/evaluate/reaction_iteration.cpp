@@ -35,7 +35,8 @@ double dot(const VecX& a, const VecX& b, double length) {
 // Fixed point x = g(x): x is what the reacting forces add, g(x) what they would add at the multipliers of f + x. From
 // the second solution on, x is where the line through the last two changes r = g(x) - x comes nearest to zero
 // (Anderson's method of depth one; for one number, Aitken's), so friction that is stiff to its own reaction costs few
-// more solutions.
+// more solutions. The equations are linear: what a change of x adds to a and lambda is solved for by itself. If rows are
+// redundant, the rounding of their split then shrinks with the change.
 void ReactionIteration::solve(const Evaluation& e, Factor& factor, const VecX& c, VecX& a, VecX& lambda, SolveReport& report) {
   const double length = e.system().length(), applied = largest_force(e.force(), length);
   const Unsettled all{e, factor, c, a, lambda, report};
@@ -60,10 +61,17 @@ void ReactionIteration::solve(const Evaluation& e, Factor& factor, const VecX& c
       loaded_ += back * (added_before_ - added_ + change_before_);
     }
     added_before_ = added_, change_before_ = change_;
-    added_ = loaded_;
-    loaded_ += e.force();
-    report = factor.solve_motion(e, loaded_, c, a, lambda);
+    loaded_ -= added_;
+    add(all, loaded_);
   }
+}
+
+// Adds a load, and what it adds to the solution.
+void ReactionIteration::add(const Unsettled& u, const VecX& load) {
+  added_ += load;
+  no_rows_.setZero(u.c.size());
+  u.factor.solve(u.e, load, no_rows_, da_, dlambda_);
+  u.a += da_, u.lambda += dlambda_;
 }
 
 // How a change grows from one solution to the next when each takes what the forces give at the one before: without
@@ -76,9 +84,7 @@ double ReactionIteration::last_gain(const Unsettled& u) {
   for (int k = 0; k < kRounds; ++k) {
     const double before = largest_force(change_, length);
     if (!(before > 0) || !std::isfinite(before)) break;
-    added_ += change_;
-    loaded_ = u.e.force() + added_;
-    u.factor.solve_motion(u.e, loaded_, u.c, u.a, u.lambda);
+    add(u, change_);
     change_ = -added_;
     u.e.react(u.lambda, change_);
     gain = largest_force(change_, length) / before;
@@ -111,8 +117,7 @@ void ReactionIteration::diagnose(const Unsettled& u, double left) {
                            "function of its inputs and of the reactions alone",
                        {.thing = thing, .t = in.t});
   }
-  loaded_ = u.e.force() + added_ + change_;
-  u.factor.solve_motion(u.e, loaded_, u.c, u.a, u.lambda);
+  add(u, change_);
   std::size_t worst = 0;
   double most = -1;
   for (std::size_t i = 0; i < first.size(); ++i)

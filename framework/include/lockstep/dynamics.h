@@ -293,10 +293,12 @@ class LOCKSTEP_API ReactionIteration {
     VecX &a, &lambda;
     SolveReport& report;
   };
+  void add(const Unsettled&, const VecX& load);
   [[noreturn]] void diagnose(const Unsettled&, double left);
   double last_gain(const Unsettled&);
 
-  VecX added_, added_before_, change_, change_before_, loaded_;  // x, g(x) - x, f + x: 6 per slot
+  VecX added_, added_before_, change_, change_before_, loaded_;  // x, g(x) - x, the next x: 6 per slot
+  VecX da_, dlambda_, no_rows_;                                  // what a change of x adds to a and lambda; zeros
 };
 
 // Dynamics: what an integrator asks of a mechanism: rates, projections, and factors of its own.
