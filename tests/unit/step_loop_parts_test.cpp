@@ -70,6 +70,7 @@ TEST_CASE("the clock outputs its interval, the start and the end", "[unit][dynam
   clock.begin(0, 0);
   CHECK_FALSE(clock.adaptive());
   CHECK(clock.output_due(0));
+  clock.note_output(0);
   CHECK(clock.next_output() == 0.5);
   const Clock::Target target = clock.next_target(0, 1.7, HUGE_VAL, 0, false);
   CHECK(target.t == 0.5);

@@ -104,13 +104,9 @@ double Clock::output_time(long k) const {
   return std::abs(t - t_end_) < 1e-9 * options_.output ? t_end_ : t;
 }
 
-bool Clock::output_due(double t) {
-  if (options_.output_times.empty() && options_.output == 0) return true;
-  if (next_output() == t) {
-    ++next_output_;
-    return true;
-  }
-  return options_.output_times.empty() && t == t_start_;
+bool Clock::output_due(double t) const {
+  const bool at_times = !options_.output_times.empty();
+  return (!at_times && (options_.output == 0 || t == t_start_)) || next_output() == t;
 }
 
 double Clock::shortest_output() const {

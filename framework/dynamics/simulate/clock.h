@@ -60,11 +60,15 @@ class LOCKSTEP_API Clock {
   double output_ahead(long n) const { return output_time(next_output_ + n); }  ///< the n-th after the next
   void pass_output() { ++next_output_; }
   /// Whether the state at t is output: every step when no times were requested; else at the requested times, and at the
-  /// start of the run unless they are a list. Passes the time.
-  bool output_due(double t);
+  /// start of the run unless they are a list.
+  bool output_due(double t) const;
   /// Whether the end of the run must still be output, which it is with an output interval.
   bool end_due(double t) const;
-  void note_output(double t) { last_output_ = t; }
+  /// The state at t was output.
+  void note_output(double t) {
+    last_output_ = t;
+    if (next_output() == t) pass_output();
+  }
   /// The shortest time between requested outputs; infinity: every step is one.
   double shortest_output() const;
 

@@ -2,10 +2,8 @@
 
 #include <string>
 #include <typeinfo>
-#include <utility>
 
 #include "framework/dynamics/simulate/detail_observer.h"
-#include "framework/dynamics/simulate/told_again.h"
 #include "framework/dynamics/simulate/user_code.h"
 #include "framework/foundation/support/thrown.h"
 
@@ -30,9 +28,9 @@ void Observer::load(SnapshotReader&) {}
 
 bool Observer::saves_all() const { return true; }
 
-namespace {
+bool Observer::keeps_rows() const { return false; }
 
-thread_local const Observer* asked_again = nullptr;
+namespace {
 
 // Errors of lockstep's own code keep their words; anything else it throws is told like the host's.
 [[noreturn]] void rethrow_of(ErrorContext context, const std::type_info& whose) {
@@ -48,10 +46,6 @@ thread_local const Observer* asked_again = nullptr;
 }
 
 }  // namespace
-
-void ask_again(const Observer& observer) noexcept { asked_again = &observer; }
-
-bool take_asked_again(const Observer& observer) noexcept { return std::exchange(asked_again, nullptr) == &observer; }
 
 void rethrow_of_observer(const Observer& observer, std::size_t number, double t) {
   const std::string which = std::to_string(number + 1), type = type_words(typeid(observer));

@@ -32,13 +32,6 @@ void check_options(const StepLoopOptions& options, const IntegratorInfo& info) {
     throw ModelError(fmt::format("{} works with a fixed step; give it by StepLoopOptions::step, or --step", info.name));
 }
 
-// To the coordinates of the formulation, where the method takes them, else to the slots' own.
-void to_coordinates(Dynamics& dynamics, const Integrator& method, const IntegratorInfo& info, State& state,
-                    const State* near) {
-  if (info.joint) dynamics.to_formulation(state, near);
-  if (!takes(method, info, state.coordinates.get())) dynamics.to_slots(state);
-}
-
 // Without rows nothing else would notice it before the first step.
 void check_finite(const System& system, const State& state) {
   if (!std::isfinite(state.t))
@@ -75,7 +68,7 @@ void StepLoop::set_state(State state) {
     check_start(dynamics_, state, options_.start_limit);
     state_ = std::move(state);
     report_ = {};
-    begun_ = false, phase_ = Phase::none;
+    begun_ = false, parts_->due.clear();
   });
 }
 
@@ -128,7 +121,7 @@ const SimulationReport& StepLoop::advance(double h) {
 
 // A stop that a switching call came to is kept for the call that follows.
 void StepLoop::aim_at(double end) {
-  if (phase_ == Phase::none && !keeps_stop_) report_.stopped = false, report_.stopped_by.clear();
+  if (parts_->due.empty() && !keeps_stop_) report_.stopped = false, report_.stopped_by.clear();
   keeps_stop_ = false;
   parts_->clock.set_end(end, state_.t);
 }
@@ -166,13 +159,12 @@ StepReport StepLoop::step(double h) {
   return parts_->interval.report();
 }
 
-// An error in a phase leaves it to be gone on with; what was thrown elsewhere leaves nothing to tell.
+// What an error left due comes first.
 void StepLoop::start() {
   dynamics_.set_up();
   system().check_size(state_);  // the system may have grown since
   if (!begun_) return start_run();
-  if (phase_ == Phase::none) parts_->told = 0;
-  conclude();
+  deliver();
   const bool taken = take_inputs();
   if (stale_)
     begin_method();
@@ -189,76 +181,76 @@ void StepLoop::start_run() {
   try {
     make_start();
   } catch (...) {
-    keep_state(state, state_), report_ = report, begun_ = false;
+    keep_state(state, state_), report_ = report, begun_ = false, parts_->due.clear();
     throw;
   }
 }
 
 void StepLoop::make_start() {
-  auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause,
-         detailed] = *parts_;
-  before_change = {};
+  Parts& p = *parts_;
+  p.before_change = {};
   system().check_size(state_);
   check_start(dynamics_, state_, options_.start_limit);
   if (dynamics_.options().formulation == Formulation::joint) refuse_joint(why_not_joint(dynamics_, state_, *method_));
   count_from(dynamics_, state_);
   dynamics_.accept(state_);
-  interval.start(state_);
-  clock.start(state_.t);
-  events.start(state_.t);
-  contacts.start(state_);
-  if (!contacts.empty()) settle_contacts();
-  started = told = 0;
+  p.interval.start(state_);
+  p.clock.start(state_.t);
+  p.events.start(state_.t);
+  p.contacts.start(state_);
+  if (!p.contacts.empty()) settle_contacts();
   begun_ = true;
-  const IntegratorInfo& method = interval.method();
+  const IntegratorInfo& method = p.interval.method();
   measures_turns_ = !method.adaptive || method.implicit, warned_of_turns_ = false;
-  const Sample sample(dynamics_, state_, interval.report());
-  for (; started < observers_.size(); ++started) {
-    Observer& o = *observers_[started];
-    observer_code(o, started, state_.t, [&] { o.start(sample); });
+  const Sample sample(dynamics_, state_, p.interval.report());
+  for (p.started = 0; p.started < observers_.size(); ++p.started) {
+    Observer& o = *observers_[p.started];
+    observer_code(o, p.started, state_.t, [&] { o.start(sample); });
   }
-  if (clock.output_due(state_.t)) output(sample);
-  to_coordinates(dynamics_, *method_, method, state_, &before_change);
+  p.fall_due({Due::row}), deliver();
+  to_coordinates(p.before_change);
   dynamics_.forget_rows(state_);  // only the start was asked for all of them
   begin_inputs();
   begin_method();
   stale_ = false;
+  warn_at_start();
+  if (!p.contacts.empty()) p.contacts.note(state_, true);
+  p.acted = false, p.cause.clear(), p.refusal.clear();
+  p.fall_due({Due::events, Due::contacts, Due::jumped}), deliver();
+}
+
+void StepLoop::warn_at_start() {
+  const IntegratorInfo& method = parts_->interval.method();
   if (state_.coordinates && !state_.coordinates->has_rows() &&
       dynamics_.options().stabilization.kind != Stabilization::Kind::project)
     warn(
         "nothing to stabilise: in joint coordinates the links hold by themselves; take the formulation omega to see "
         "drift");
-  if (const double between = clock.shortest_output();
-      !method.adaptive && !interval.has_dense() && options_.step > (1 + 1e-9) * between)
+  if (const double between = parts_->clock.shortest_output();
+      !method.adaptive && !parts_->interval.has_dense() && options_.step > (1 + 1e-9) * between)
     warn(
         fmt::format("{} steps of {:g} s end at the outputs, {:g} s apart, since it cannot interpolate: ask for outputs "
                     "less often, or for smaller steps",
                     method.name, options_.step, between));
-  for (const std::string& name : events.past_at_start())
+  for (const std::string& name : parts_->events.past_at_start())
     warn(fmt::format(
         "event '{}': its condition has passed zero at the start already; it falls due only when it does so again",
         name));
-  cause.clear();
-  const bool changed = fire_events();
-  if (!contacts.empty()) {
-    if (changed) settle_contacts();
-    contacts.note(state_, true);
-  }
-  if (changed) tell_jumped();
 }
 
+// The step is computed, then it stands: from there on what is due of it is kept until it is done.
 void StepLoop::make_step(double limit, double largest) {
-  auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause,
-         detailed] = *parts_;
+  Parts& p = *parts_;
+  StepInterval& interval = p.interval;
   const auto explained = [&](auto&& ask) {
     try {
       return ask();
     } catch (const StepError& error) {
-      const double tolerance = parts_->clock.adaptive() ? options_.tolerance.relative : HUGE_VAL;
-      throw StepError(error.what() + parts_->why_steps_end(dynamics_, state_, tolerance), state_.t);
+      const double tolerance = p.clock.adaptive() ? options_.tolerance.relative : HUGE_VAL;
+      throw StepError(error.what() + p.why_steps_end(dynamics_, state_, tolerance), state_.t);
     }
   };
-  explained([&] { parts_->clock.check(state_.t, report_.steps); });
+  explained([&] { p.clock.check(state_.t, report_.steps); });
   if (!dynamics_.has_current_coordinates(state_))
     begin_method();  // the system was changed
   else if (take_inputs())
@@ -266,33 +258,51 @@ void StepLoop::make_step(double limit, double largest) {
   const bool passing = interval.report().manifold;  // a singular position, of which the method keeps what it knows
   if (!passing && state_.coordinates && state_.coordinates->take_off_turns(state_)) interval.begin(state_);
   const double t0 = state_.t;
-  const Clock::Target target = clock.next_target(t0, limit, events.next_instant(t0), largest, interval.has_dense());
-  const double wanted = explained([&] { return parts_->clock.step_towards(t0, target, largest); });
+  p.target = p.clock.next_target(t0, limit, p.events.next_instant(t0), largest, interval.has_dense());
+  const double wanted = explained([&] { return p.clock.step_towards(t0, p.target, largest); });
   interval.make(state_, wanted);
-  const StepReport& step = interval.report();
-  const Inputs* seen = nullptr;
-  bool landed = step.h >= wanted && state_.t >= target.reach - 1e-13 * std::max(std::abs(target.reach), wanted);
+  p.clock.count_step(wanted, interval.report());
+  const Sample sample(dynamics_, state_, interval.report(), end_step(wanted));
+  ++report_.steps, p.clock.last().add(state_.t);
+  p.events.pass(state_.t);
+  note_step(t0, sample);
+  deliver(sample);
+}
+
+// Where the step ends: at its target, or before it where a contact or an event cuts it; and what is due there. What throws
+// takes the step back.
+const Inputs* StepLoop::end_step(double wanted) {
+  Parts& p = *parts_;
+  const Clock::Target& target = p.target;
+  bool landed =
+      p.interval.report().h >= wanted && state_.t >= target.reach - 1e-13 * std::max(std::abs(target.reach), wanted);
   if (landed) state_.t = target.reach;
-  clock.count_step(wanted, step);
   try {
-    const bool touched = !contacts.empty() && contacts.locate(state_);
-    const bool met = !events.empty() && events.locate(state_);
+    const bool touched = !p.contacts.empty() && p.contacts.locate(state_);
+    const bool met = !p.events.empty() && p.events.locate(state_);
     if ((met || touched) && state_.t < target.reach) landed = false;
     const bool jump = landed && target.jump;
-    ended = {.landed = landed, .met = met, .touched = touched, .jump = jump};
+    p.refusal.clear();
     if (jump) cross_jump(target.t);
-    seen = dynamics_.accept(state_);
-    cause = touched ? "an impact" : jump ? "the jump of a law" : "";
+    const Inputs* const seen = dynamics_.accept(state_);
+    if (landed || met || touched) p.clock.set_anchor(state_.t);
+    p.acted = touched || met || jump;
+    p.cause = touched ? "an impact" : jump ? "the jump of a law" : "";
+    p.fall_due({Due::rows, Due::step, Due::row, Due::progress, Due::before_jump});
+    if (jump) p.due.push_back({Due::jump});
+    for (const Due what : {Due::events, Due::contacts, Due::jumped}) p.due.push_back({what});
+    return seen;
   } catch (...) {
-    keep_state(interval.from(), state_);
-    events.forget_met();
+    keep_state(p.interval.from(), state_);
+    p.events.forget_met();
     throw;
   }
-  const Sample sample(dynamics_, state_, step, seen);
-  ++report_.steps, clock.last().add(state_.t);
-  events.pass(state_.t);
-  phase_ = Phase::inside;  // from here on the state is accepted: whoever throws, its outputs follow
-  for (const std::string& name : events.take_left_zero())
+}
+
+// What the report says of a step that began at t0.
+void StepLoop::note_step(double t0, const Sample& sample) {
+  const StepReport& step = sample.report;
+  for (const std::string& name : parts_->events.take_left_zero())
     warn(
         fmt::format("event '{}': its condition is zero at {}, from where it did not cross; it falls due only when it "
                     "passes zero again",
@@ -303,70 +313,8 @@ void StepLoop::make_step(double limit, double largest) {
   if (step.stiff && !(report_.stiff_since <= state_.t) && may_damp(dynamics_, state_)) report_.stiff_since = state_.t;
   const double largest_before = report_.largest_violation;
   if (!(step.violation_after <= report_.largest_violation)) report_.largest_violation = step.violation_after;
-  interval.check_again(state_, report_.steps, report_.largest_violation);
+  parts_->interval.check_again(state_, report_.steps, report_.largest_violation);
   warn_of_drift(largest_before);
-  conclude(sample);
-}
-
-void StepLoop::conclude() { conclude(Sample(dynamics_, state_, parts_->interval.report())); }
-
-// All that follows an accepted step. A phase that throws is gone on with when the run goes on.
-void StepLoop::conclude(const Sample& sample) {
-  auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause,
-         detailed] = *parts_;
-  switch (phase_) {
-    case Phase::none:
-      return;
-    case Phase::inside:
-      output_inside();
-      phase_ = Phase::step;
-      [[fallthrough]];
-    case Phase::step:
-      tell([&](Observer& o) { o.step(sample); });
-      ended.due = clock.output_due(state_.t);
-      phase_ = Phase::output;
-      [[fallthrough]];
-    case Phase::output:
-      if (ended.due) output(sample);
-      phase_ = Phase::progress;
-      [[fallthrough]];
-    case Phase::progress:
-      phase_ = Phase::before_jump;
-      ask_progress();
-      [[fallthrough]];
-    case Phase::before_jump:
-      tell_before_jump(sample);
-      phase_ = Phase::jump;
-      [[fallthrough]];
-    case Phase::jump:
-      if (!ended.refusal.empty()) throw AssemblyError(ended.refusal);
-      if (ended.jump) {
-        make_consistent("the jump of a law");
-        if (interval.method().joint) to_coordinates(dynamics_, *method_, interval.method(), state_, &before_change);
-      }
-      if (ended.landed || ended.met || ended.touched) clock.set_anchor(state_.t);
-      phase_ = Phase::events;
-      [[fallthrough]];
-    case Phase::events:
-      ended.moved = ended.moved || ended.met || ended.touched || ended.jump;
-      if (fire_events()) ended.moved = true;
-      phase_ = Phase::contacts;
-      [[fallthrough]];
-    case Phase::contacts:
-      if (!contacts.empty()) {
-        if (ended.moved) settle_contacts();
-        contacts.note(state_, ended.moved);
-      }
-      phase_ = Phase::jumped;
-      [[fallthrough]];
-    case Phase::jumped:
-      if (ended.moved) tell_jumped();
-      phase_ = Phase::none;
-      return;
-    case Phase::last:
-      output(sample);
-      phase_ = Phase::none;
-  }
 }
 
 // Crosses the last part of a step to a jump with the rates on its left side; the error is quadratic in its length. What
@@ -378,7 +326,7 @@ void StepLoop::cross_jump(double t) {
   }
   const PositionJump jump(dynamics_, state_);
   cross_rest(dynamics_, state_, t, parts_->crossing);
-  parts_->ended.refusal = jump.refusal(dynamics_, state_, options_.start_limit);
+  parts_->refusal = jump.refusal(dynamics_, state_, options_.start_limit);
 }
 
 void StepLoop::begin_method() {
@@ -388,15 +336,20 @@ void StepLoop::begin_method() {
 
 // Where the state is that of the last step, and what acts is not.
 void StepLoop::begin_steps() {
-  auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause,
-         detailed] = *parts_;
-  to_coordinates(dynamics_, *method_, interval.method(), state_, &before_change);
+  Clock& clock = parts_->clock;
+  to_coordinates(parts_->before_change);
   const double t = state_.t, horizon = clock.horizon(t);
-  interval.begin(state_);
+  parts_->interval.begin(state_);
   double guess = 0;
   if (clock.adaptive() && horizon > 0)
     guess = named(*method_, t, [&] { return method_->first_step(dynamics_, state_, horizon); });
   clock.begin(t, guess);
+}
+
+void StepLoop::to_coordinates(const State& near) {
+  const IntegratorInfo& info = parts_->interval.method();
+  if (info.joint) dynamics_.to_formulation(state_, &near);
+  if (!takes(*method_, info, state_.coordinates.get())) dynamics_.to_slots(state_);
 }
 
 }  // namespace lockstep

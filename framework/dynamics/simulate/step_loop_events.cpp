@@ -64,9 +64,9 @@ void check_change(const System& system, const Event& e, const State& before, con
 
 // What is due at the present time acts before the next step.
 void StepLoop::settle_now() {
-  parts_->ended = {}, parts_->cause.clear();
-  phase_ = Phase::before_jump;
-  conclude();
+  parts_->acted = false, parts_->cause.clear();
+  parts_->fall_due({Due::before_jump, Due::events, Due::contacts, Due::jumped});
+  deliver();
 }
 
 void StepLoop::activate(const std::string& name) {
@@ -87,12 +87,12 @@ void StepLoop::switch_now(const char* call, const Event& change) {
     start();
     struct Guard {
       const Event*& by_call;
-      Phase& phase;
+      std::vector<Delivery>& due;
       ~Guard() {
         by_call = nullptr;
-        if (phase >= Phase::before_jump && phase <= Phase::events) phase = Phase::none;
+        if (!due.empty() && due.front().what <= Due::events) due.clear();
       }
-    } guard{by_call_, phase_};
+    } guard{by_call_, parts_->due};
     by_call_ = &change;
     settle_now();
     parts_->interval.note_acting(state_);
@@ -124,7 +124,7 @@ bool StepLoop::fire_events() {
     }
     events.done(i, state_.t);
   }
-  parts_->ended.moved = parts_->ended.moved || changed;
+  parts_->acted = parts_->acted || changed;
   if (changed || rewound) begin_method();
   return changed;
 }

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <exception>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -14,19 +15,39 @@
 #include "framework/dynamics/simulate/contact_manager.h"
 #include "framework/dynamics/simulate/event_locator.h"
 #include "framework/dynamics/simulate/step_interval.h"
-#include "framework/dynamics/simulate/told_again.h"
 #include "framework/dynamics/simulate/user_code.h"
 
 namespace lockstep {
 
 class DetailObserver;
 
+/// What is due after a step, in the order in which it is done. It is done with when it did not throw.
+enum class Due {
+  rows,         ///< the outputs inside the step, and what lies between them
+  step,         ///< Observer::step
+  row,          ///< the output at its end
+  progress,     ///< StepLoop::progress, asked once
+  before_jump,  ///< DetailObserver::before_jump, if something acts
+  jump,         ///< velocities and coordinates after the jump of a law
+  events,       ///< the events that fall due
+  contacts,     ///< impacts, contacts and releases
+  jumped,       ///< Observer::jumped, if something acted
+  last_row      ///< the output of the end of a run
+};
+
+struct Delivery {
+  Due what;
+  std::size_t called = 0;  ///< so many observers were called
+};
+
 struct StepLoop::Parts {
   explicit Parts(StepLoop& of)
       : clock(of.system(), *of.method_, of.options_),
         interval(of.dynamics_, *of.method_),
         events(of.dynamics_, interval, clock),
-        contacts(of.dynamics_, interval, clock, of.options_.start_limit) {}
+        contacts(of.dynamics_, interval, clock, of.options_.start_limit) {
+    due.reserve(static_cast<std::size_t>(Due::last_row) + 1);
+  }
 
   Clock clock;
   StepInterval interval;
@@ -35,22 +56,27 @@ struct StepLoop::Parts {
   StateRate crossing;   // scratch for cross_jump
   State before_change;  // in the coordinates of the formulation: turns are counted on from there
   State before_events;
-  std::size_t started = 0, told = 0;  // observers that were started, and told of the present phase
-  struct {
-    bool landed = false, met = false, touched = false, jump = false, due = false, moved = false;
-    std::string refusal{};  // why no motion follows the jump; "" where one does
-  } ended;                  // how the last step ended
-  std::string cause;        // of the changes at its end
+  Clock::Target target;       // of the present step
+  std::size_t started = 0;    // observers that were started
+  std::vector<Delivery> due;  // after the last step; what threw comes first when the run goes on
+  std::string refusal;        // why no motion follows the jump of a law at its end; "" where one does
+  bool acted = false;         // whether something changed the state at its end,
+  std::string cause;          // and what
 
   std::vector<DetailObserver*> detailed;  // of the observers
+  /// Begins a list of what is due.
+  void fall_due(std::initializer_list<Due> list) {
+    due.clear();
+    for (const Due what : list) due.push_back({what});
+  }
   /// Shows states inside of the last step, from t0 to t1.
   void show_inside(DetailObserver& to, Dynamics& dynamics, double t0, double t1);
   /// Why the last steps do not reach the end of the run: the one-sided links that cut them; its length, if something turns by
   /// kLongStep radians in the next, or moves by as much of its size; else the body whose turn rounding keeps from this relative
   /// tolerance (infinite for fixed steps), and what varies most. For the end of a message: "" or "; ...".
   std::string why_steps_end(Dynamics& dynamics, const State& state, double tolerance) const;
-  /// Whether something acts at the end of the last step, t: an impact, a law's jump, an event that changes something.
-  bool acts(double t) const;
+  /// Whether something acts at the end of the last step, t: an impact, a law's jump, an event that changes something, a call.
+  bool acts(double t, const Event* by_call) const;
 };
 
 template <class Act>
@@ -66,25 +92,6 @@ void StepLoop::exclusively(const char* what, Act&& act) {
   } guard{running_, stale_};
   running_ = true;
   act();
-}
-
-// Calls all observers that were not called in this phase yet. One that throws was called, unless it asks to be told
-// again.
-template <class Call>
-void StepLoop::tell(Call&& call) {
-  std::size_t& told = parts_->told;
-  for (; told < observers_.size(); ++told) {
-    Observer& o = *observers_[told];
-    take_asked_again(o);  // what somebody else made of it before
-    try {
-      call(o);
-    } catch (...) {
-      const std::size_t number = told;
-      if (!take_asked_again(o)) ++told;
-      rethrow_of_observer(o, number, phase_ == Phase::inside ? parts_->clock.next_output() : state_.t);
-    }
-  }
-  told = 0;
 }
 
 }  // namespace lockstep

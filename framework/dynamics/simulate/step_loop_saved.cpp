@@ -91,7 +91,7 @@ std::string difference(const std::string& saved, const std::string& now) {
 
 void StepLoop::save(Snapshot& out) {
   if (!begun_) throw ModelError("a run that has not begun cannot be saved; call run_until() or step() first");
-  if (phase_ != Phase::none)
+  if (!parts_->due.empty())
     throw ModelError(
         "the run cannot be saved: what follows its last step is not done, after an error or in the midst of it; run on "
         "first");
@@ -138,7 +138,7 @@ void StepLoop::load(SnapshotReader in) {
     try {
       load_parts(in);
     } catch (...) {
-      if (!begun_) state_ = std::move(before), dynamics_.to_slots(state_), report_ = {}, phase_ = Phase::none;
+      if (!begun_) state_ = std::move(before), dynamics_.to_slots(state_), report_ = {}, parts_->due.clear();
       throw;
     }
   });
@@ -146,8 +146,7 @@ void StepLoop::load(SnapshotReader in) {
 
 // Until what hosts may have made otherwise is read, nothing is changed; a run that fails later has not begun.
 void StepLoop::load_parts(SnapshotReader& in) {
-  auto& [clock, interval, events, contacts, crossing, before_change, before_events, started, told, ended, cause,
-         detailed] = *parts_;
+  Parts& p = *parts_;
   State state, before;
   dynamics_.load_state(state, in);
   if (in.get_flag()) dynamics_.load_state(before, in);
@@ -156,34 +155,35 @@ void StepLoop::load_parts(SnapshotReader& in) {
   for (double& value : inputs) value = in.get();
   const bool stale = in.get_flag(), warned = in.get_flag();
   SnapshotReader of_clock = in;
-  Clock(clock).load(in), events.load(in);
+  Clock(p.clock).load(in), p.events.load(in);
   begun_ = false;
-  state_ = std::move(state), before_change = std::move(before), report_ = std::move(report);
+  state_ = std::move(state), p.before_change = std::move(before), report_ = std::move(report);
   for (std::size_t k = 0; k < inputs.size(); ++k) dynamics_.control_inputs()[k].set(inputs[k]);
   stale_ = stale, warned_of_turns_ = warned, keeps_stop_ = false;
-  const IntegratorInfo& method = interval.method();
+  const IntegratorInfo& method = p.interval.method();
   measures_turns_ = !method.adaptive || method.implicit;
-  interval.start(state_);
+  p.interval.start(state_);
   begin_inputs();
-  clock.load(of_clock), clock.last().begin(state_.t);
-  contacts.load(in), interval.load(state_, in);
+  p.clock.load(of_clock), p.clock.last().begin(state_.t);
+  p.contacts.load(in), p.interval.load(state_, in);
   constexpr double kMostBehind = 1000;  // outputs; what lies behind is past between two steps
-  if (options_.output > 0 && !(state_.t - clock.next_output() < kMostBehind * options_.output))
+  if (options_.output > 0 && !(state_.t - p.clock.next_output() < kMostBehind * options_.output))
     throw ModelError("the saved outputs do not belong to the time of the saved state: the checkpoint is damaged");
   SnapshotReader learned = in.get_part();
-  ended = {}, cause.clear(), phase_ = Phase::none;
-  started = told = 0;
+  p.acted = false, p.cause.clear(), p.refusal.clear(), p.due.clear();
+  p.started = 0;
   if (const long n = in.get_count(); n != static_cast<long>(observers_.size()))
     throw ModelError(fmt::format("the run was saved with {} observers and has {}; add the same, in the same order", n,
                                  observers_.size()));
-  const Sample sample(dynamics_, state_, interval.report());
-  for (; started < observers_.size(); ++started) {
-    Observer& o = *observers_[started];
+  const Sample sample(dynamics_, state_, p.interval.report());
+  for (; p.started < observers_.size(); ++p.started) {
+    Observer& o = *observers_[p.started];
     SnapshotReader own = in.get_part();
-    observer_code(o, started, state_.t, [&] { o.start(sample), o.load(own); });
+    observer_code(o, p.started, state_.t, [&] { o.start(sample), o.load(own); });
     if (!own.at_end())
-      throw ModelError(fmt::format(
-          "observer {}: load() reads less than save() wrote; it must read all of it, in the same order", started + 1));
+      throw ModelError(
+          fmt::format("observer {}: load() reads less than save() wrote; it must read all of it, in the same order",
+                      p.started + 1));
   }
   if (!in.at_end())
     throw ModelError("the checkpoint holds more numbers than the run reads: it is of another run, or damaged");

@@ -148,6 +148,7 @@ class LOCKSTEP_API Recorder : public Observer {
   void output(const Sample&) override;
   void save(Snapshot&) const override;
   void load(SnapshotReader&) override;
+  bool keeps_rows() const override { return true; }
   /// Removes the rows that were recorded so far, for whoever has taken them; columns stay.
   void drop_rows() { table_.clear_rows(); }
 

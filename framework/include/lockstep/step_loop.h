@@ -13,6 +13,8 @@
 
 namespace lockstep {
 
+struct Delivery;
+
 // Observer: is called with the accepted states of a run; never changes them.
 
 /// A state of a run as observers and channels see it. All are views, valid during the call; accelerations and
@@ -88,6 +90,9 @@ class LOCKSTEP_API Observer {
   virtual void load(SnapshotReader&);
   /// Whether save() writes all that it keeps from call to call; false: runs with it have no checkpoints. Default: true.
   virtual bool saves_all() const;
+  /// Whether it keeps rows: a call of output(), jumped() or DetailObserver::before_jump() that threw is then made again when
+  /// the run goes on, so that no row is lost. Default: false, what it threw may be meant to break the run off.
+  virtual bool keeps_rows() const;
 };
 
 // Event: changes the links in force or the state between two steps, by time or by a condition located to tolerance.
@@ -249,8 +254,6 @@ class LOCKSTEP_API StepLoop {
 
  private:
   struct Parts;
-  /// What is still to be done at the end of the last accepted step, in this order.
-  enum class Phase { none, inside, step, output, progress, before_jump, jump, events, contacts, jumped, last };
   /// Calls `act` while no other call of the loop is allowed; what it throws makes the method begin anew.
   template <class Act>
   void exclusively(const char* what, Act&& act);
@@ -274,8 +277,6 @@ class LOCKSTEP_API StepLoop {
   void switch_now(const char* call, const Event&);
   void settle_now();
   void begin_steps();
-  void conclude();
-  void conclude(const Sample&);
   void begin_method();
   void cross_jump(double t);
   bool fire_events();
@@ -283,18 +284,23 @@ class LOCKSTEP_API StepLoop {
   void apply(const Event&, const std::string& who);
   void settle_contacts();
   void make_consistent(const std::string& cause);
-  template <class Call>
-  void tell(Call&& call);
-  void tell_before_jump(const Sample&);
-  void tell_jumped();
-  void output_inside();
-  void output(const Sample&);
+  const Inputs* end_step(double wanted);
+  void note_step(double t0, const Sample&);
+  /// Does what is due after the last step (Parts::due), of which this is the end.
+  void deliver(const Sample&);
+  void deliver();
+  void hand_over(Delivery&, const Sample&);
+  void output_inside(Delivery&);
+  void output(Delivery&, const Sample&);
   void output_end();
-  void ask_progress();
+  /// To the coordinates of the formulation, where the method takes them, counting on from the turns of `near`; else to the
+  /// slots' own.
+  void to_coordinates(const State& near);
   enum class Errors { thrown, dropped };
   void finish(Errors of_observers);
   void measure_turns(double h, const Sample&);
   void warn_of_turns();
+  void warn_at_start();
   void load_parts(SnapshotReader&);
   void warn_of_drift(double largest_before);
 
@@ -309,7 +315,6 @@ class LOCKSTEP_API StepLoop {
   bool measures_turns_ = false, warned_of_turns_ = false;
   bool has_laws_ = false;    // links may read inputs, by laws
   bool keeps_stop_ = false;  // the last call switched: a stop that it came to is still to end a run
-  Phase phase_ = Phase::none;
   const Event* by_call_ = nullptr;   // what a call switches
   std::vector<double> inputs_seen_;  // values of the inputs
 };

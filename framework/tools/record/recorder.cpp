@@ -5,7 +5,6 @@
 #include <exception>
 
 #include <lockstep/error.h>
-#include "framework/dynamics/simulate/told_again.h"
 #include "framework/dynamics/simulate/user_code.h"
 #include "framework/tools/record/saved_rows.h"
 
@@ -71,16 +70,13 @@ void Recorder::start(const Sample& sample) {
 void Recorder::step(const Sample& sample) { call_at(sample, &Channel::track, channels_, followed_); }
 
 // A row is added whole. One that cannot be made is asked for again when the run goes on, as no other way leads to it.
-void Recorder::output(const Sample& sample) try {
+void Recorder::output(const Sample& sample) {
   row_[0] = sample.state.t;
   for (std::size_t k = 0; k < channels_.size(); ++k)
     row_[k + 1] = user_code("channel", channels_[k].name, sample.state.t, [&] { return channels_[k].value(sample); });
   if (tell_) function_code("on_row", tell_, sample.state.t, std::span<const double>(row_));
   if (keeps_) table_.add_row(row_);
   last_ = row_[0];
-} catch (...) {
-  ask_again(*this);
-  throw;
 }
 
 void Recorder::save(Snapshot& out) const {

@@ -3,8 +3,6 @@
 #include <limits>
 #include <utility>
 
-#include "framework/dynamics/simulate/told_again.h"
-
 namespace lockstep {
 
 RowsAtJumps::RowsAtJumps(std::function<void(const Sample&)> add, const Recorder& rows)
@@ -14,16 +12,11 @@ double RowsAtJumps::spacing() const { return std::numeric_limits<double>::infini
 
 void RowsAtJumps::before_jump(const Sample& sample) {
   acted_ = sample.state.t;
-  if (rows_.last_instant() != acted_) add(sample);
+  if (rows_.last_instant() != acted_) add_(sample);
 }
 
 void RowsAtJumps::jumped(const Sample& sample) {
-  if (sample.state.t == acted_) add(sample);
-}
-
-void RowsAtJumps::add(const Sample& sample) try { add_(sample); } catch (...) {
-  ask_again(*this);
-  throw;
+  if (sample.state.t == acted_) add_(sample);
 }
 
 }  // namespace lockstep

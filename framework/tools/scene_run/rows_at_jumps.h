@@ -19,11 +19,11 @@ class LOCKSTEP_API RowsAtJumps final : public DetailObserver {
   void between(const Sample&) override {}
   void before_jump(const Sample&) override;
   void jumped(const Sample&) override;
+  bool keeps_rows() const override { return true; }
   void save(Snapshot& out) const override { out.put(acted_); }
   void load(SnapshotReader& in) override { acted_ = in.get(); }
 
  private:
-  void add(const Sample&);
   std::function<void(const Sample&)> add_;
   const Recorder& rows_;
   double acted_ = -1;  // when something acted last, s

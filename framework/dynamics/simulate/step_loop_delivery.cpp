@@ -1,4 +1,4 @@
-// What a step loop tells: observers their phases, the host its warnings.
+// What a step loop hands over: calls of observers and progress, changes at the end of a step, warnings.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -19,26 +19,92 @@ namespace lockstep {
 
 std::vector<EventCourse> StepLoop::event_courses() const { return parts_->events.courses(); }
 
-void StepLoop::tell_jumped() {
-  Sample sample(dynamics_, state_, parts_->interval.report());
-  sample.cause = parts_->cause;
-  tell([&](Observer& o) { o.jumped(sample); });
+namespace {
+
+// Makes this call of all observers that were not called yet. One that throws was called, unless it keeps rows and this
+// makes one.
+template <class Call>
+void tell(const std::vector<Observer*>& observers, Delivery& now, double t, const Call& call) {
+  while (now.called < observers.size()) {
+    const std::size_t number = now.called++;
+    Observer& o = *observers[number];
+    try {
+      call(o);
+    } catch (...) {
+      if (now.what != Due::step && o.keeps_rows()) now.called = number;
+      rethrow_of_observer(o, number, t);
+    }
+  }
 }
 
-void StepLoop::ask_progress() {
-  if (!progress || function_code("progress", progress, state_.t, state_)) return;
-  report_.stopped = true;
-  report_.stopped_by = "the caller";
+}  // namespace
+
+void StepLoop::deliver() { deliver(Sample(dynamics_, state_, parts_->interval.report())); }
+
+void StepLoop::deliver(const Sample& sample) {
+  for (std::vector<Delivery>& due = parts_->due; !due.empty(); due.erase(due.begin())) hand_over(due.front(), sample);
 }
 
-void StepLoop::output_inside() {
+void StepLoop::hand_over(Delivery& now, const Sample& sample) {
+  Parts& p = *parts_;
+  switch (now.what) {
+    case Due::rows:
+      return output_inside(now);
+    case Due::step:
+      return tell(observers_, now, state_.t, [&](Observer& o) { o.step(sample); });
+    case Due::row:
+      if (!p.clock.output_due(state_.t)) return;
+      [[fallthrough]];
+    case Due::last_row:
+      return output(now, sample);
+    case Due::progress:
+      if (now.called++ > 0 || !progress || function_code("progress", progress, state_.t, state_)) return;
+      report_.stopped = true;
+      report_.stopped_by = "the caller";
+      return;
+    case Due::before_jump:
+      if (p.detailed.empty() || !p.acts(state_.t, by_call_)) return;
+      return tell(observers_, now, state_.t, [&](Observer& o) {
+        if (auto* const detailed = dynamic_cast<DetailObserver*>(&o)) detailed->before_jump(sample);
+      });
+    case Due::jump:
+      if (!p.refusal.empty()) throw AssemblyError(p.refusal);
+      make_consistent("the jump of a law");
+      return to_coordinates(p.before_change);
+    case Due::events:
+      fire_events();
+      return;
+    case Due::contacts:
+      if (p.contacts.empty()) return;
+      if (p.acted) settle_contacts();
+      return p.contacts.note(state_, p.acted);
+    case Due::jumped: {
+      if (!p.acted) return;
+      Sample after(dynamics_, state_, p.interval.report());
+      after.cause = p.cause;
+      return tell(observers_, now, state_.t, [&](Observer& o) { o.jumped(after); });
+    }
+  }
+}
+
+// The states are made anew from the step where a call goes on with them.
+void StepLoop::output_inside(Delivery& now) {
   Clock& clock = parts_->clock;
   StepInterval& interval = parts_->interval;
   const double t0 = interval.from().t;
-  for (double t = clock.next_output(); t < state_.t; clock.pass_output(), t = clock.next_output())
-    if (t > t0 && interval.has_dense()) output(Sample(dynamics_, interval.at(t), interval.report()));
+  for (; clock.next_output() < state_.t; now.called = 0)
+    if (const double t = clock.next_output(); t > t0 && interval.has_dense())
+      output(now, Sample(dynamics_, interval.at(t), interval.report()));
+    else
+      clock.pass_output();
   if (interval.has_dense())
     for (DetailObserver* o : parts_->detailed) parts_->show_inside(*o, dynamics_, t0, state_.t);
+}
+
+void StepLoop::output(Delivery& now, const Sample& sample) {
+  const double t = sample.state.t;
+  tell(observers_, now, t, [&](Observer& o) { o.output(sample); });
+  parts_->clock.note_output(t);
 }
 
 // On the grid of its spacing. A state that cannot be made is left out: no result hangs on it, nor on what its solution
@@ -97,30 +163,16 @@ std::string StepLoop::Parts::why_steps_end(Dynamics& dynamics, const State& stat
   return below_rounding(dynamics.system(), state, tolerance) + (varies.empty() ? "" : "; " + varies);
 }
 
-bool StepLoop::Parts::acts(double t) const {
-  bool act = ended.jump || ended.touched;
+bool StepLoop::Parts::acts(double t, const Event* by_call) const {
+  bool act = by_call != nullptr || !cause.empty();
   for (std::size_t i = 0; i < events.size() && !act; ++i)
     act = (!events[i].activate.empty() || !events[i].deactivate.empty() || events[i].change) &&
           events.due(i, t) != EventLocator::Due::no;
   return act;
 }
 
-void StepLoop::tell_before_jump(const Sample& sample) {
-  if (parts_->detailed.empty() || !(by_call_ != nullptr || parts_->acts(sample.state.t))) return;
-  tell([&](Observer& o) {
-    if (auto* const detailed = dynamic_cast<DetailObserver*>(&o)) detailed->before_jump(sample);
-  });
-}
-
-void StepLoop::output(const Sample& sample) {
-  parts_->clock.note_output(sample.state.t);
-  tell([&](Observer& o) { o.output(sample); });
-}
-
 void StepLoop::output_end() {
-  if (!parts_->clock.end_due(state_.t)) return;
-  phase_ = Phase::last;
-  conclude();
+  if (parts_->clock.end_due(state_.t)) parts_->fall_due({Due::last_row}), deliver();
 }
 
 // Of the observers that were started. Their errors are dropped if another is in flight.
