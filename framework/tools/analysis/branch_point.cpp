@@ -3,152 +3,64 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <Eigen/QR>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <random>
 
 #include <lockstep/error.h>
 #include "framework/dynamics/solvers/graph.h"
-#include "framework/tools/analysis/free_motions.h"
 #include "framework/tools/analysis/loop_rows.h"
+#include "framework/tools/analysis/mechanism_matrices.h"
 #include "framework/tools/analysis/motion_words.h"
+#include "framework/tools/analysis/row_space.h"
 
 namespace lockstep {
 
 namespace {
 
-constexpr int kMostBranchRows = 300;
-constexpr std::size_t kMostBranchUnknowns = 3000;
 constexpr int kMostMotions = 3;      // with more of them branches are no lines
-constexpr double kIn = 1e-5;         // singular value of rows of length 1: in the position
-constexpr double kFlat = 1e-6;       // of the curvature of the rows: none
+constexpr double kIn = 1e-5;         // pivot of rows of length 1: in the position
 constexpr double kStillRows = 1e-9;  // m/s: laws move the rows no faster
 constexpr double kSameLine = 1e-3;
 
-/// What lies on loops. Rows elsewhere depend on no others, and move along with any motion of the loops.
-struct LoopPart {
-  std::vector<int> entries;   // of the table
-  int n_rows = 0;             // of these entries
-  std::vector<bool> slots;    // of the system: whether they are in it
-  std::vector<int> unknowns;  // of these slots
-};
-
-LoopPart loop_part(const System& system, const RowTable& table) {
-  LoopPart part;
-  part.slots.assign(static_cast<std::size_t>(system.n_slots()), false);
+/// Entries on loops. Rows elsewhere depend on no others, and move along with any motion of the loops.
+std::vector<int> entries_on_loops(const System& system, const RowTable& table) {
+  std::vector<int> all;
   for (const std::vector<int>& group : loops_of(system, table)) {
     const RowEntry& first = table.entries[static_cast<std::size_t>(group.front())];
     const bool joint = system.links()[static_cast<std::size_t>(first.link)]->jointed() != nullptr;
-    if (group.size() > 1 || !joint) part.entries.insert(part.entries.end(), group.begin(), group.end());
+    if (group.size() > 1 || !joint) all.insert(all.end(), group.begin(), group.end());
   }
-  for (const int k : part.entries) {
-    const RowEntry& entry = table.entries[static_cast<std::size_t>(k)];
-    part.n_rows += entry.m;
-    for (int i = 0; i < entry.slots.n; ++i) part.slots[static_cast<std::size_t>(entry.slots[i])] = true;
-  }
-  part.unknowns = unknowns_of(system);
-  std::erase_if(part.unknowns, [&](int u) { return !part.slots[static_cast<std::size_t>(u / 6)]; });
-  return part;
-}
-
-// Rows of length 1 in unknowns that are all lengths, transposed.
-MatX scaled_rows(const Evaluation& e, const LoopPart& part, VecX& lengths) {
-  const System& system = e.system();
-  std::vector<int> number(static_cast<std::size_t>(6 * system.n_slots()), -1);
-  for (std::size_t i = 0; i < part.unknowns.size(); ++i)
-    number[static_cast<std::size_t>(part.unknowns[i])] = static_cast<int>(i);
-  MatX Jt = MatX::Zero(static_cast<Eigen::Index>(part.unknowns.size()), part.n_rows);
-  int row = 0;
-  for (const int at : part.entries) {
-    const RowEntry& entry = e.rows().entries[static_cast<std::size_t>(at)];
-    for (int k = 0; k < entry.m; ++k, ++row)
-      for (int i = 0; i < entry.slots.n; ++i) {
-        const std::array<double, 6> r = e.rows().block(entry).J(i, k);
-        for (int c = 0; c < 6; ++c)
-          if (const int u = number[static_cast<std::size_t>(6 * entry.slots[i] + c)]; u >= 0)
-            Jt(u, row) += r[static_cast<std::size_t>(c)] / (c < 3 ? 1.0 : system.length());
-      }
-  }
-  lengths = Jt.colwise().norm();
-  lengths = lengths.unaryExpr([](double x) { return x > 0 ? x : 1.0; });
-  return Jt * lengths.cwiseInverse().asDiagonal();
+  return all;
 }
 
 // Whether laws move the rows.
-bool is_driven(const Evaluation& e, const LoopPart& part) {
+bool is_driven(const Evaluation& e, const std::vector<int>& rows) {
   VecX Ct = VecX::Zero(e.rows().n_rows), of_part = Ct;
   e.velocity_residual(VecX::Zero(6 * e.system().n_slots()), Ct);
-  for (const int at : part.entries) {
-    const RowEntry& entry = e.rows().entries[static_cast<std::size_t>(at)];
-    of_part.segment(entry.first_row, entry.m) = Ct.segment(entry.first_row, entry.m);
-  }
+  of_part(rows) = Ct(rows);
   return !(e.norm(of_part) <= kStillRows);
 }
 
-// What the rows ask for at velocities N c, w . (Qhat(N c) + Qhat(-N c) - 2 Qhat(0))/2, one number for each w.
-class Curvature {
- public:
-  Curvature(Dynamics& dynamics, const State& state, const LoopPart& part, const MatX& N, const MatX& W)
-      : dynamics_(dynamics), moving_(state), part_(part), N_(N), W_(W), at_rest_(asked(VecX::Zero(N.cols()))) {}
-
-  /// The largest |w . Qhat| along three motions at random: 0 for all w only where no form bends, whatever their number.
-  double sampled() {
-    std::minstd_rand random(1);
-    std::normal_distribution<double> normal;
-    double most = 0;
-    for (int k = 0; k < 3; ++k) {
-      const VecX c = VecX::NullaryExpr(N_.cols(), [&] { return normal(random); });
-      most = std::max(most, quadratic(c).lpNorm<Eigen::Infinity>());
-    }
-    return most;
+// Forms that stop motions. Combinations at random span what all combinations do: as many as there are different forms.
+std::vector<MatX> stopping_forms(const Evaluation& e, const LoopRows& rows, const MatX& N, const MatX& W) {
+  const Eigen::Index p = std::min<Eigen::Index>(N.cols(), kMostMotions), n = std::min(W.cols(), p * (p + 1) / 2);
+  std::minstd_rand random(1);
+  std::normal_distribution<double> normal;
+  std::vector<MatX> forms;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    VecX w = VecX::Zero(e.rows().n_rows);
+    w(rows.numbers) =
+        W.cols() == n ? VecX(W.col(k)) : VecX(W * VecX::NullaryExpr(W.cols(), [&] { return normal(random); }));
+    if (std::optional<MatX> G = stopping_form(e, rows.at, N, w)) forms.push_back(*G / G->cwiseAbs().maxCoeff());
   }
-
-  /// Symmetric matrices G with w . Qhat = c . G c, one for each w.
-  std::vector<MatX> forms() {
-    const Eigen::Index p = N_.cols();
-    std::vector<MatX> all(static_cast<std::size_t>(W_.cols()), MatX::Zero(p, p));
-    for (Eigen::Index i = 0; i < p; ++i)
-      for (Eigen::Index j = 0; j <= i; ++j) {
-        const VecX with = quadratic(VecX::Unit(p, i) + VecX::Unit(p, j)),
-                   against = quadratic(VecX::Unit(p, i) - VecX::Unit(p, j));
-        for (std::size_t k = 0; k < all.size(); ++k)
-          all[k](i, j) = all[k](j, i) =
-              0.25 * (with[static_cast<Eigen::Index>(k)] - against[static_cast<Eigen::Index>(k)]);
-      }
-    return all;
-  }
-  double largest() const { return largest_; }  ///< that a row asked for
-
- private:
-  VecX asked(const VecX& c) {
-    moving_.v = motion_of(dynamics_.system(), part_.unknowns, N_ * c);
-    const Evaluation& e = dynamics_.gather_rows(moving_);
-    VecX Qhat(part_.n_rows);
-    Eigen::Index row = 0;
-    for (const int at : part_.entries) {
-      const RowEntry& entry = e.rows().entries[static_cast<std::size_t>(at)];
-      for (int k = 0; k < entry.m; ++k) Qhat[row++] = e.rows().block(entry).Qhat(k);
-    }
-    return Qhat;
-  }
-  VecX quadratic(const VecX& c) {
-    const VecX sum = 0.5 * (asked(c) + asked(-c)) - at_rest_;
-    largest_ = std::max(largest_, (W_.cwiseAbs().transpose() * sum.cwiseAbs()).lpNorm<Eigen::Infinity>());
-    return W_.transpose() * sum;
-  }
-
-  Dynamics& dynamics_;
-  State moving_;
-  const LoopPart& part_;
-  const MatX &N_, &W_;
-  VecX at_rest_;
-  double largest_ = 0;
-};
+  return forms;
+}
 
 // Unit vectors c with c . G c = 0 for all G, up to their sign: Newton's method from many directions.
-std::vector<VecX> common_zeros(const std::vector<MatX>& forms, Eigen::Index p, double zero) {
+std::vector<VecX> common_zeros(const std::vector<MatX>& forms, Eigen::Index p) {
   constexpr int kStarts = 200, kRounds = 60;
+  constexpr double kZero = 1e-6;  // of forms of size 1, as stopping_form() takes them for round-off
   std::minstd_rand random(1);
   std::normal_distribution<double> normal;
   std::vector<VecX> found;
@@ -164,11 +76,11 @@ std::vector<VecX> common_zeros(const std::vector<MatX>& forms, Eigen::Index p, d
       }
       slopes.bottomRows(1) = c.transpose(), values[values.size() - 1] = 0;
       size = values.lpNorm<Eigen::Infinity>();
-      if (size <= 1e-3 * zero) break;
+      if (size <= kSameLine * kZero) break;
       c -= Eigen::CompleteOrthogonalDecomposition<MatX>(slopes).solve(values);
       c.normalize();
     }
-    if (!(size <= zero)) continue;
+    if (!(size <= kZero)) continue;
     const bool known =
         std::ranges::any_of(found, [&](const VecX& other) { return 1 - std::abs(c.dot(other)) < kSameLine; });
     if (!known) found.push_back(c);
@@ -176,68 +88,33 @@ std::vector<VecX> common_zeros(const std::vector<MatX>& forms, Eigen::Index p, d
   return found;
 }
 
-/// Motions that are free, and combinations of rows that are zero.
-struct NullSpaces {
-  MatX N, W;
-  double nearness = 1;  // the smallest singular value that is not zero
-};
-
-NullSpaces null_spaces(const MatX& Jt, const VecX& lengths) {
-  NullSpaces found;
-  const Eigen::BDCSVD<MatX> svd(Jt, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Index rank = 0;
-  while (rank < svd.singularValues().size() && svd.singularValues()[rank] > kIn) ++rank;
-  if (rank > 0) found.nearness = svd.singularValues()[rank - 1];
-  found.N = svd.matrixU().rightCols(Jt.rows() - rank);
-  found.W = lengths.cwiseInverse().asDiagonal() * svd.matrixV().rightCols(Jt.cols() - rank);
-  return found;
-}
-
-// Where some motions are stopped, and along which lines they are not.
-void find_lines(Dynamics& dynamics, const State& state, const LoopPart& part, const NullSpaces& at, BranchPoint& out) {
-  const System& system = dynamics.system();
-  Curvature curvature(dynamics, state, part, at.N, at.W);
-  const auto flat = [&] { return kFlat * std::max(curvature.largest(), at.W.cwiseAbs().maxCoeff() / system.length()); };
-  if (at.N.cols() > kMostMotions) {
-    const double most = curvature.sampled();
-    out.singular = most > flat();
-    return;
-  }
-  std::vector<MatX> forms = curvature.forms();
-  std::erase_if(forms, [&](const MatX& G) { return G.cwiseAbs().maxCoeff() <= flat(); });
-  out.singular = !forms.empty();
-  if (!out.singular) return;
-  const std::vector<VecX> lines = common_zeros(forms, at.N.cols(), flat());
-  out.all = lines.size() <= (at.N.cols() == 2 ? 2u : 4u);  // more are a surface of them
-  if (!out.all) return;
-  for (const VecX& c : lines) {
-    VecX motion = motion_of(system, part.unknowns, at.N * c);
-    motion /= motion_size(system, motion);
-    out.tangents.push_back(std::move(motion));
-  }
-}
-
 BranchPoint looked_at(Dynamics& dynamics, const State& given) {
   BranchPoint out;
   State state = given;
   dynamics.to_slots(state);
-  if (!has_loops(dynamics.system(), state.modes)) return out;
-  LoopPart part;
-  VecX lengths;
-  MatX Jt;
-  {
-    const Evaluation& e = dynamics.gather_rows(state);
-    part = loop_part(dynamics.system(), e.rows());
-    const bool fits = part.n_rows > 0 && part.n_rows <= kMostBranchRows && part.unknowns.size() <= kMostBranchUnknowns;
-    if (!fits || is_driven(e, part)) return out;
-    Jt = scaled_rows(e, part, lengths);
-  }
+  const System& system = dynamics.system();
+  if (!has_loops(system, state.modes)) return out;
+  const Evaluation& e = dynamics.gather_rows(state);
+  const LoopRows rows(system, e.rows(), entries_on_loops(system, e.rows()));
+  if (rows.n() == 0 || rows.n() > kDenseRows || is_driven(e, rows.numbers)) return out;
+  const RowSpace space(rows.Jt);
   out.known = true;
-  out.slots = part.slots;
-  const NullSpaces at = null_spaces(Jt, lengths);
-  out.nearness = at.nearness;
-  out.motions = static_cast<int>(at.N.cols());
-  if (at.N.cols() > 0 && at.W.cols() > 0) find_lines(dynamics, state, part, at, out);
+  out.slots.assign(static_cast<std::size_t>(system.n_slots()), false);
+  for (const int place : rows.at.places()) out.slots[static_cast<std::size_t>(place / 6)] = true;
+  out.nearness = space.smallest_singular_value(space.rank(kIn));
+  const MatX N = space.free(kIn);
+  out.motions = static_cast<int>(N.cols());
+  const std::vector<MatX> forms = stopping_forms(e, rows, N, space.circuits(kIn));
+  out.singular = !forms.empty();
+  if (!out.singular || out.motions > kMostMotions) return out;
+  const std::vector<VecX> lines = common_zeros(forms, out.motions);
+  out.all = lines.size() <= (out.motions == 2 ? 2u : 4u);  // more are a surface of them
+  for (const VecX& c : lines) {
+    if (!out.all) break;
+    VecX motion = rows.at.to_slots((N * c).cwiseQuotient(rows.at.lengths()));
+    motion /= motion_size(system, motion);
+    out.tangents.push_back(std::move(motion));
+  }
   return out;
 }
 

@@ -13,7 +13,7 @@ namespace lockstep {
 /// What the rows of loops leave free at a state; the rest of the mechanism is left aside. Positions within 1e-5 (rad, or
 /// parts of System::length) of a singular one count as in it: nearer than that rounding in the constraints does not tell.
 struct LOCKSTEP_API BranchPoint {
-  bool known = false;          ///< there are loops, of no more than 300 rows and 3000 unknowns, and no law moves them
+  bool known = false;          ///< there are loops, of no more than 300 rows, and no law moves them
   std::vector<bool> slots;     ///< of the system: whether they lie on a loop; empty where nothing is known
   int motions = 0;             ///< motions of these that the rows of the loops leave in this position
   bool singular = false;       ///< some of them the rows stop as soon as they begin
@@ -29,9 +29,9 @@ struct LOCKSTEP_API BranchPoint {
   double off_branches(const System&, const VecX& v) const;
 };
 
-/// To second order: a motion c N of the free ones goes on where w . Qhat(c N) = 0 for each combination w of rows that is
-/// zero, w J = 0. The solutions are lines where branches cross. Takes no more than 26 evaluations, and a singular value
-/// decomposition of the loops' rows.
+/// To second order: a motion N c of the free ones goes on if c . G c = 0 for the form G of each combination of rows that is
+/// zero (stopping_form()). The solutions are lines where branches cross. Takes one evaluation, and the factors of the
+/// loops' rows (RowSpace).
 LOCKSTEP_API BranchPoint branch_point(Dynamics&, const State&);
 
 }  // namespace lockstep

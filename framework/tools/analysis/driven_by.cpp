@@ -120,7 +120,7 @@ DriveReport driven_by(Dynamics& dynamics, const State& state) {
 
   const std::vector<int> unknowns = unknowns_of(system);
   const Evaluation& e = dynamics.gather_rows(state);
-  const MatX N = free_motions(e, unknowns);
+  const MatX N = free_motions(e);
   const std::vector<FreeCoordinate> coordinates = free_coordinates(system, state);
   const MatX rates = rates_in(coordinates, dynamics, state, unknowns, N);
   // The first coordinates that are independent, in the order of the links; by each of them alone the mechanism moves.

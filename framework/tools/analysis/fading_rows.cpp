@@ -1,18 +1,15 @@
 #include "framework/tools/analysis/fading_rows.h"
 
-#include <Eigen/SVD>
-#include <algorithm>
-
 #include "framework/tools/analysis/loop_rows.h"
+#include "framework/tools/analysis/row_space.h"
 
 namespace lockstep {
 
 namespace {
 
-constexpr int kMostFadingRows = 300;
-constexpr double kFadedAway = 1e-7;     // singular value of rows of length 1: redundant everywhere
-constexpr double kFaded = 0.03;         // of what it is in the regular position
-constexpr double kShareOfFading = 0.1;  // of the combination: a row with less takes no part
+// Of a pivot, what is left of it beside a singular position; and of the combination of rows that fades there, the share
+// below which a row takes no part, since what is left of the pivot is spread over others.
+constexpr double kFaded = 0.05;
 
 }  // namespace
 
@@ -21,19 +18,14 @@ std::vector<std::string> fading_links(System& system, const State& regular, cons
   std::vector<std::string> names;
   for (const std::vector<int>& entries : loops_of(system, there.rows())) {
     const LoopRows rows(system, there.rows(), entries), usual(system, before.rows(), entries);
-    if (rows.n() > kMostFadingRows || rows.n() != usual.n()) continue;
-    const Eigen::BDCSVD<MatX> svd(rows.matrix(), Eigen::ComputeFullV);
-    const VecX was = usual.matrix().bdcSvd().singularValues(), now = svd.singularValues();
-    Eigen::Index rank = 0;
-    while (rank < was.size() && was[rank] > kFadedAway) ++rank;
-    if (rank == 0 || !(now[rank - 1] < kFaded * was[rank - 1])) continue;
-    const VecX shares = svd.matrixV().col(rank - 1).cwiseAbs();
-    for (int k = 0; k < rows.n(); ++k) {
-      if (shares[k] < kShareOfFading * shares.maxCoeff()) continue;
-      const RowEntry& entry = entry_of_row(there.rows(), rows.number(k));
-      const std::string& name = system.links()[static_cast<std::size_t>(entry.link)]->name();
-      if (std::ranges::find(names, name) == names.end()) names.push_back(name);
-    }
+    if (rows.n() > kDenseRows || rows.n() != usual.n()) continue;
+    const RowSpace was(usual.Jt), now(rows.Jt);
+    const int rank = was.rank();
+    if (rank == 0 || !(now.pivot(rank - 1) < kFaded * was.pivot(rank - 1))) continue;
+    const VecX shares = now.circuit(rank - 1, rank - 1).cwiseAbs();
+    for (int k = 0; k < rows.n(); ++k)
+      if (shares[k] >= kFaded)
+        add_name(NamedRow(system, there.rows(), rows.numbers[static_cast<std::size_t>(k)]).link->name(), names);
   }
   return names;
 }

@@ -9,7 +9,7 @@
 namespace lockstep {
 
 /// Names of the links whose rows become dependent from a regular position to a singular one: those that take part in the
-/// combination of rows which fades, loop by loop. None where a loop has more than 300 rows, or no row fades.
+/// combination of rows which fades, loop by loop. None if a loop has more than 300 rows, or no row fades.
 std::vector<std::string> fading_links(System&, const State& regular, const State& singular);
 
 }  // namespace lockstep

@@ -3,47 +3,90 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-
 #include <lockstep/error.h>
+#include "framework/tools/analysis/motion_words.h"
+#include "framework/tools/analysis/row_space.h"
 
 namespace lockstep {
 namespace {
 
-constexpr double kStep = 0.05;    // rad
-constexpr int kSteps = 6;         // along what the rows held
-constexpr double kMoves = 1e-11;  // of a response: a row with less holds nothing that others do not hold
+constexpr double kStep = 0.05;  // rad, or of the length: as far as a projection follows from one pose to the next
+constexpr int kSteps = 6;  // 0.3 rad: what depends in one position only is violated by a hundredth of the length there
 
-/// C of a row, in lengths.
-double violation_of(const OwnRow& row, const Inputs& in, RowTable& room) {
-  const RowShape shape = row.link->shape();
-  const Lock* const link = row.link;
-  link->gather(Group(&link, 1), in, room.spatial_span(shape));
-  return std::abs(room.spatial(shape).C(row.own)) / row.length;
-}
-
-VecX momentum_of(const System& system, const VecX& v) {
-  VecX out = v;
-  for (int k = 0; k < system.n_slots(); ++k) {
-    const Slot& s = system.slot(k);
-    out.segment<3>(6 * k) = s.mass * v.segment<3>(6 * k);
-    out.segment<3>(6 * k + 3) = s.J * v.segment<3>(6 * k + 3);
+/// Rows that are left out as long as it lives.
+class LeftOutForNow {
+ public:
+  LeftOutForNow(System& system, const std::vector<NamedRow>& rows) : system_(system) {
+    leave_out(system, rows);
+    system.setup();
   }
+  LeftOutForNow(const LeftOutForNow&) = delete;
+  LeftOutForNow& operator=(const LeftOutForNow&) = delete;
+  ~LeftOutForNow() { take_back(system_); }  // it was set up before with all rows: that does not throw
+
+ private:
+  System& system_;
+};
+
+/// A row by itself, in lengths: C, and its jacobian in these unknowns.
+struct OneRow {
+  double C = 0;
+  VecX J;
+};
+
+OneRow one_row(const NamedRow& row, const Inputs& in, const Unknowns& at) {
+  RowTable room;
+  const Lock* const link = row.link;
+  link->gather(Group(&link, 1), in, room.spatial_span(link->shape()));
+  const RowBlock block = room.spatial(link->shape());
+  OneRow out{block.C(row.own), VecX::Zero(at.n())};
+  const SlotList& on = link->slots();
+  for (int i = 0; i < on.n; ++i)
+    for (int j = 0; j < 6; ++j)
+      if (const int u = at.column(on[i], j); u >= 0) out.J[u] += block.J(i, row.own)[static_cast<std::size_t>(j)];
+  out.J = out.J.cwiseQuotient(at.lengths());
+  if (const double length = out.J.norm(); length > 0) out.C /= length, out.J /= length;
   return out;
 }
+
+/// Motions that the rows in force allow, followed on the constraints.
+class FreeWay {
+ public:
+  FreeWay(Dynamics& dynamics, const State& state) : dynamics_(dynamics), at_(dynamics.system()), state_(state) {}
+
+  const Unknowns& unknowns() const { return at_; }
+  const Inputs& inputs() { return dynamics_.gather_rows(state_).inputs(); }
+  // The free motion nearest to u; zero if the rows hold u.
+  VecX nearest(const VecX& u) {
+    const RowTable& table = dynamics_.gather_rows(state_).rows();
+    const VecX free =
+        RowSpace(at_.lengths().cwiseInverse().asDiagonal() * at_.rows(table, entries_of(table))).free_part(u);
+    return free.norm() > kDependent * u.norm() ? free : VecX(VecX::Zero(u.size()));
+  }
+  // On along u, so far that the body that moves most moves by this.
+  void go(const VecX& u, double length) {
+    const VecX motion = at_.to_slots(u.cwiseQuotient(at_.lengths()));
+    dynamics_.advance(state_, length / motion_size(dynamics_.system(), motion), motion);
+    dynamics_.project(state_);
+  }
+
+ private:
+  Dynamics& dynamics_;
+  Unknowns at_;
+  State state_;
+};
 
 }  // namespace
 
 bool are_few_rows(const System& system, const std::vector<bool>& modes) {
-  constexpr int kFewRows = 300;
   RowTable table;
   system.lay_out(modes, table, true);
-  return table.n_rows <= kFewRows;
+  return table.n_rows <= kDenseRows;
 }
 
-void leave_out(System& system, const std::vector<OwnRow>& rows) {
+void leave_out(System& system, const std::vector<NamedRow>& rows) {
   system.setup();
-  for (const OwnRow& row : rows) system.leave_out(*row.link, system.left_out(*row.link) | 1U << row.own);
+  for (const NamedRow& row : rows) system.leave_out(*row.link, system.left_out(*row.link) | 1U << row.own);
 }
 
 void take_back(System& system) {
@@ -54,48 +97,25 @@ void take_back(System& system) {
   system.setup();
 }
 
-double LeftOutTrial::along(const OwnRow& row, const std::vector<OwnRow>& rows) {
-  State at = start_;
-  RowTable room;
+double violation_without(System& system, Dynamics& dynamics, const State& start, const std::vector<NamedRow>& rows,
+                         const std::vector<NamedRow>& all_left_out) {
+  const LeftOutForNow for_now(system, all_left_out);
   double most = 0;
-  VecX way = allowed(at, row.J);
-  if (size_of(way) <= kMoves * size_of(response_)) return 0;
-  for (int k = 0; k < kSteps; ++k) {
-    try {
-      dynamics_.advance(at, kStep, way / size_of(way));
-      dynamics_.project(at);
-      const Inputs& in = dynamics_.gather_rows(at).inputs();
-      for (const OwnRow& r : rows) most = std::max(most, violation_of(r, in, room));
-      way = allowed(at, momentum_of(system_, way));
-    } catch (const Error&) {
-      return k > 1 ? most : HUGE_VAL;  // it comes to an end of its way
+  for (const NamedRow& row : rows) {
+    FreeWay way(dynamics, start);
+    VecX u = way.nearest(one_row(row, way.inputs(), way.unknowns()).J);
+    for (int k = 0; k < kSteps && !u.isZero(0); ++k) {
+      try {
+        way.go(u, kStep * system.length());
+        for (const NamedRow& r : all_left_out)
+          most = std::max(most, std::abs(one_row(r, way.inputs(), way.unknowns()).C));
+        u = way.nearest(u);
+      } catch (const Error&) {
+        if (k <= 1) return HUGE_VAL;
+        break;  // it comes to an end of its way
+      }
     }
-    if (!(size_of(way) > 0)) return most;
   }
-  return most;
-}
-
-// What a force moves, as the rows allow.
-VecX LeftOutTrial::allowed(const State& state, const VecX& force) {
-  const Evaluation& e = dynamics_.gather_rows(state);
-  Factor& factor = dynamics_.factor(e);
-  VecX a, lambda;
-  factor.solve(e, force, VecX::Zero(e.rows().n_rows), a, lambda);
-  response_ = a;
-  response_.setZero();
-  for (int k = 0; k < system_.n_slots(); ++k) {
-    const Slot& s = system_.slot(k);
-    response_.segment<3>(6 * k) = force.segment<3>(6 * k) / s.mass;
-    if (s.freedoms == Freedoms::spatial)
-      response_.segment<3>(6 * k + 3) = s.J.ldlt().solve(force.segment<3>(6 * k + 3));
-  }
-  return a;
-}
-
-double LeftOutTrial::size_of(const VecX& v) const {
-  double most = 0;
-  for (Eigen::Index i = 0; i < v.size(); i += 6)
-    most = std::max({most, v.segment<3>(i).norm() / system_.length(), v.segment<3>(i + 3).norm()});
   return most;
 }
 

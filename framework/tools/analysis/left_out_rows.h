@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <lockstep/dynamics.h>
-#include "framework/tools/analysis/row_choice.h"
+#include "framework/tools/analysis/loop_rows.h"
 
 namespace lockstep {
 
@@ -13,42 +13,13 @@ namespace lockstep {
 bool are_few_rows(const System&, const std::vector<bool>& modes);
 
 /// Leaves rows out, in addition to those that are.
-void leave_out(System&, const std::vector<OwnRow>&);
+void leave_out(System&, const std::vector<NamedRow>&);
 /// Puts all rows that were left out back, and takes back that rows hold which nearly depend.
 void take_back(System&);
 
-/// Rows that are left out as long as it lives.
-class LeftOutForNow {
- public:
-  LeftOutForNow(System& system, const std::vector<OwnRow>& rows) : system_(system) {
-    leave_out(system, rows);
-    system.setup();
-  }
-  LeftOutForNow(const LeftOutForNow&) = delete;
-  LeftOutForNow& operator=(const LeftOutForNow&) = delete;
-  ~LeftOutForNow() { take_back(system_); }  // it was set up before with all rows: that does not throw
-
- private:
-  System& system_;
-};
-
-/// Motions that rows which hold no more allow, followed for some way.
-class LeftOutTrial {
- public:
-  LeftOutTrial(System& system, Dynamics& dynamics, const State& state)
-      : system_(system), dynamics_(dynamics), start_(state) {}
-
-  /// The largest violation of `rows`, m, where what this row held moves on; HUGE_VAL where it cannot.
-  double along(const OwnRow& row, const std::vector<OwnRow>& rows);
-
- private:
-  VecX allowed(const State&, const VecX& force);
-  double size_of(const VecX& v) const;
-
-  System& system_;
-  Dynamics& dynamics_;
-  const State& start_;
-  VecX response_;
-};
+/// The largest violation of `rows`, m, on assembled poses without them: along what each of them held the mechanism moves on
+/// by 0.3 rad, or the same part of System::length(). HUGE_VAL if it cannot. They are left out as long as it looks.
+double violation_without(System&, Dynamics&, const State&, const std::vector<NamedRow>& rows,
+                         const std::vector<NamedRow>& all_left_out);
 
 }  // namespace lockstep

@@ -18,7 +18,7 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/mechanism/system/diagnose.h"
-#include "framework/tools/analysis/unknowns.h"
+#include "framework/tools/analysis/mechanism_matrices.h"
 
 namespace lockstep {
 namespace {
@@ -301,30 +301,23 @@ std::vector<std::string> notes_on(const System& system, const State& state) {
 }
 
 // D and K in the turning axes, (9.20) and above.
-void turn_axes(const std::vector<SlotMotion>& slots, LinearMotion& out) {
+void turn_axes(const System& system, const std::vector<SlotMotion>& slots, LinearMotion& out) {
   if (at_rest(out, slots) && out.spin.isZero(0)) return;
-  using Entries3 = std::vector<Eigen::Triplet<double>>;
-  Entries3 velocity, rate, square;  // dv = dx' + velocity dx; da = dx'' + rate dx' + square dx
-  std::vector<std::array<int, 6>> column(slots.size(), {-1, -1, -1, -1, -1, -1});
-  for (std::size_t i = 0; i < out.unknowns.size(); ++i)
-    column[static_cast<std::size_t>(out.unknowns[i].slot)][static_cast<std::size_t>(out.unknowns[i].velocity)] =
-        static_cast<int>(i);
-  const auto add = [](const std::array<int, 6>& at, int first, const Mat3& block, Entries3& to) {
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) {
-        const int row = at[static_cast<std::size_t>(first + i)], col = at[static_cast<std::size_t>(first + j)];
-        if (row >= 0 && col >= 0 && block(i, j) != 0) to.emplace_back(row, col, block(i, j));
-      }
+  const Unknowns at(system);
+  Triplets velocity, rate, square;  // dv = dx' + velocity dx; da = dx'' + rate dx' + square dx
+  const auto add = [&](int slot, const Mat3& move, const Mat3& turn, Triplets& to) {
+    Mat6 block = Mat6::Zero();
+    block.topLeftCorner<3, 3>() = move, block.bottomRightCorner<3, 3>() = turn;
+    at.add(slot, slot, block, to);
   };
   const Mat3 Om = skew(out.spin);
-  for (std::size_t k = 0; k < slots.size(); ++k) {
-    const Mat3 W = skew(Vec3(slots[k].A.transpose() * out.spin)), r = skew(left_over_spin(slots[k], out.spin));
-    add(column[k], 0, Om, velocity), add(column[k], 3, W, velocity);
-    add(column[k], 0, 2 * Om, rate), add(column[k], 3, W - r, rate);
-    add(column[k], 0, Om * Om, square), add(column[k], 3, -r * W, square);
+  for (int k = 0; k < system.n_slots(); ++k) {
+    const SlotMotion& m = slots[static_cast<std::size_t>(k)];
+    const Mat3 W = skew(Vec3(m.A.transpose() * out.spin)), r = skew(left_over_spin(m, out.spin));
+    add(k, Om, W, velocity), add(k, 2 * Om, W - r, rate), add(k, Om * Om, -r * W, square);
   }
-  const auto sparse = [&](const Entries3& entries) {
-    SparseMat A(out.M.rows(), out.M.cols());
+  const auto sparse = [&](const Triplets& entries) {
+    SparseMat A(at.n(), at.n());
     A.setFromTriplets(entries.begin(), entries.end());
     return A;
   };
@@ -371,7 +364,7 @@ LinearMotion linear_motion(Dynamics& dynamics, const State& given, const LinearM
                      why + "; linearise about one that is, or ask for the frozen coefficients of this instant");
   out.notes = notes_on(system, state);
   if (!why.empty()) out.notes.insert(out.notes.begin(), "frozen coefficients of one instant: " + why);
-  turn_axes(slots, out);
+  turn_axes(system, slots, out);
   return out;
 }
 

@@ -1,8 +1,7 @@
 #include "framework/tools/analysis/loop_rows.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "framework/dynamics/solvers/graph.h"
@@ -32,47 +31,38 @@ std::vector<std::vector<int>> loops_of(const System& system, const RowTable& tab
   return groups;
 }
 
-LoopRows::LoopRows(const System& system, const RowTable& table, const std::vector<int>& entries) {
-  for (const int k : entries) add(system, table, table.entries[static_cast<std::size_t>(k)]);
-  for (double& length : length_) length = std::sqrt(length);
-  for (auto& t : Jt_)
-    if (const double length = length_[static_cast<std::size_t>(t.col())]; length > 0)
-      t = {t.row(), t.col(), t.value() / length};
+namespace {
+
+std::vector<int> slots_on(const RowTable& table, const std::vector<int>& entries) {
+  std::vector<int> slots;
+  for (const int at : entries) {
+    const SlotList& on = table.entries[static_cast<std::size_t>(at)].slots;
+    slots.insert(slots.end(), on.slot.begin(), on.slot.begin() + on.n);
+  }
+  return slots;
 }
 
-MatX LoopRows::matrix() const {
-  MatX out = MatX::Zero(n_columns(), n());
-  for (const auto& t : Jt_) out(t.row(), t.col()) += t.value();
-  return out;
-}
+}  // namespace
 
-void LoopRows::add(const System& system, const RowTable& table, const RowEntry& e) {
-  const RowView block = table.block(e);
-  for (int k = 0; k < e.m; ++k) {
-    const int row = n();
-    numbers_.push_back(e.first_row + k), length_.push_back(0);
-    for (int i = 0; i < e.slots.n; ++i) {
-      const int first = 6 * first_.try_emplace(e.slots[i], static_cast<int>(first_.size())).first->second;
-      const bool particle = system.slot(e.slots[i]).freedoms == Freedoms::particle;
-      const std::array<double, 6> r = block.J(i, k);
-      for (std::size_t c = 0; c < (particle ? 3 : 6); ++c) {
-        const double x = c < 3 ? r[c] : r[c] / system.length();
-        if (x == 0) continue;
-        Jt_.emplace_back(first + static_cast<int>(c), row, x);
-        length_.back() += x * x;
-      }
-    }
+LoopRows::LoopRows(const System& system, const RowTable& table, const std::vector<int>& entries)
+    : at(system, slots_on(table, entries)), Jt(at.lengths().cwiseInverse().asDiagonal() * at.rows(table, entries)) {
+  for (const int k : entries) {
+    const RowEntry& e = table.entries[static_cast<std::size_t>(k)];
+    numbers.resize(numbers.size() + static_cast<std::size_t>(e.m));
+    std::iota(numbers.end() - e.m, numbers.end(), e.first_row);
   }
 }
 
-const RowEntry& entry_of_row(const RowTable& table, int row) {
-  return *(std::ranges::upper_bound(table.entries, row, {}, &RowEntry::first_row) - 1);
+NamedRow::NamedRow(const System& system, const RowTable& table, int row) {
+  const RowEntry& e = *(std::ranges::upper_bound(table.entries, row, {}, &RowEntry::first_row) - 1);
+  link = system.links()[static_cast<std::size_t>(e.link)].get();
+  own = e.own[static_cast<std::size_t>(row - e.first_row)];
 }
 
-std::string name_of_row(const System& system, const RowTable& table, int row) {
-  const RowEntry& e = entry_of_row(table, row);
-  const Lock& link = *system.links()[static_cast<std::size_t>(e.link)];
-  return link.name() + "." + link.row_name(e.own[static_cast<std::size_t>(row - e.first_row)]);
+std::string NamedRow::name() const { return link->name() + "." + link->row_name(own); }
+
+void add_name(const std::string& name, std::vector<std::string>& names) {
+  if (std::ranges::find(names, name) == names.end()) names.push_back(name);
 }
 
 }  // namespace lockstep

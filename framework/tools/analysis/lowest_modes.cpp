@@ -10,8 +10,8 @@
 
 #include <lockstep/error.h>
 #include <lockstep/newton.h>
+#include "framework/tools/analysis/minimal_coordinates.h"
 #include "framework/tools/analysis/saddle_factor.h"
-#include "framework/tools/analysis/unknowns.h"
 
 namespace lockstep {
 namespace {
@@ -19,9 +19,9 @@ namespace {
 using Complex = std::complex<double>;
 using MatXc = Eigen::MatrixXcd;
 
-constexpr double kSmallShare = 1e-11;  // of K with all its terms by their size: as for dense matrices
-constexpr double kSettled = 1e-12;     // residual of an eigenvector, relative
-constexpr double kBlur = 1e-14;        // and what the largest leaves on it
+constexpr double kSmallShare = 1e-11;   // of K with all its terms by their size: as for dense matrices
+constexpr double kModeSettled = 1e-12;  // residual of an eigenvector, relative
+constexpr double kBlur = 1e-14;         // and what the largest leaves on it
 
 // A subspace that grows by images of its own vectors under an operator, and by vectors at random, which find the other
 // copies of an eigenvalue; orthonormal by an inner product.
@@ -176,7 +176,7 @@ Found settle(Subspace& space, bool symmetric, std::size_t count, Eigen::Index mo
     bool settled = true;
     for (std::size_t k = 0; k < n && settled; ++k)
       settled = space.residual(found.s.col(static_cast<Eigen::Index>(k))) <=
-                kSettled * std::abs(found.theta[k]) + kBlur * std::abs(found.theta[0]);
+                kModeSettled * std::abs(found.theta[k]) + kBlur * std::abs(found.theta[0]);
     if (whole || settled) {
       std::vector<Complex> now(found.theta.begin(), found.theta.begin() + static_cast<std::ptrdiff_t>(n));
       bool same = before.size() == now.size();

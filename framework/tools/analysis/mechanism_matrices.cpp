@@ -1,23 +1,16 @@
-#include <lockstep/linearization.h>
+#include "framework/tools/analysis/mechanism_matrices.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <lockstep/error.h>
+#include <lockstep/linearization.h>
 #include <lockstep/newton.h>
 #include "framework/mechanism/system/diagnose.h"
-#include "framework/tools/analysis/unknowns.h"
+#include "framework/tools/analysis/loop_rows.h"
 
 namespace lockstep {
-
-Unknowns::Unknowns(const System& system) {
-  const auto velocities = unknown_velocities(system.plane());
-  for (int k = 0; k < system.n_slots(); ++k) {
-    at_.push_back({-1, -1, -1, -1, -1, -1});
-    const int width = BodyMass(system.slot(k), system.plane()).width();
-    for (int j = 0; j < width; ++j)
-      at_.back()[static_cast<std::size_t>(velocities[static_cast<std::size_t>(j)])] = n_++;
-  }
-}
 
 std::string bodies_of(const Slot& slot) {
   std::string names;
@@ -25,90 +18,88 @@ std::string bodies_of(const Slot& slot) {
   return names;
 }
 
-std::vector<UnknownVelocity> Unknowns::names(const System& system) const {
-  static constexpr const char* kNames[] = {"vx", "vy", "vz", "wx", "wy", "wz"};
-  std::vector<UnknownVelocity> all;
-  for (int k = 0; k < system.n_slots(); ++k)
-    for (int j = 0; j < 6; ++j)
-      if (column(k, j) >= 0)
-        all.push_back({system.body_of_slot(k).name + "." + kNames[j], j < 3 ? "m/s" : "rad/s", k, j});
-  return all;
-}
-
-VecX Unknowns::of_slots(const VecX& six) const {
-  VecX out(n_);
-  for (std::size_t k = 0; k < at_.size(); ++k)
-    for (std::size_t j = 0; j < 6; ++j)
-      if (at_[k][j] >= 0) out[at_[k][j]] = six[static_cast<Eigen::Index>(6 * k + j)];
-  return out;
-}
-
-VecX Unknowns::to_slots(const VecX& unknowns) const {
-  VecX out = VecX::Zero(static_cast<Eigen::Index>(6 * at_.size()));
-  for (std::size_t k = 0; k < at_.size(); ++k)
-    for (std::size_t j = 0; j < 6; ++j)
-      if (at_[k][j] >= 0) out[static_cast<Eigen::Index>(6 * k + j)] = unknowns[at_[k][j]];
-  return out;
-}
-
 namespace {
 
-using Entries3 = std::vector<Eigen::Triplet<double>>;
-
-SparseMat sparse(Eigen::Index rows, Eigen::Index columns, const Entries3& entries) {
-  SparseMat out(rows, columns);
+SparseMat square(const Unknowns& at, const Triplets& entries) {
+  SparseMat out(at.n(), at.n());
   out.setFromTriplets(entries.begin(), entries.end());
   return out;
 }
 
-void add_block(const Unknowns& at, int row, int column, const Mat6& block, Entries3& to) {
-  for (int i = 0; i < 6; ++i)
-    for (int j = 0; j < 6; ++j)
-      if (block(i, j) != 0 && at.column(row, i) >= 0 && at.column(column, j) >= 0)
-        to.emplace_back(at.column(row, i), at.column(column, j), block(i, j));
-}
+}  // namespace
 
 SparseMat mass_of(const System& system, const Unknowns& at) {
-  Entries3 entries;
+  Triplets entries;
   for (int k = 0; k < system.n_slots(); ++k) {
     Mat6 block = Mat6::Zero();
-    const Slot& slot = system.slot(k);
-    block.topLeftCorner<3, 3>().diagonal().setConstant(slot.mass);
-    block.bottomRightCorner<3, 3>() = slot.J;
-    add_block(at, k, k, block, entries);
+    block.topLeftCorner<3, 3>().diagonal().setConstant(system.slot(k).mass);
+    block.bottomRightCorner<3, 3>() = system.slot(k).J;
+    at.add(k, k, block, entries);
   }
-  return sparse(at.n(), at.n(), entries);
+  return square(at, entries);
 }
 
 SparseMat tangent_of(const TangentSum& sum, bool of_velocity, const Unknowns& at) {
-  Entries3 entries;
+  Triplets entries;
   for (std::size_t p = 0; p < sum.pairs().size(); ++p)
-    add_block(at, sum.pairs()[p].row, sum.pairs()[p].column, of_velocity ? sum.D(p) : sum.K(p), entries);
-  return sparse(at.n(), at.n(), entries);
+    at.add(sum.pairs()[p].row, sum.pairs()[p].column, of_velocity ? sum.D(p) : sum.K(p), entries);
+  return square(at, entries);
+}
+
+std::optional<MatX> stopping_form(const Evaluation& e, const Unknowns& at, const MatX& N, const VecX& w) {
+  constexpr double kFlat = 1e-6;  // of the terms: what differences of step 1e-4 leave of a link without a formula
+  const double length = e.system().length();
+  TangentSum sum;
+  sum.lay_out(e.system().n_slots());
+  double size = 0;  // of what cancels, too: redundant rows of one axis have no stiffness at all
+  for (const RowEntry& entry : e.rows().entries) {
+    std::array<double, kMaxRows> own{};
+    double largest = 0;
+    for (int k = 0; k < entry.m; ++k) {
+      const double x = w[entry.first_row + k];
+      own[static_cast<std::size_t>(entry.own[static_cast<std::size_t>(k)])] = x;
+      const bool move = entry.kind[static_cast<std::size_t>(k)] == RowKind::translation;
+      largest = std::max(largest, std::abs(x) / length / (move ? 1.0 : length));
+    }
+    if (largest == 0) continue;
+    size = std::max(size, largest);
+    const Lock& link = *e.system().links()[static_cast<std::size_t>(entry.link)];
+    named(link, e.inputs().t, [&] { add_tangent(link, e.inputs(), own, sum); });
+  }
+  const VecX turned = at.lengths().cwiseInverse();
+  const SparseMat K = turned.asDiagonal() * tangent_of(sum, false, at) * turned.asDiagonal();
+  for (Eigen::Index i = 0; i < K.cols(); ++i)
+    for (SparseMat::InnerIterator it(K, i); it; ++it) size = std::max(size, std::abs(it.value()));
+  const MatX G = N.transpose() * (K * N);
+  if (!(G.size() > 0 && G.cwiseAbs().maxCoeff() > kFlat * size)) return {};
+  return 0.5 * (G + G.transpose());
+}
+
+namespace {
+
+std::vector<UnknownVelocity> names_of_unknowns(const System& system, const Unknowns& at) {
+  static constexpr const char* kNames[] = {"vx", "vy", "vz", "wx", "wy", "wz"};
+  std::vector<UnknownVelocity> all;
+  for (const int place : at.places()) {
+    const int slot = place / 6, j = place % 6;
+    all.push_back({system.body_of_slot(slot).name + "." + kNames[j], j < 3 ? "m/s" : "rad/s", slot, j});
+  }
+  return all;
 }
 
 // J, the numbers of the rows and their names.
 void write_rows(const System& system, const RowTable& table, const Unknowns& at, MechanismMatrices& out) {
-  Entries3 entries;
   out.c.resize(table.n_rows), out.C.resize(table.n_rows), out.Ct.resize(table.n_rows);
-  out.rows.resize(static_cast<std::size_t>(table.n_rows)), out.kinds.resize(out.rows.size());
   for (const RowEntry& e : table.entries) {
     const RowView block = table.block(e);
-    const Lock& link = *system.links()[static_cast<std::size_t>(e.link)];
     for (int k = 0; k < e.m; ++k) {
       const int row = e.first_row + k;
       out.c[row] = block.Qhat(k), out.C[row] = block.C(k), out.Ct[row] = block.Ct(k);
-      out.rows[static_cast<std::size_t>(row)] = link.name() + "." + link.row_name(e.own[static_cast<std::size_t>(k)]);
-      out.kinds[static_cast<std::size_t>(row)] = e.kind[static_cast<std::size_t>(k)];
-      for (int i = 0; i < e.slots.n; ++i) {
-        const auto r = block.J(i, k);
-        for (int j = 0; j < 6; ++j)
-          if (at.column(e.slots[i], j) >= 0 && r[static_cast<std::size_t>(j)] != 0)
-            entries.emplace_back(row, at.column(e.slots[i], j), r[static_cast<std::size_t>(j)]);
-      }
+      out.rows.push_back(NamedRow(system, table, row).name());
+      out.kinds.push_back(e.kind[static_cast<std::size_t>(k)]);
     }
   }
-  out.J = sparse(table.n_rows, at.n(), entries);
+  out.J = at.rows(table, entries_of(table)).transpose();
 }
 
 constexpr double kForceless = 1e-6;  // of the levers: loads below are what is left of their balance
@@ -157,7 +148,7 @@ MechanismMatrices matrices_at(Dynamics& dynamics, const State& given) {
   newton.gather(e, solution.lambda);
 
   MechanismMatrices out;
-  out.unknowns = at.names(system);
+  out.unknowns = names_of_unknowns(system, at);
   out.M = mass_of(system, at);
   out.D = tangent_of(newton.tangents(), true, at);
   out.K = tangent_of(newton.tangents(), false, at);
@@ -169,15 +160,6 @@ MechanismMatrices matrices_at(Dynamics& dynamics, const State& given) {
   out.length = system.length();
   write_loads(system, e, at, out);
   return out;
-}
-
-SparseMat stiffness_with(Dynamics& dynamics, const State& given, const VecX& lambda) {
-  State state = given;
-  dynamics.to_slots(state);
-  const Solution& solution = dynamics.evaluate(state);
-  NewtonMatrix newton;
-  newton.gather(solution.evaluation, lambda);
-  return tangent_of(newton.tangents(), false, Unknowns(dynamics.system()));
 }
 
 }  // namespace lockstep

@@ -7,8 +7,8 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/tools/analysis/mechanism_matrices.h"
 #include "framework/tools/analysis/row_space.h"
-#include "framework/tools/analysis/unknowns.h"
 
 namespace lockstep {
 namespace {
@@ -25,7 +25,7 @@ VecX lengths_of(const MechanismMatrices& m) {
 
 MinimalCoordinates minimal_coordinates(const MechanismMatrices& m) {
   const VecX turned = lengths_of(m).cwiseInverse();
-  const RowSpace rows(turned.asDiagonal() * MatX(m.J).transpose());
+  const RowSpace rows(turned.asDiagonal() * SparseMat(m.J.transpose()));
   return {turned.asDiagonal() * rows.free(), rows.rank(), rows.circuits(), rows.nearly()};
 }
 
@@ -50,21 +50,12 @@ Eigen::LLT<MatX> mass_factor(const MatX& M) {
 void refuse_singular_pose(Dynamics& dynamics, const State& state, const MechanismMatrices& m,
                           const MinimalCoordinates& c) {
   if (c.stresses.cols() == 0 || c.N.cols() == 0) return;
-  const SparseMat K = stiffness_with(dynamics, state, VecX::Zero(m.lambda.size()));
-  SparseMat turned(m.M.rows(), m.M.rows());
-  turned = lengths_of(m).cwiseInverse().asDiagonal();
+  const Evaluation& e = dynamics.gather_rows(state);
+  const Unknowns at(dynamics.system());
+  const MatX N = at.lengths().asDiagonal() * c.N;
   for (Eigen::Index j = 0; j < c.stresses.cols(); ++j) {
     const VecX stress = c.stresses.col(j);
-    const SparseMat geometric = stiffness_with(dynamics, state, stress) - K;
-    const MatX left = c.N.transpose() * (geometric * c.N);
-    const SparseMat scaled = turned * geometric * turned;  // as N is: turns as lengths
-    double size = 0;  // also of what cancels: redundant rows of one axis have no stiffness at all
-    for (Eigen::Index i = 0; i < stress.size(); ++i)
-      size = std::max(size, std::abs(stress[i]) / m.length /
-                                (m.kinds[static_cast<std::size_t>(i)] == RowKind::translation ? 1.0 : m.length));
-    for (Eigen::Index i = 0; i < scaled.cols(); ++i)
-      for (SparseMat::InnerIterator it(scaled, i); it; ++it) size = std::max(size, std::abs(it.value()));
-    if (left.cwiseAbs().maxCoeff() <= 1e-6 * size) continue;
+    if (!stopping_form(e, at, N, stress)) continue;
     Eigen::Index row = 0;
     stress.cwiseAbs().maxCoeff(&row);
     throw ModelError("in this pose row " + m.rows[static_cast<std::size_t>(row)] +

@@ -13,7 +13,7 @@ namespace lockstep {
 struct MinimalCoordinates {
   MatX N;          ///< unknowns x freedoms
   int rank = 0;    ///< of the rows
-  MatX stresses;   ///< rows x (rows - rank): multipliers that hold one another, J^T s = 0, orthonormal in scaled rows
+  MatX stresses;   ///< rows x (rows - rank): multipliers that hold one another, J^T s = 0
   int nearly = 0;  ///< rows whose pivots lie between 1e-9 and 1e-4: near a singular position
 };
 
@@ -29,5 +29,10 @@ Eigen::LLT<MatX> mass_factor(const MatX& M);
 /// Throws ModelError where rows are dependent in this pose only: their stresses change the stiffness (9.23). A row
 /// that is redundant everywhere does not.
 void refuse_singular_pose(Dynamics&, const State&, const MechanismMatrices&, const MinimalCoordinates&);
+
+/// What the unrest of a still state may add to w^2, 1/s^2; frozen coefficients are those of their instant.
+inline double unrest_share(const LinearMotion& m) {
+  return m.unrest.is_still() ? m.unrest.acceleration / m.length : 0.0;
+}
 
 }  // namespace lockstep

@@ -6,9 +6,9 @@
 #include <lockstep/analysis.h>
 #include <lockstep/error.h>
 #include "framework/tools/analysis/lowest_modes.h"
+#include "framework/tools/analysis/mechanism_matrices.h"
 #include "framework/tools/analysis/minimal_coordinates.h"
 #include "framework/tools/analysis/spectrum.h"
-#include "framework/tools/analysis/unknowns.h"
 
 namespace lockstep {
 namespace {

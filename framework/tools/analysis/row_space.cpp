@@ -4,11 +4,29 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <random>
 #include <utility>
+
+#include <Eigen/SVD>
+#include <Eigen/SparseCholesky>
+
+#include <lockstep/error.h>
 
 namespace lockstep {
 
 namespace {
+
+using Sparse = Eigen::SparseMatrix<double>;
+
+VecX lengths_of_rows(const Sparse& Jt) {
+  VecX lengths(Jt.cols());
+  for (Eigen::Index k = 0; k < Jt.cols(); ++k) {
+    const double length = Jt.col(k).norm();
+    if (!std::isfinite(length)) throw NonFiniteError("a row is not finite, so that its rank is none", 0.0);
+    lengths[k] = length > 0 ? length : 1;
+  }
+  return lengths;
+}
 
 // Sets of rows that circuits connect.
 class Sets {
@@ -27,72 +45,120 @@ class Sets {
 
 }  // namespace
 
-RowSpace::RowSpace(MatX Jt) : n_(Jt.rows()), lengths_(Jt.colwise().norm()) {
-  for (double& length : lengths_)
-    if (!(length > 0)) length = 1;
-  for (Eigen::Index k = 0; k < Jt.cols(); ++k) Jt.col(k) /= lengths_[k];
-  if (Jt.size() > 0) qr_.compute(Jt);
+RowSpace::RowSpace(const Sparse& Jt) : n_(Jt.rows()), lengths_(lengths_of_rows(Jt)) {
+  if (Jt.size() > 0) qr_.compute(MatX(Jt * lengths_.cwiseInverse().asDiagonal()));
 }
 
-double RowSpace::pivot(int place) const {
-  return place < std::min(qr_.rows(), qr_.cols()) ? std::abs(qr_.matrixR()(place, place)) : 0.0;
-}
-
-int RowSpace::above(double limit) const {
+int RowSpace::rank(double limit) const {
   int n = 0;
   while (pivot(n) > limit) ++n;
   return n;
 }
 
-MatX RowSpace::free() const {
-  MatX N = MatX::Identity(n_, n_).rightCols(n_ - rank());
+double RowSpace::smallest_singular_value(int rank) const {
+  const MatX R = qr_.matrixR().topRows(rank).template triangularView<Eigen::Upper>();
+  return rank > 0 ? R.bdcSvd().singularValues()[rank - 1] : 1.0;
+}
+
+MatX RowSpace::free(double limit) const {
+  MatX N = MatX::Identity(n_, n_).rightCols(n_ - rank(limit));
   if (qr_.rows() > 0) N.applyOnTheLeft(qr_.householderQ());
   return N;
 }
 
-MatX RowSpace::shares(int regular) const {
-  const auto R1 = qr_.matrixR().topLeftCorner(regular, regular).triangularView<Eigen::Upper>();
-  MatX x = qr_.matrixR().topRightCorner(regular, n_rows() - regular);
-  if (regular > 0) R1.solveInPlace(x);
-  return x;
+VecX RowSpace::free_part(const VecX& u) const {
+  if (qr_.rows() == 0) return u;
+  VecX held = qr_.householderQ().adjoint() * u;
+  held.tail(n_ - rank()).setZero();
+  return u - qr_.householderQ() * held;
+}
+
+VecX RowSpace::circuit(int place, int regular) const {
+  VecX x = VecX::Zero(n_rows());
+  if (regular > 0) {
+    VecX shares = qr_.matrixR().col(place).head(regular);
+    qr_.matrixR().topLeftCorner(regular, regular).triangularView<Eigen::Upper>().solveInPlace(shares);
+    for (int i = 0; i < regular; ++i) x[row_at(i)] = -shares[i];
+  }
+  x[row_at(place)] = 1;
+  return x / x.lpNorm<Eigen::Infinity>();
 }
 
 MatX RowSpace::circuits(double limit) const {
-  const int regular = above(limit), left = n_rows() - regular;
-  if (qr_.rows() == 0) return MatX::Identity(left, left);
-  MatX pivoted = MatX::Identity(n_rows(), n_rows()).rightCols(left);
-  if (left == 0) return pivoted;
-  pivoted.topRows(regular) = -shares(regular);
-  return lengths_.cwiseInverse().asDiagonal() * MatX(qr_.colsPermutation() * pivoted);
+  const int regular = rank(limit);
+  MatX out(n_rows(), n_rows() - regular);
+  for (int place = regular; place < n_rows(); ++place)
+    out.col(place - regular) = circuit(place, regular).cwiseQuotient(lengths_);
+  return out;
 }
 
 std::vector<DependentRows> RowSpace::sets() const {
-  const int regular = above(kNearlyDependent), exact = rank();
-  std::vector<DependentRows> out;
-  if (qr_.rows() == 0)  // they touch nothing that moves
-    for (int row = 0; row < n_rows(); ++row) out.push_back({{row}, 1});
-  if (regular == n_rows() || qr_.rows() == 0) return out;
-  const MatX x = shares(regular);
+  const int regular = rank(kNearlyDependent), exact = rank();
   Sets sets(n_rows());
-  for (int j = regular; j < n_rows(); ++j) {
-    const auto column = x.col(j - regular);
-    const double least = kShare * std::max(1.0, regular > 0 ? column.lpNorm<Eigen::Infinity>() : 0.0);
-    for (int i = 0; i < regular; ++i)
-      if (std::abs(column[i]) > least) sets.join(row_at(i), row_at(j));
+  for (int place = regular; place < n_rows(); ++place) {
+    const VecX shares = circuit(place, regular);
+    for (int row = 0; row < n_rows(); ++row)
+      if (std::abs(shares[row]) > kShare) sets.join(row, row_at(place));
   }
   std::map<int, DependentRows> found;  // by the set's number
-  for (int j = regular; j < n_rows(); ++j) {
-    DependentRows& set = found[sets.of(row_at(j))];
-    if (j >= exact)
+  for (int place = regular; place < n_rows(); ++place) {
+    DependentRows& set = found[sets.of(row_at(place))];
+    if (place >= exact)
       ++set.too_many;
     else
-      ++set.nearly, set.pivot = std::max(set.pivot, pivot(j));
+      ++set.nearly, set.pivot = std::max(set.pivot, pivot(place));
   }
   for (int row = 0; row < n_rows(); ++row)
     if (const auto set = found.find(sets.of(row)); set != found.end()) set->second.rows.push_back(row);
+  std::vector<DependentRows> out;
   for (auto& [number, set] : found) out.push_back(std::move(set));
   std::ranges::sort(out, {}, [](const DependentRows& s) { return s.rows.front(); });
   return out;
+}
+
+namespace {
+
+// Dependencies are eigenvectors of J Jt of the value zero. J Jt - theta 1 = L D L^T has as many positive numbers in D as
+// J Jt has values above theta (Sylvester's law of inertia). What theta (theta 1 - J Jt)^-1 leaves of a vector lies in the
+// dependencies, and of a few vectors at random one has a share of every row that takes part.
+void find_sparsely(const Sparse& Jt, Dependencies& out) {
+  constexpr double kTheta =
+      1e-12;  // the square of a singular value, between round-off and a loop of some thousand rows
+  constexpr int kVectors = 8;
+  const VecX lengths = lengths_of_rows(Jt);
+  const Sparse J = Jt * lengths.cwiseInverse().asDiagonal();
+  Sparse one(J.cols(), J.cols());
+  one.setIdentity();
+  const Eigen::SimplicialLDLT<Sparse> ldlt(Sparse(Sparse(J.transpose()) * J) - kTheta * one);
+  if (ldlt.info() != Eigen::Success) throw SolveError("the rank of the rows could not be found: a pivot is zero");
+  out.rank = static_cast<int>((ldlt.vectorD().array() > 0).count());
+  out.circuits.resize(J.cols(), 0);
+  if (out.rank == J.cols()) return;
+  std::minstd_rand random(1);
+  MatX left(J.cols(), kVectors);
+  for (auto column : left.colwise()) {
+    const VecX signs = VecX::NullaryExpr(J.cols(), [&] { return random() % 2 == 0 ? 1.0 : -1.0; });
+    column = ldlt.solve(signs);
+    column /= column.lpNorm<Eigen::Infinity>();
+  }
+  out.round_off = 10 * std::numeric_limits<double>::epsilon() / kTheta;  // of terms of size 1 over theta
+  DependentRows& all = out.sets.emplace_back();
+  all.too_many = static_cast<int>(J.cols()) - out.rank;
+  for (int row = 0; row < J.cols(); ++row)
+    if (left.row(row).lpNorm<Eigen::Infinity>() > out.round_off) all.rows.push_back(row);
+  out.circuits = lengths.cwiseInverse().asDiagonal() * left;
+}
+
+}  // namespace
+
+Dependencies::Dependencies(const Sparse& Jt, double limit) {
+  if (Jt.cols() > kDenseRows && limit <= kDependent) {
+    find_sparsely(Jt, *this);
+    return;
+  }
+  const RowSpace space(Jt);
+  rank = space.rank(limit), sets = space.sets(), circuits = space.circuits(limit);
+  round_off = std::max(kShare, 10 * limit);  // what is left of a row is spread over some others
 }
 
 }  // namespace lockstep

@@ -1,21 +1,27 @@
 // RowSpace: what rows hold, what they leave free, and how they depend on one another, by one factorisation.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <vector>
 
 #include <Eigen/QR>
+#include <Eigen/SparseCore>
 
 #include <lockstep/body.h>
 
 namespace lockstep {
 
-/// Pivots below this, of rows of length 1, are zero.
+/// Pivots up to this, of rows of length 1, are zero: round-off of a loop of some hundred rows, with four digits to spare.
 inline constexpr double kDependent = 1e-9;
 /// Rows of pivots from kDependent to this nearly depend on others: too much for round-off, too little for a mechanism.
 /// Proximal terms are larger than what such rows leave of S, so that solvers would take them for redundant.
 inline constexpr double kNearlyDependent = 1e-4;
-/// Of a combination of rows: a row with a smaller share takes no part.
-inline constexpr double kShare = 1e-7;
+/// Of a combination of rows: a row with a smaller share takes no part. Round-off over the smallest pivot that is not zero.
+inline constexpr double kShare = std::numeric_limits<double>::epsilon() / kDependent;
+/// Loops of more rows are factored sparsely.
+inline constexpr int kDenseRows = 300;
 
 /// Rows that depend on one another, and on no others: circuits, combinations of rows that are zero, connect them,
 /// whichever rows are taken as the independent ones.
@@ -31,27 +37,42 @@ struct DependentRows {
 ///     Jt P = Q (R1 R2; 0 0),   N = Q (0; 1),   Jt P (-R1^-1 R2; 1) = 0
 class RowSpace {
  public:
-  /// Jt: rows transposed, of any length.
-  explicit RowSpace(MatX Jt);
+  /// Jt: rows transposed, of any length. Throws NonFiniteError.
+  explicit RowSpace(const Eigen::SparseMatrix<double>& Jt);
 
-  int rank() const { return above(kDependent); }
-  int nearly() const { return rank() - above(kNearlyDependent); }  ///< how many of these rows nearly depend on others
-  MatX free() const;                                               ///< N: what they leave free, orthonormal columns
-  /// Combinations of rows that are zero, but for pivots up to this: one a column.
-  MatX circuits(double pivot = kDependent) const;
+  int rank(double limit = kDependent) const;  ///< pivots up to `limit` are zero
+  int nearly() const { return rank() - rank(kNearlyDependent); }
+  double pivot(int place) const {
+    return place < std::min(qr_.rows(), qr_.cols()) ? std::abs(qr_.matrixR()(place, place)) : 0.0;
+  }
+  double smallest_singular_value(int rank) const;         ///< of so many pivots
+  double length(int row) const { return lengths_[row]; }  ///< 1 for a row of zeros
+  MatX free(double limit = kDependent) const;             ///< N: what they leave free, orthonormal columns
+  VecX free_part(const VecX& u) const;                    ///< N N^T u
+  /// How the row of a place depends on those of the first places: shares of rows of length 1, the largest is 1.
+  VecX circuit(int place, int regular) const;
+  /// Combinations of rows as they were given that are zero, one a column: of rows of length 1 the largest share is 1.
+  MatX circuits(double limit = kDependent) const;
   /// Rows that depend on others, nearly ones too, in sets that share none.
   std::vector<DependentRows> sets() const;
 
  private:
   int n_rows() const { return static_cast<int>(lengths_.size()); }
-  int above(double limit) const;
-  double pivot(int place) const;
-  int row_at(int place) const { return static_cast<int>(qr_.colsPermutation().indices()[place]); }
-  MatX shares(int regular) const;  // R1^-1 R2 of so many pivots
+  int row_at(int place) const { return qr_.rows() > 0 ? qr_.colsPermutation().indices()[place] : place; }
 
   Eigen::Index n_;  // unknowns
   VecX lengths_;
   Eigen::ColPivHouseholderQR<MatX> qr_;
+};
+
+/// The dependencies of the rows of a loop, of any number. Beyond kDenseRows singular values below 1e-6 are zero, all
+/// dependent rows are one set, and of their circuits there are some combinations at random.
+struct Dependencies {
+  explicit Dependencies(const Eigen::SparseMatrix<double>& Jt, double limit = kDependent);
+  int rank = 0;
+  std::vector<DependentRows> sets;
+  MatX circuits;         ///< as RowSpace::circuits()
+  double round_off = 0;  ///< shares up to this are zero
 };
 
 }  // namespace lockstep

@@ -13,8 +13,8 @@
 #include <functional>
 
 #include <lockstep/error.h>
+#include "framework/tools/analysis/mechanism_matrices.h"
 #include "framework/tools/analysis/minimal_coordinates.h"
-#include "framework/tools/analysis/unknowns.h"
 
 namespace lockstep {
 namespace {

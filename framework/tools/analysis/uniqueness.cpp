@@ -2,76 +2,58 @@
 
 #include <algorithm>
 #include <span>
+#include <utility>
 
-#include "framework/tools/analysis/dependency.h"
 #include "framework/tools/analysis/loop_rows.h"
+#include "framework/tools/analysis/row_space.h"
 
 namespace lockstep {
 namespace {
 
-/// Vectors of multipliers that change no motion; of unit size where rows have length 1. Each has the rows of one loop.
+/// Vectors of multipliers that change no motion, loop by loop; of unit size where rows have length 1.
 class Undetermined {
  public:
-  explicit Undetermined(const RowTable& table) : of_row_(static_cast<std::size_t>(table.n_rows)) {}
-
-  int n = 0;
-  double round_off = 0;
-
-  void add(const LoopRows& rows, MatX vectors) {
-    for (int k = 0; k < rows.n(); ++k) {
-      const double length = rows.length(k);
-      if (length > 0)
-        vectors.row(k) /= length;
-      else
-        vectors.row(k).setOnes();  // a row of zeros holds nothing
-      of_row_[static_cast<std::size_t>(rows.number(k))] = {static_cast<int>(loops_.size()), k};
+  Undetermined(const System& system, const RowTable& table) : of_row_(static_cast<std::size_t>(table.n_rows)) {
+    for (const std::vector<int>& entries : loops_of(system, table)) {
+      const LoopRows rows(system, table, entries);
+      const double limit = leaves_near_rows_out(system, table, entries) ? kNearlyDependent : kDependent;
+      Dependencies found(rows.Jt, limit);
+      if (found.circuits.cols() == 0) continue;
+      n += rows.n() - found.rank;
+      round_off = std::max(round_off, found.round_off);
+      for (int k = 0; k < rows.n(); ++k)
+        of_row_[static_cast<std::size_t>(rows.numbers[static_cast<std::size_t>(k)])] = {static_cast<int>(loops_.size()),
+                                                                                        k};
+      loops_.push_back(std::move(found.circuits));
     }
-    loops_.push_back(std::move(vectors));
   }
-  /// How many have this row.
-  Eigen::Index count(int row) const { return loop(row) < 0 ? 0 : of(row).cols(); }
-  double number(int row, Eigen::Index vector) const {
-    return loop(row) < 0 ? 0 : of(row)(of_row_[static_cast<std::size_t>(row)].place, vector);
-  }
-  /// The largest of a row over all vectors.
-  double largest(int row) const {
-    return loop(row) < 0 ? 0 : of(row).row(of_row_[static_cast<std::size_t>(row)].place).cwiseAbs().maxCoeff();
+
+  int n = 0;             ///< how many there are
+  double round_off = 0;  ///< numbers up to this are zero
+
+  /// The numbers of a row, one for each vector of its loop.
+  VecX numbers(int row) const {
+    const auto [loop, place] = of_row_[static_cast<std::size_t>(row)];
+    return loop < 0 ? VecX() : VecX(loops_[static_cast<std::size_t>(loop)].row(place));
   }
 
  private:
+  // Whether rows of it were left out that depend on others nearly: how those that stay and those that went would share a
+  // load is not known.
+  static bool leaves_near_rows_out(const System& system, const RowTable& table, const std::vector<int>& entries) {
+    if (system.held_down_to() > 0) return false;  // those hold
+    return std::ranges::any_of(entries, [&](int k) {
+      const RowEntry& e = table.entries[static_cast<std::size_t>(k)];
+      return system.left_out(*system.links()[static_cast<std::size_t>(e.link)]) != 0;
+    });
+  }
+
   struct Place {
     int loop = -1, place = 0;
   };
-  int loop(int row) const { return of_row_[static_cast<std::size_t>(row)].loop; }
-  const MatX& of(int row) const { return loops_[static_cast<std::size_t>(loop(row))]; }
-
   std::vector<Place> of_row_;
   std::vector<MatX> loops_;
 };
-
-// Whether rows of it were left out that depend on others nearly: how those that stay and those that went would share a
-// load is not known.
-bool leaves_near_rows_out(const System& system, const RowTable& table, const std::vector<int>& entries) {
-  if (system.held_down_to() > 0) return false;  // those hold
-  return std::ranges::any_of(entries, [&](int k) {
-    const RowEntry& e = table.entries[static_cast<std::size_t>(k)];
-    return system.left_out(*system.links()[static_cast<std::size_t>(e.link)]) != 0;
-  });
-}
-
-Undetermined undetermined_of(const System& system, const RowTable& table) {
-  Undetermined found(table);
-  for (const std::vector<int>& entries : loops_of(system, table)) {
-    const LoopRows rows(system, table, entries);
-    const bool near = leaves_near_rows_out(system, table, entries);
-    NullVectors null = null_vectors(rows, near ? kNearlyDependent : kDependent);
-    if (null.columns.cols() == 0) continue;
-    found.n += null.n;
-    found.round_off = std::max(found.round_off, null.round_off);
-    found.add(rows, std::move(null.columns));
-  }
-  return found;
-}
 
 /// Largest absolute value of each component over the vectors.
 struct Largest {
@@ -104,9 +86,11 @@ class Components {
     double power = 0;
     const RowEntry& e = entry(link);
     const Reactions reactions(table_, {lambda_.data(), static_cast<std::size_t>(lambda_.size())});
-    for (Eigen::Index column = 0; column < u_.count(e.first_row); ++column) {
+    std::vector<VecX> numbers;
+    for (int k = 0; k < e.m; ++k) numbers.push_back(u_.numbers(e.first_row + k));
+    for (Eigen::Index column = 0; column < numbers.front().size(); ++column) {
       for (int k = 0; k < e.m; ++k)
-        lambda_[e.first_row + k] = u_.number(e.first_row + k, column);  // others are not read
+        lambda_[e.first_row + k] = numbers[static_cast<std::size_t>(k)][column];  // others are not read
       const LinkWrench on_p = reactions.on_body_of(MarkerFrame(*p), link, in_, part),
                        on_s = reactions.on_body_of(MarkerFrame(*s), link, in_, part);
       world.take(on_p.force, on_p.moment), other.take(on_s.force, on_s.moment);
@@ -163,7 +147,7 @@ UniquenessReport uniqueness(Dynamics& dynamics, const State& state) {
       std::ranges::any_of(system.links(), [&](const auto& link) { return system.left_out(*link) != 0; });
   if (any_left_out) system.lay_out(state.modes, all, true), system.gather_rows(e.inputs(), all);
   const RowTable& table = any_left_out ? all : e.rows();
-  const Undetermined u = undetermined_of(system, table);
+  const Undetermined u(system, table);
   UniquenessReport report;
   report.undetermined = u.n;
   if (u.n == 0) return report;
@@ -173,11 +157,10 @@ UniquenessReport uniqueness(Dynamics& dynamics, const State& state) {
     components.of(*link);
   }
   for (int row = 0; row < table.n_rows; ++row) {
-    if (u.largest(row) <= u.round_off) continue;
-    const std::string name = name_of_row(system, table, row);
-    report.rows.push_back(name);
-    const std::size_t dot = name.rfind('.');
-    report.channels.push_back(name.substr(0, dot) + ".lambda_" + name.substr(dot + 1));
+    if (u.numbers(row).size() == 0 || u.numbers(row).lpNorm<Eigen::Infinity>() <= u.round_off) continue;
+    const NamedRow named(system, table, row);
+    report.rows.push_back(named.name());
+    report.channels.push_back(named.link->name() + ".lambda_" + std::string(named.link->row_name(named.own)));
   }
   return report;
 }

@@ -1,43 +1,52 @@
-// The unknown velocities of a mechanism as columns of its matrices.
+// The unknown velocities of slots as columns of matrices.
 #pragma once
 
-#include <array>
+#include <unordered_map>
 #include <vector>
 
-#include <lockstep/linearization.h>
+#include <Eigen/SparseCore>
+
+#include <lockstep/system.h>
 
 namespace lockstep {
 
-/// Where the six velocities of each slot are among the unknowns.
+using SparseMat = Eigen::SparseMatrix<double>;
+using Triplets = std::vector<Eigen::Triplet<double>>;
+
+/// The unknown velocities of some slots: six of a body, three of a particle; in a plane three and two.
 class Unknowns {
  public:
-  explicit Unknowns(const System&);
+  explicit Unknowns(const System&);                        ///< of all slots
+  Unknowns(const System&, const std::vector<int>& slots);  ///< of these
 
-  int n() const { return n_; }
-  /// Column of a velocity of a slot; -1 where it is none of the unknowns: a particle's turns, what leaves a plane.
+  int n() const { return static_cast<int>(places_.size()); }
+  /// Column of a velocity of a slot; -1 if it is none of the unknowns: a particle's turns, what leaves a plane.
   int column(int slot, int velocity) const {
-    return at_[static_cast<std::size_t>(slot)][static_cast<std::size_t>(velocity)];
+    const auto found = column_.find(6 * slot + velocity);
+    return found == column_.end() ? -1 : found->second;
   }
-  std::vector<UnknownVelocity> names(const System&) const;
+  /// Of each unknown: its number among six per slot.
+  const std::vector<int>& places() const { return places_; }
   /// The unknowns among six numbers a slot.
   VecX of_slots(const VecX& six) const;
-  /// Six numbers a slot, zero where there is no unknown.
+  /// Six numbers a slot, zero if there is no unknown.
   VecX to_slots(const VecX& unknowns) const;
+  /// What each unknown is multiplied by to be a length: 1, and System::length() for turns.
+  const VecX& lengths() const { return lengths_; }
+
+  /// Adds the block of two slots.
+  void add(int row_slot, int column_slot, const Mat6& block, Triplets& to) const;
+  /// Jacobian, transposed, of entries of a table: a row is a column, entry after entry.
+  SparseMat rows(const RowTable&, const std::vector<int>& entries) const;
 
  private:
-  std::vector<std::array<int, 6>> at_;
-  int n_ = 0;
+  const System* system_;
+  std::vector<int> places_;
+  std::unordered_map<int, int> column_;  // by place
+  VecX lengths_;
 };
 
-/// The bodies of a slot: "arm + bob".
-std::string bodies_of(const Slot&);
-
-/// What the unrest of a still state may add to w^2, 1/s^2; frozen coefficients are those of their instant.
-inline double unrest_share(const LinearMotion& m) {
-  return m.unrest.is_still() ? m.unrest.acceleration / m.length : 0.0;
-}
-
-/// K of the mechanism at a state with these multipliers, 1 per row; in axes that do not turn.
-SparseMat stiffness_with(Dynamics&, const State&, const VecX& lambda);
+/// All entries of a table.
+std::vector<int> entries_of(const RowTable&);
 
 }  // namespace lockstep
