@@ -8,7 +8,7 @@
 
 #include <lockstep/laws.h>
 #include <lockstep/lockstep.h>
-#include "framework/dynamics/simulate/step_search.h"
+#include "framework/dynamics/simulate/guard_finder.h"
 #include "tests/support/catch.h"
 #include "tests/support/motions.h"
 

@@ -2,7 +2,7 @@
 
 #include <lockstep/integrators.h>
 #include "framework/dynamics/simulate/clock.h"
-#include "framework/dynamics/simulate/root_finder.h"
+#include "framework/dynamics/simulate/guard_finder.h"
 #include "framework/dynamics/simulate/step_rules.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"

@@ -29,9 +29,7 @@ void Clock::start(double t) {
 
 double Clock::span() const { return std::isfinite(t_end_) ? t_end_ - t_start_ : 0; }
 
-bool Clock::is_past(double instant, double t) const {
-  return instant < t - kSameInstant * std::max(std::abs(t), span());
-}
+double Clock::same_instant(double t) const { return kSameInstant * std::max(std::abs(t), span()); }
 
 double Clock::horizon(double t) const {
   const double left = std::isfinite(t_end_) ? t_end_ - t : 1.0;
@@ -50,11 +48,12 @@ void Clock::begin(double t, double guess) {
 // with the rates there (StepLoop::cross_jump).
 Clock::Target Clock::next_target(double t, double limit, double event, double largest, bool interpolates) {
   refresh_breakpoints(t, limit, largest);
+  while (next_breakpoint_ < breakpoints_.size() && breakpoints_[next_breakpoint_] <= t) ++next_breakpoint_;
+  const double jump = next_breakpoint_ < breakpoints_.size() ? breakpoints_[next_breakpoint_] : kInfinity;
+  if (jump > event && jump <= std::min(limit, event + same_instant(event))) event = jump;  // they are one change
   double next = std::min(limit, event);
   if (!interpolates && next_output() > t) next = std::min(next, next_output());
-  while (next_breakpoint_ < breakpoints_.size() && breakpoints_[next_breakpoint_] <= t) ++next_breakpoint_;
-  if (next_breakpoint_ == breakpoints_.size() || breakpoints_[next_breakpoint_] > next) return {next, next, false};
-  const double jump = breakpoints_[next_breakpoint_];
+  if (jump > next || jump == kInfinity) return {next, next, false};
   const double before = before_jump(jump, std::max(jump - t, span()));
   return {jump, jump - before > t ? jump - before : jump, true};
 }
@@ -69,7 +68,6 @@ double Clock::step_towards(double t, const Target& target, double largest) const
   double h = advised_ > 0 ? advised_ : kInfinity;
   if (options_.step > 0) h = std::min(h, options_.step);
   if (largest > 0) h = std::min(h, largest);
-  const double scale = std::max(std::abs(t), span());
   if (step_is_round_off(h, t, span()))
     throw StepError(
         fmt::format(
@@ -78,7 +76,7 @@ double Clock::step_towards(double t, const Target& target, double largest) const
             "(lockstep check)",
             info_.name, h, t, span()),
         t);
-  return step_within(left, h, kSameInstant * scale);
+  return step_within(left, h, same_instant(t));
 }
 
 void Clock::count_step(double asked, const StepReport& report) {

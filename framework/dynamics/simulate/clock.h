@@ -52,8 +52,10 @@ class LOCKSTEP_API Clock {
   const LastSteps& last() const { return last_; }
   /// Of a run that has made n steps and reached t, as LastSteps::check.
   void check(double t, long n) const { last_.check({info_.name, info_.adaptive, t, t_end_, n, options_.max_steps}); }
-  /// Whether an instant lies before t by more than rounding.
-  bool is_past(double instant, double t) const;
+  /// How far apart two instants about t may be and are the same: rounding beside the time and the length of the run, s.
+  double same_instant(double t) const;
+  /// Whether an instant lies before t by more than that.
+  bool is_past(double instant, double t) const { return instant < t - same_instant(t); }
 
   // -- outputs
   double next_output() const { return output_time(next_output_); }             ///< infinity: none left

@@ -5,20 +5,19 @@
 #include <cstdint>
 #include <limits>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "framework/dynamics/simulate/contacts.h"
+#include "framework/dynamics/simulate/guard_finder.h"
 #include "framework/dynamics/simulate/last_steps.h"
-#include "framework/dynamics/simulate/step_search.h"
 
 namespace lockstep {
 
-class ContactManager {
+class ContactManager : public GuardOwner {
  public:
   /// `limit`: m, how deep on its forbidden side a link may start.
   ContactManager(Dynamics& dynamics, StepInterval& interval, const Clock& clock, const double& limit)
-      : dynamics_(dynamics), interval_(interval), search_(dynamics, interval, clock), limit_(limit) {}
+      : dynamics_(dynamics), interval_(interval), finder_(dynamics, interval, clock, *this), limit_(limit) {}
 
   /// Starts a new run; throws AssemblyError for a link that starts on its forbidden side.
   void start(const State&);
@@ -52,25 +51,18 @@ class ContactManager {
   Settled settle_all(State&);
   void lay_out();
   // contact_manager.cpp: inside a step
+  double guard(std::size_t contact, const Sample&) override;
   bool free(std::size_t contact, const State&) const;
   void check_side(std::size_t contact, const State&, const std::string& cause);
-  bool nears(std::size_t contact, const Gap& a, const Gap& b, double h) const;
-  Gap gap_at(std::size_t contact, double t);
-  double push_at(std::size_t contact, double t);
-  double hit_between(std::size_t contact, double ta, const Gap& a, double tb, const Gap& b);
-  double lowest_between(std::size_t contact, double ta, const Gap& a, double tb, const Gap& b, double& c);
+  bool nears(std::size_t contact, const Gap& end, double h) const;
   double locate_hit(const State& end);
-  void sample(const State& end, const std::vector<double>& inside);
-  bool must_look_inside(const State& end);
-  double first_hit(const State& end);
-  double hit_at_output(const State& end, double before);
   double locate_releases(const State& end, double before);
   const Solution& evaluate_pushes(const State&);
-  double locate_release(std::size_t contact, double t1);
   // contact_impacts.cpp: at the instant
   bool find_touching(const State&);
-  void impact(State&);
-  void find_kick(State&, bool& fits, std::size_t& misfit);
+  template <class Misfit>
+  void pivot(State&, const char* what, const Misfit&);
+  std::size_t find_kick(const State&);
   void take_impact(State&);
   std::string rest(State&);
   void put_active(State&) const;
@@ -78,15 +70,12 @@ class ContactManager {
 
   Dynamics& dynamics_;
   StepInterval& interval_;
-  StepSearch search_;
+  GuardFinder finder_;
   const double& limit_;
   Contacts contacts_;
   double contact_time_ = std::numeric_limits<double>::infinity();  // where the present step meets a contact
   std::vector<std::size_t> released_;                              // the links that pull there
-  std::vector<Gap> samples_;                                       // of all contacts, instant by instant
-  std::vector<double> sample_times_;
-  std::vector<double> instants_;                // the look inside, with an output
-  std::vector<std::pair<bool, double>> armed_;  // `clear` and `floor` of all contacts at the beginning of the step
+  std::vector<Guard> guards_;                                      // the gaps that are looked at in this step
   // of an impact: the contacts that touch, their gaps before it, their least rates after it, which of them push
   std::vector<std::size_t> touching_;
   std::vector<Gap> hits_;

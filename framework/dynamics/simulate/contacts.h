@@ -17,7 +17,7 @@ struct Contact {
   double sign = 1;      ///< +1 where C >= 0 is free
   double margin = 0;    ///< gaps that differ by less are the same, in the unit of C
   double floor = 0;     ///< the gap at which it touches: 0, or a rounding below, where it was released
-  bool clear = false;   ///< whether the gap has since been above the floor by the margin
+  bool clear = false;   ///< whether the gap has since been above that by the margin
   Gap gap;              ///< at the beginning of the present step
   double push = 0;      ///< there, while in force: its multiplier, positive when it pushes
   double push_now = 0;  ///< where it was evaluated last

@@ -8,7 +8,6 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
-#include "framework/dynamics/simulate/root_finder.h"
 #include "framework/dynamics/simulate/user_code.h"
 
 namespace lockstep {
@@ -114,67 +113,53 @@ void EventLocator::watch(const State& state) {
   }
 }
 
-double EventLocator::value_of(std::size_t event, const State& state) {
-  const Sample sample(dynamics_, state, interval_.report());
+double EventLocator::guard(std::size_t event, const Sample& sample) {
   const std::string& name = events_[event].name;
-  const double g = user_code("event", name, state.t, [&] { return events_[event].value(sample); });
+  const double t = sample.state.t;
+  const double g = user_code("event", name, t, [&] { return events_[event].value(sample); });
   if (std::isfinite(g)) return g;
   throw NonFiniteError(
-      fmt::format("the condition of event '{}' is {} at t = {:.9g} s; it must be a finite number", name, g, state.t),
-      state.t);
+      fmt::format("the condition of event '{}' is {} at t = {:.9g} s; it must be a finite number", name, g, t), t);
 }
 
-Sampled EventLocator::point(std::size_t event, double t) { return {t, value_of(event, interval_.at(t))}; }
-
-// Strictly from one side: a condition that is zero at first does not cross.
-bool EventLocator::crosses(std::size_t event, double was, double now) const {
-  const bool rises = was < 0 && now >= 0, falls = was > 0 && now <= 0;
-  switch (events_[event].crossing) {
-    case Event::Crossing::rising:
-      return rises;
-    case Event::Crossing::falling:
-      return falls;
-    default:
-      return rises || falls;
-  }
-}
-
-double EventLocator::root_between(std::size_t event, const Sampled& a, const Sampled& b) {
-  const double sign = a.g > 0 ? 1 : -1;
-  const double tolerance =
-      std::max(events_[event].tolerance, 4 * std::numeric_limits<double>::epsilon() * std::abs(b.t));
-  return falling_root(a.t, sign * a.g, b.t, sign * b.g, tolerance, 0.0,
-                      [&](double t) { return sign * point(event, t).g; });
+double EventLocator::value_of(std::size_t event, const State& state) {
+  return guard(event, Sample(dynamics_, state, interval_.report()));
 }
 
 bool EventLocator::locate(State& state) {
-  const double t1 = state.t;
-  searched_.clear();
+  guards_.clear();
   for (std::size_t i = 0; i < events_.size(); ++i) {
     Watched& w = watched_[i];
-    w.met = false, w.at = kNever;
-    w.off = w.off || !events_[i].on;
-    if (!events_[i].value || w.over || !events_[i].on) continue;
+    const Event& e = events_[i];
+    w.met = false;
+    w.off = w.off || !e.on;
+    if (!e.value || w.over || !e.on) continue;
     if (w.off) w.value = value_of(i, interval_.from()), w.off = false;
-    w.now = value_of(i, state);
-    searched_.push_back(i);
+    guards_.push_back({.of = i,
+                       .crossing = e.crossing,
+                       .tolerance = e.tolerance,
+                       .after = w.last + 2 * e.tolerance,  // the same instant again does not count
+                       .from = w.value,
+                       .to = value_of(i, state)});
   }
   double first = kNever;
-  if (!searched_.empty()) {
-    search(state);
-    for (const std::size_t i : searched_) {
-      watched_[i].met = watched_[i].at != kNever;
-      first = std::min(first, watched_[i].at);
+  if (!guards_.empty()) {
+    finder_.begin(state);
+    first = finder_.find(guards_);
+    const bool is_cut = first < state.t;
+    finder_.cut(first, state);
+    for (std::size_t k = 0; k < guards_.size(); ++k) {
+      Guard& g = guards_[k];
+      Watched& w = watched_[g.of];
+      if (is_cut) g.to = value_of(g.of, state);
+      w.met = g.at != kNever && (reaches(g.at, first) || (is_cut && g.crosses(g.from, g.to)));
+      note_nearest(k, state.t);
+      note_left_zero(g);
+      w.value = g.to;
     }
-    if (first < t1)
-      cut(first, state);
-    else if (kept_)
-      interval_.restore_method();
   }
-  note_nearest(state.t);
-  note_left_zero();
-  for (Watched& w : watched_) w.value = w.now, w.first = false;
-  return std::isfinite(first);
+  for (Watched& w : watched_) w.first = false;
+  return first != kNever;
 }
 
 void EventLocator::pass(double t) {
@@ -183,19 +168,16 @@ void EventLocator::pass(double t) {
 }
 
 // Of what was seen up to t, where the step ends.
-void EventLocator::note_nearest(double t) {
-  for (std::size_t k = 0; k < searched_.size(); ++k) {
-    Watched& w = watched_[searched_[k]];
-    Sampled before{t, 0};
-    const auto see = [&](const Sampled& s) {
-      if (before.g * s.g < 0 && w.nearest.g != 0)  // the way that does not count
-        w.nearest = {before.t + (s.t - before.t) * before.g / (before.g - s.g), 0};
-      if (std::abs(s.g) < std::abs(w.nearest.g)) w.nearest = s;
-      before = s;
-    };
-    for (std::size_t j = 0; j < times_.size() && times_[j] < t; ++j) see(sampled(k, j));
-    see({t, w.now});
-  }
+void EventLocator::note_nearest(std::size_t k, double t) {
+  Sampled &nearest = watched_[guards_[k].of].nearest, before{t, 0};
+  const auto see = [&](const Sampled& s) {
+    if (before.g * s.g < 0 && nearest.g != 0)  // the way that does not count
+      nearest = {before.t + (s.t - before.t) * before.g / (before.g - s.g), 0};
+    if (std::abs(s.g) < std::abs(nearest.g)) nearest = s;
+    before = s;
+  };
+  for (std::size_t j = 0; j < finder_.n_seen() && finder_.seen(k, j).t < t; ++j) see(finder_.seen(k, j));
+  see({t, guards_[k].to});
 }
 
 std::vector<EventCourse> EventLocator::courses() const {
@@ -208,31 +190,17 @@ std::vector<EventCourse> EventLocator::courses() const {
   return all;
 }
 
-void EventLocator::cut(double first, State& state) {
-  interval_.cut(first, state);
-  for (const std::size_t i : searched_) {
-    Watched& w = watched_[i];
-    const double g = value_of(i, state);
-    w.met = w.met && (w.at <= first || crosses(i, w.value, g));
-    w.now = g;
-  }
-}
-
 // Only the first step shows it: zero is on no side.
-void EventLocator::note_left_zero() {
-  for (std::size_t i = 0; i < events_.size(); ++i) {
-    const Watched& w = watched_[i];
-    const bool either = events_[i].crossing == Event::Crossing::any;
-    if (events_[i].value && events_[i].on && !w.over && w.first && w.value == 0 &&
-        (either || is_past(events_[i].crossing, w.now)))
-      left_zero_.push_back(events_[i].name);
-  }
+void EventLocator::note_left_zero(const Guard& g) {
+  const bool either = g.crossing == Event::Crossing::any;
+  if (watched_[g.of].first && g.from == 0 && (either || is_past(g.crossing, g.to)))
+    left_zero_.push_back(events_[g.of].name);
 }
 
 EventLocator::Due EventLocator::due(std::size_t i, double t) const {
   if (!events_[i].on) return Due::no;
   if (events_[i].value) return watched_[i].met ? Due::by_condition : Due::no;
-  return !watched_[i].over && events_[i].at <= t ? Due::by_time : Due::no;
+  return !watched_[i].over && reaches(events_[i].at, t) ? Due::by_time : Due::no;
 }
 
 bool EventLocator::any_due(double t) const {
@@ -274,8 +242,8 @@ void EventLocator::save(Snapshot& out) const {
     const Watched& w = watched_[i];
     out.put_text(events_[i].name);
     const long stage = w.over ? kStageOver : w.first ? kStageFirst : kStageWatched;
-    for (const double x : {w.value, w.now, w.last, w.at, w.nearest.t, w.nearest.g, static_cast<double>(stage),
-                           w.met ? 1.0 : 0.0, events_[i].on ? 1.0 : 0.0, w.off ? 1.0 : 0.0})
+    for (const double x : {w.value, w.last, w.nearest.t, w.nearest.g, static_cast<double>(stage), w.met ? 1.0 : 0.0,
+                           events_[i].on ? 1.0 : 0.0, w.off ? 1.0 : 0.0})
       out.put(x);
   }
 }
@@ -293,7 +261,7 @@ void EventLocator::load(SnapshotReader& in) {
       throw ModelError(
           fmt::format("the run was saved with the event '{}' where it has '{}' now; add the same in the same order",
                       name, events_[i].name));
-    for (double* x : {&w.value, &w.now, &w.last, &w.at, &w.nearest.t, &w.nearest.g}) *x = in.get();
+    for (double* x : {&w.value, &w.last, &w.nearest.t, &w.nearest.g}) *x = in.get();
     const long stage = in.get_count();
     if (stage < kStageWatched || stage > kStageFirst)
       throw ModelError(fmt::format("event '{}' has the stage {}, which no event has: the checkpoint is damaged",

@@ -5,21 +5,20 @@
 #include <deque>
 #include <limits>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <lockstep/step_loop.h>
-#include "framework/dynamics/simulate/step_search.h"
+#include "framework/dynamics/simulate/guard_finder.h"
 
 namespace lockstep {
 
 /// The force of this name; null: there is none.
 const Force* force_named(const System&, const std::string& name);
 
-class EventLocator {
+class EventLocator : public GuardOwner {
  public:
   EventLocator(Dynamics& dynamics, StepInterval& interval, const Clock& clock)
-      : dynamics_(dynamics), interval_(interval), search_(dynamics, interval, clock) {}
+      : dynamics_(dynamics), interval_(interval), clock_(clock), finder_(dynamics, interval, clock, *this) {}
 
   /// Throws ModelError for an event without instant and condition, or with a link that cannot be switched.
   Event& add(Event);
@@ -67,46 +66,27 @@ class EventLocator {
 
  private:
   struct Watched {
-    double value = 0, now = 0;                               ///< at the beginning and the end of the present step
+    double value = 0;                                        ///< of its condition, at the beginning of the present step
     double last = -std::numeric_limits<double>::infinity();  ///< when it happened last
-    double at = 0;                                           ///< where the present step meets it; infinity: nowhere
     Sampled nearest{kNever, kNever};                         ///< to zero, of all that was seen
     bool over = false, met = false;
     bool first = true;  ///< no step was made yet since it is watched
     bool off = false;   ///< it was off in the last step, or when its condition was to be remembered
   };
+  double guard(std::size_t event, const Sample&) override;
   double value_of(std::size_t event, const State&);
-  Sampled point(std::size_t event, double t);
-  bool crosses(std::size_t event, double was, double now) const;
-  double root_between(std::size_t event, const Sampled& a, const Sampled& b);
-  void cut(double first, State& state);
-  // event_search.cpp: inside a step
-  void search(const State& end);
-  void sample(const State& end, const std::vector<double>& inside);
-  bool rule_out(const State& end);
-  Sampled sampled(std::size_t k, std::size_t j) const { return {times_[j], values_[j * searched_.size() + k]}; }
-  double value_inside(std::size_t event, const State&);
-  Sampled look(std::size_t event, double t) { return {t, value_inside(event, search_.look(t))}; }
-  void search_parts(std::size_t k);
-  void search_end(std::size_t event, Sampled end, const Sampled& next, const Sampled& after);
-  void search_turn(std::size_t event, Sampled a, Sampled middle, Sampled b);
-  void search_outputs(const State& end);
-  void meet(std::size_t event, const Sampled& a, const Sampled& b);
-  bool of_method(std::size_t event, std::pair<Sampled, Sampled>& ends);
-  void note_left_zero();
-  void note_nearest(double t);
+  bool reaches(double instant, double t) const { return instant <= t + clock_.same_instant(t); }
+  void note_left_zero(const Guard&);
+  void note_nearest(std::size_t k, double t);
 
   Dynamics& dynamics_;
   StepInterval& interval_;
-  StepSearch search_;
+  const Clock& clock_;
+  GuardFinder finder_;
   std::deque<Event> events_;  // a deque, so that references stay valid
   std::vector<Watched> watched_;
   std::vector<std::string> left_zero_;
-  // of a step: the events searched for, the instants of the look, and their values there, instant by instant
-  std::vector<std::size_t> searched_;
-  std::vector<double> times_, values_;
-  std::vector<Sampled> before_, here_;  // at an output and the one before
-  bool kept_ = false;                   // the method, for shorter steps
+  std::vector<Guard> guards_;  // the conditions that are looked at in this step
 };
 
 }  // namespace lockstep

@@ -1,0 +1,246 @@
+#include "framework/dynamics/simulate/guard_finder.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+
+#include <lockstep/error.h>
+#include "framework/dynamics/integrate/speed_of.h"
+#include "framework/dynamics/simulate/keep_state.h"
+
+namespace lockstep {
+
+namespace {
+
+constexpr int kLeast = 4;               // parts at least, where a step is looked at inside
+constexpr int kAlong = 256;             // parts where laws alone move all
+constexpr double kMost = 1e6;           // parts at most
+constexpr double kPart = 0.125 * kPi;   // rad, the turn of a body in a part
+constexpr double kBeside = 1.0 / 1024;  // of a part: how near to the ends of a step it is seen which way a guard goes
+
+double fastest_turn_at(Dynamics& dynamics, const State& state) {
+  return state.coordinates ? fastest_turn(dynamics.inputs(state).motions) : fastest_turn(state.v);
+}
+
+double rounding_at(double t) { return 4 * std::numeric_limits<double>::epsilon() * std::abs(t); }
+
+}  // namespace
+
+void GuardFinder::measure() {
+  if (turn_parts_ > 0) return;
+  const State &from = interval_.from(), &end = *end_;
+  const double w = std::max(fastest_turn_at(dynamics_, from), fastest_turn_at(dynamics_, end));
+  turn_parts_ = std::max(1.0, std::ceil((end.t - from.t) * w / kPart));
+  if (!std::isfinite(turn_parts_)) refuse();
+  along_ = end.coordinates && end.coordinates->n_v() == 0 && interval_.has_dense();
+}
+
+void GuardFinder::refuse() const {
+  const double t0 = interval_.from().t;
+  throw StepError(fmt::format("a body turns by {:.3g} rad in the step of {:.3g} s from t = {:.9g} s, beyond {:.2g} rad "
+                              "no events or contacts are found inside; bound the step (--step)",
+                              turn_parts_ * kPart, end_->t - t0, t0, kMost * kPart),
+                  t0);
+}
+
+double GuardFinder::find(std::span<Guard> guards, bool inside) {
+  guards_ = guards;
+  if (inside && must_look_closely()) {
+    sample(even());
+    for (std::size_t k = 0; k < guards_.size(); ++k) search(k);
+  }
+  search_outputs();
+  return first();
+}
+
+// Where a body makes many parts, few instants show whether any guard comes nearer to zero than twice what it differs by.
+bool GuardFinder::must_look_closely() {
+  measure();
+  if (!(turn_parts_ > kMany) || along_) return true;
+  sample(octaves());
+  for (std::size_t k = 0; k < guards_.size(); ++k) {
+    double least = kNever, low = kNever, high = -kNever;
+    for (std::size_t j = 0; j < times_.size(); ++j) {
+      const double g = seen(k, j).g;
+      least = std::min(least, std::abs(g)), low = std::min(low, g), high = std::max(high, g);
+    }
+    if (!(least > 2 * (high - low))) return true;
+  }
+  return false;
+}
+
+void GuardFinder::keep_method() {
+  if (!kept_) interval_.keep_method();
+  kept_ = true;
+}
+
+void GuardFinder::cut(double t, State& end) {
+  if (t < end.t)
+    interval_.cut(t, end);
+  else if (kept_)
+    interval_.restore_method();
+}
+
+double GuardFinder::first() const {
+  double at = kNever;
+  for (const Guard& g : guards_) at = std::min(at, g.at);
+  return at;
+}
+
+std::span<const double> GuardFinder::even() {
+  const double t0 = interval_.from().t, h = end_->t - t0;
+  if (!(turn_parts_ <= kMost)) refuse();
+  const int n = std::max(along_ ? kAlong : kLeast, static_cast<int>(turn_parts_));
+  inside_.clear();
+  for (int k = 1; k < n; ++k) inside_.push_back(t0 + h * k / n);
+  return inside_;
+}
+
+// All parts of the first turn of the body that turns fastest, and 4 from octave to octave up to the whole step. Whatever
+// turns steadily makes half a turn or more between some of them, 8 to the octave, whichever its speed.
+std::span<const double> GuardFinder::octaves() {
+  constexpr int kEighths = 8;
+  const double t0 = interval_.from().t;
+  inside_.clear();
+  double window = end_->t - t0;
+  for (double parts = turn_parts_; parts > kMany; parts *= 0.5, window *= 0.5)
+    for (int j = kEighths - 1; j >= kEighths / 2; --j) inside_.push_back(t0 + window * j / kEighths);
+  for (int j = kMany - 1; j > 0; --j) inside_.push_back(t0 + window * j / kMany);
+  return inside_;
+}
+
+void GuardFinder::sample(std::span<const double> inside) {
+  times_.assign(1, interval_.from().t), values_.clear();
+  for (const Guard& g : guards_) values_.push_back(g.from);
+  for (const double t : inside) {
+    times_.push_back(t);
+    const Sample state(dynamics_, look(t), interval_.report());
+    for (const Guard& g : guards_) values_.push_back(value(g, state));
+  }
+  times_.push_back(end_->t);
+  for (const Guard& g : guards_) values_.push_back(g.to);
+}
+
+// A state that is not the method's own may be where a guard has no value: there it counts as unchanged.
+double GuardFinder::value(const Guard& g, const Sample& state) {
+  if (interval_.has_dense()) return owner_.guard(g.of, state);
+  try {
+    return owner_.guard(g.of, state);
+  } catch (const NonFiniteError&) {
+    return g.from;
+  } catch (const SolveError&) {
+    return g.from;
+  }
+}
+
+void GuardFinder::search(std::size_t k) {
+  Guard& g = guards_[k];
+  const std::size_t n = times_.size() - 1;
+  if (g.armed) search_end(g, seen(k, 0), seen(k, 1), seen(k, 2));
+  for (std::size_t j = 1; j <= n && g.at > times_[j - 1]; ++j) {
+    const Sampled a = seen(k, j - 1), b = seen(k, j);
+    g.armed = g.armed || a.g > g.rise;
+    const double level = g.armed ? 0 : g.low;
+    if (g.crosses(a.g - level, b.g - level))
+      meet(g, a, b, level);
+    else if (g.armed && j < n)
+      search_turn(g, a, b, seen(k, j + 1));
+    else if (g.armed)
+      search_end(g, b, a, seen(k, n - 2));
+  }
+}
+
+// About a turning point between an end of the step and the instant next to it, where the guard is nearest to zero at the
+// end and goes towards it from there.
+void GuardFinder::search_end(Guard& g, Sampled end, const Sampled& next, const Sampled& after) {
+  const double sign = end.g > 0 ? 1 : -1;
+  if (end.g == 0 || !(sign * next.g >= sign * end.g)) return;
+  if (std::abs(end.g) > std::abs(next.g - end.g) + std::abs(after.g - next.g)) return;
+  const Sampled beside = look_at(g, end.t + kBeside * (next.t - end.t));
+  if (!(sign * beside.g < sign * end.g)) return;
+  const bool at_start = end.t < next.t;
+  search_turn(g, at_start ? end : next, beside, at_start ? next : end);
+}
+
+// About a turning point of three: of one side of zero, or the middle one beyond it.
+void GuardFinder::search_turn(Guard& g, Sampled a, Sampled middle, Sampled b) {
+  const double sign = a.g > 0 ? 1 : -1;
+  if (!(sign * a.g > 0 && sign * b.g > 0 && sign * a.g >= sign * middle.g && sign * b.g >= sign * middle.g)) return;
+  const double shortest = std::max(g.tolerance, rounding_at(b.t));
+  if (sign * middle.g > 0 && !comes_to_zero(a, middle, b, shortest, [&](double t) { return look_at(g, t).g; })) return;
+  if (g.crosses(a.g, middle.g))
+    meet(g, a, middle);
+  else if (g.crosses(middle.g, b.g))
+    meet(g, middle, b);
+}
+
+void GuardFinder::meet(Guard& g, Sampled a, Sampled b, double level) {
+  if (!interval_.has_dense() && !of_method(g, a, b, level)) return;
+  if (const double t = root(g, a, b, level); t > g.after) g.at = std::min(g.at, t);
+}
+
+// Moves the ends of a bracket onto states of the method; false where these do not cross.
+bool GuardFinder::of_method(const Guard& g, Sampled& a, Sampled& b, double level) {
+  const Sampled start{interval_.from().t, g.from}, end{end_->t, g.to};
+  const auto crosses = [&] { return g.crosses(a.g - level, b.g - level); };
+  if (a.t != start.t) a = own(g, a.t);
+  if (b.t != end.t) b = own(g, b.t);
+  if (crosses()) return true;
+  a = start;
+  if (crosses()) return true;
+  b = end;
+  return crosses();
+}
+
+double GuardFinder::root(const Guard& g, const Sampled& a, const Sampled& b, double level) {
+  const double sign = a.g > level ? 1 : -1;
+  return falling_root(a.t, sign * (a.g - level), b.t, sign * (b.g - level), std::max(g.tolerance, rounding_at(b.t)),
+                      g.enough, [&](double t) { return sign * (own(g, t).g - level); });
+}
+
+// What is seen at an output before the first guard is met in this step, so that no row lies beyond one that is not.
+void GuardFinder::search_outputs() {
+  if (!interval_.has_dense() || !(clock_.next_output() < first_before_end())) return;
+  const Dynamics::Aside aside(dynamics_);
+  before_.clear();
+  for (const Guard& g : guards_) before_.push_back(g.from);
+  double last = interval_.from().t;
+  long n = 0;
+  for (double t = clock_.next_output(); t < first_before_end(); t = clock_.output_ahead(++n)) {
+    if (!(t > last)) continue;
+    const Sample state(dynamics_, look(t), interval_.report());
+    here_.clear();
+    for (const Guard& g : guards_) here_.push_back(owner_.guard(g.of, state));
+    for (std::size_t k = 0; k < guards_.size(); ++k)
+      if (Guard& g = guards_[k]; g.crosses(before_[k] - g.low, here_[k] - g.low))
+        meet(g, {last, before_[k]}, {t, here_[k]}, g.low);
+    before_.swap(here_), last = t;
+  }
+}
+
+// q by the cubic with the rates at both ends. States of other coordinates at the end have none.
+void GuardFinder::fit() {
+  const State& from = interval_.from();
+  keep_state(from, guess_);
+  if (from.q.size() > 0) kinematic_rate(from, rate0_), kinematic_rate(*end_, rate1_);
+  fits_ = true;
+}
+
+// On the constraints by dense output; or of a method without it near them: a cubic in q and a line in v and s between
+// the ends.
+const State& GuardFinder::look(double t) {
+  if (interval_.has_dense()) return interval_.at(t);
+  const State &from = interval_.from(), &to = *end_;
+  if (!fits_) fit();
+  const double h = to.t - from.t, x = (t - from.t) / h;
+  if (from.q.size() > 0)  // from + x d + x (1 - x) [(1 - x)(h r0 - d) - x (h r1 - d)], d = to - from
+    guess_.q = from.q + x * (to.q - from.q) +
+               x * (1 - x) * ((1 - x) * (h * rate0_ - (to.q - from.q)) - x * (h * rate1_ - (to.q - from.q)));
+  guess_.v = from.v + x * (to.v - from.v);
+  guess_.s = from.s + x * (to.s - from.s);
+  guess_.t = t;
+  dynamics_.normalize(guess_);
+  return guess_;
+}
+
+}  // namespace lockstep
