@@ -423,4 +423,32 @@ TEST_CASE("copies that left the lanes say which tolerance they did not reach", "
   }
 }
 
+// A rod that turns about one end at 1.5 rad/s is caught by the other: its angular momentum about that end stays,
+// (1/12 - 1/4) m L^2 w = 1/3 m L^2 w'.
+TEST_CASE("changes of links within a rounding of one another are one change", "[verification][defects]") {
+  const std::string text = R"("bodies": [{"name": "rod", "rod": {"mass": 3, "from": [0, 0, 0], "to": [0.8, 0, 0],
+      "axial_inertia": 0.0001}, "omega_world": [0, 0, 1.5], "velocity": [0, 0.6, 0]}],
+    "links": [{"name": "A", "type": "revolute", "p": "rod", "s": "ground", "at": [0, 0, 0]},
+      {"name": "B", "type": "lock", "mask": "x y", "p": "rod", "s": "ground", "at_p": [0.8, 0, 0],
+       "at_s": [0.4972879746165315, 0.6266615277019868, 0], "active": false}],)";
+  const double after = 1.5 * (1.0 / 12 - 0.25) * 3, inertia = 3 * 0.8 * 0.8 / 3;
+  const auto [opens, closes] =
+      GENERATE(std::pair{"0.6", "0.5999999999999"}, std::pair{"0.5999999999999", "0.6"}, std::pair{"0.6", "0.6"});
+  const auto method = GENERATE(as<std::string>(), "rk4", "dopri5", "dop853", "radau5");
+  CAPTURE(method, opens, closes);
+  const std::string events = R"("events": [{"name": "opens", "deactivate": ["A"], "at": )" + std::string(opens) +
+                             R"(}, {"name": "closes", "activate": ["B"], "at": )" + closes + "}],";
+  const SceneRun run = run_scene(
+      scene_file(
+          "swap",
+          text + events + R"("run": {"until": 1, "output": 0.1, "record": ["rod.omega_world_z", "energy.kinetic"]})"),
+      [&](RunSettings& settings) {
+        settings.integrator = {method};
+        if (method == "rk4") settings.step = 0.01;
+      });
+  CHECK(run.table["rod.omega_world_z"][5] == Approx(1.5).epsilon(1e-6));
+  CHECK(run.table["rod.omega_world_z"].back() == Approx(after).epsilon(1e-6));
+  CHECK(run.table["energy.kinetic"].back() == Approx(0.5 * inertia * after * after).epsilon(1e-6));
+}
+
 }  // namespace defects_dynamics_test

@@ -142,26 +142,6 @@ TEST_CASE("angles of the far hinges of a double crank begin in the turn of its d
   expect_defect("double_crank_turns", kOneIdea, std::abs(begins - 0.3) < 1e-9, std::abs(begins - 0.3 - kTwoPi) < 1e-9);
 }
 
-// A rod that turns about one end at 1.5 rad/s is caught by the other: its angular momentum about that end stays,
-// (1/12 - 1/4) m L^2 w = 1/3 m L^2 w'.
-TEST_CASE("changes of links within a rounding of one another are one change", "[defect][one idea]") {
-  const double after = 1.5 * (1.0 / 12 - 0.25) * 3;
-  int right = 0, refused = 0, stopped = 0;
-  const std::vector<Way> ways = {{"rk4", Formulation::automatic, "schur", 0.01}, {"dopri5"}, {"dop853"}, {"radau5"}};
-  for (const Way& way : ways) {
-    const Ended ended = end_of("swap_almost_at_once", way);
-    refused += says(ended, "cannot hold together") ? 1 : 0;
-    if (!ended.error.empty()) continue;
-    const double rate = ended.table["rod.omega_world_z"].back();
-    CAPTURE(way.integrator, rate);
-    CHECK(ended.table["rod.omega_world_z"][5] == Approx(1.5).epsilon(1e-6));
-    stopped += std::abs(rate) < 1e-9 ? 1 : 0;
-    right += std::abs(rate - after) < 1e-6 ? 1 : 0;
-  }
-  CAPTURE(right, refused, stopped);
-  expect_defect("swap_almost_at_once", kOneIdea, refused + stopped > 0, right == static_cast<int>(ways.size()));
-}
-
 // The uprights of a parallelogram of like rods turn as one: alpha = -2 m g cos(q) / (2 J + m), J about the end of a rod
 // whose radius is a fiftieth of its length. At a distance of 1e-3 rad from the flat position, errors of the motion grow a
 // thousandfold in it, and by as much again.

@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -18,100 +19,86 @@ namespace {
 
 constexpr double kContradict = 1e-6;     // residual of a row that cannot hold together with others
 constexpr double kNotableChange = 1e-2;  // relative change
+constexpr double kSmall = 1e-3;          // of the largest of its kind: what is smaller changes little
 
-// What links and forces say at one state.
-struct Said {
-  std::vector<VecX> forces;  // 6 per slot, of each force
-  VecX asked;                // Qhat, 1 per row
-  std::vector<VecX> rows;    // the jacobian of each row, slot by slot
-};
+// What links and forces give at one state: of each force its wrenches, 6 per slot; of each row its jacobian, slot by slot;
+// of each row Qhat, the acceleration that it asks for.
+using Given = std::array<std::vector<VecX>, 3>;
 
-Said listen(Dynamics& dynamics, const State& state) {
-  Said said;
+Given given_at(Dynamics& dynamics, const State& state) {
+  auto all = Given{};
+  auto& [forces, directions, asked] = all;
   const Solution& solution = dynamics.evaluate(state);
   const Evaluation& e = solution.evaluation;
   const Reactions reactions(solution);
   const System& system = dynamics.system();
   for (const auto& force : system.forces()) {
-    VecX f = VecX::Zero(6 * system.n_slots());
-    WrenchSum sum(e.inputs().motions, f);
-    if (force->acts(e.inputs()))
-      named(*force, state.t, [&] {
-        force->apply(e.inputs(), sum);
-        if (force->reacting()) force->reacting()->react(e.inputs(), reactions, sum);
-      });
-    said.forces.push_back(std::move(f));
+    WrenchSum sum(e.inputs().motions, forces.emplace_back(VecX::Zero(6 * system.n_slots())));
+    if (!force->acts(e.inputs())) continue;
+    named(*force, state.t, [&] {
+      force->apply(e.inputs(), sum);
+      if (force->reacting()) force->reacting()->react(e.inputs(), reactions, sum);
+    });
   }
-  said.asked.resize(e.rows().n_rows);
-  said.rows.resize(static_cast<std::size_t>(e.rows().n_rows));
+  directions.resize(static_cast<std::size_t>(e.rows().n_rows)), asked = directions;
   for (const RowEntry& entry : e.rows().entries) {
     const RowView block = e.rows().block(entry);
     for (int k = 0; k < entry.m; ++k) {
-      said.asked[entry.first_row + k] = block.Qhat(k);
-      VecX& row = said.rows[static_cast<std::size_t>(entry.first_row + k)];
-      row.resize(6 * entry.slots.n);
+      const auto row = static_cast<std::size_t>(entry.first_row + k);
+      asked[row] = VecX::Constant(1, block.Qhat(k));
+      directions[row].resize(6 * entry.slots.n);
       for (int i = 0; i < entry.slots.n; ++i) {
         const auto r = block.J(i, k);
-        for (int j = 0; j < 6; ++j) row[6 * i + j] = r[static_cast<std::size_t>(j)];
+        std::copy_n(r.begin(), 6, directions[row].begin() + 6 * i);
       }
     }
   }
-  return said;
+  return all;
 }
 
-double change_of(const VecX& from, const VecX& to, double least) {
-  const double size = std::max({from.norm(), to.norm(), least});
-  return size > 0 ? (to - from).norm() / size : 0.0;
-}
-
-std::string place_of(const Force& force, const System& system, const Inputs& in) {
-  if (force.slots().empty()) return {};
-  const int slot = force.slots().front();
-  const Vec3& x = in.slot(slot).x;
-  return fmt::format(", body '{}' at [{:.6g}, {:.6g}, {:.6g}]", system.body_of_slot(slot).name, x[0], x[1], x[2]);
-}
-
-std::string in_words(Dynamics& dynamics, const State& state, const Said& from, const Said& to, double after) {
-  const System& system = dynamics.system();
-  double largest = kNotableChange, all_forces = 0, all_asked = 0;
-  std::string words;
-  for (const VecX& f : from.forces) all_forces = std::max(all_forces, f.norm());
-  if (from.asked.size() > 0) all_asked = std::max(from.asked.cwiseAbs().maxCoeff(), to.asked.cwiseAbs().maxCoeff());
-  for (std::size_t k = 0; k < from.forces.size(); ++k) {
-    const double change = change_of(from.forces[k], to.forces[k], 1e-3 * all_forces);
-    if (change <= largest) continue;
-    largest = change;
-    const Force& force = *system.forces()[k];
-    const auto size = [](const VecX& f) { return f.size() > 0 ? f.cwiseAbs().maxCoeff() : 0.0; };
-    words = fmt::format(
-        "force '{}' ({}) changes most there: from {:.4g} to {:.4g} (N, N m) within {:.2g} s{}; if it is that "
-        "stiff, take an implicit method (--integrator radau5), if it jumps, let it change smoothly",
-        force.name(), force.type(), size(from.forces[k]), size(to.forces[k]), after,
-        place_of(force, system, dynamics.inputs(state)));
+std::string words_of(Dynamics& dynamics, const State& state, const Force& force, const VecX& from, const VecX& to,
+                     double after) {
+  std::string place;
+  if (!force.slots().empty()) {
+    const int slot = force.slots().front();
+    const Vec3& x = dynamics.inputs(state).slot(slot).x;
+    place = fmt::format(", body '{}' at [{:.6g}, {:.6g}, {:.6g}]", dynamics.system().body_of_slot(slot).name, x[0],
+                        x[1], x[2]);
   }
-  const Evaluation& e = dynamics.gather(state);
-  for (int row = 0; row < from.asked.size(); ++row) {
-    const auto r = static_cast<std::size_t>(row);
-    const double turns = change_of(from.rows[r], to.rows[r], 0),
-                 asks = change_of(from.asked.segment<1>(row), to.asked.segment<1>(row), 1e-3 * all_asked);
-    const double change = std::max(turns, asks);
-    if (change <= largest) continue;
-    largest = change;
-    words = fmt::format(
-        "{} changes most there, {} within {:.2g} s; look at its laws, and whether its markers come to where it "
-        "has no direction",
-        system.row_name(e.rows(), row),
-        turns >= asks
-            ? fmt::format("its direction by {:.2g} of itself", turns)
-            : fmt::format("the acceleration that it asks for from {:.4g} to {:.4g}", from.asked[row], to.asked[row]),
-        after);
-  }
-  return words;
+  return fmt::format(
+      "force '{}' ({}) changes most there: from {:.4g} to {:.4g} (N, N m) within {:.2g} s{}; if it is that "
+      "stiff, take an implicit method (--integrator radau5), if it jumps, let it change smoothly",
+      force.name(), force.type(), from.lpNorm<Eigen::Infinity>(), to.lpNorm<Eigen::Infinity>(), after, place);
 }
 
-// Links in force whose rows move with the time, Ct beyond rounding: by a law of theirs, or of a marker.
+// What changes most between two states, `after` seconds apart; "" for nothing notable.
+std::string in_words(Dynamics& dynamics, const State& state, const Given& from, const Given& to, double after) {
+  double most = kNotableChange;
+  std::size_t kind = 0, which = 0;
+  for (std::size_t j = 0; j < from.size(); ++j) {
+    double largest = 0;
+    for (const auto* given : {&from[j], &to[j]})
+      for (const VecX& x : *given) largest = std::max(largest, x.norm());
+    for (std::size_t k = 0; k < from[j].size(); ++k) {
+      const double size = std::max({from[j][k].norm(), to[j][k].norm(), kSmall * largest});
+      const double change = size > 0 ? (to[j][k] - from[j][k]).norm() / size : 0.0;
+      if (change > most) most = change, kind = j, which = k;
+    }
+  }
+  if (most == kNotableChange) return {};
+  const VecX &was = from[kind][which], &is = to[kind][which];
+  if (kind == 0) return words_of(dynamics, state, *dynamics.system().forces()[which], was, is, after);
+  return fmt::format(
+      "{} changes most there, {} within {:.2g} s; look at its laws, and whether its markers come to where it "
+      "has no direction",
+      dynamics.system().row_name(dynamics.gather(state).rows(), static_cast<int>(which)),
+      kind == 1 ? fmt::format("its direction by {:.2g} of itself", most)
+                : fmt::format("the acceleration that it asks for from {:.4g} to {:.4g}", was[0], is[0]),
+      after);
+}
+
+// Links in force whose rows move with the time, Ct: by a law of theirs, or of a marker.
 std::vector<std::string> moved_by_laws(Dynamics& dynamics, const State& state) {
-  constexpr double kMoves = 1e-9;  // m/s
   State at = state;
   dynamics.to_slots(at);
   at.v.setZero();
@@ -120,7 +107,7 @@ std::vector<std::string> moved_by_laws(Dynamics& dynamics, const State& state) {
   e.residuals(C, Cd);
   std::vector<std::string> names;
   for (const RowEntry& entry : e.rows().entries)
-    if (Cd.segment(entry.first_row, entry.m).cwiseAbs().maxCoeff() > kMoves)
+    if (Cd.segment(entry.first_row, entry.m).any())
       names.push_back("'" + dynamics.system().links()[static_cast<std::size_t>(entry.link)]->name() + "'");
   return names;
 }
@@ -149,7 +136,7 @@ std::string who_varies(Dynamics& dynamics, const State& state, double after) {
       return fmt::format("{} cannot hold together with the others there ({:.2g} % of its right side is left over): {}",
                          dynamics.system().row_name(now.rows, report.worst_row), 100 * report.residual,
                          why_contradict(moved_by_laws(dynamics, state), or_against_stops(dynamics.system(), now.rows)));
-    const Said from = listen(dynamics, state);
+    const Given from = given_at(dynamics, state);
     State then = state;
     StateRate rate;
     dynamics.rates(state, rate);
@@ -157,7 +144,7 @@ std::string who_varies(Dynamics& dynamics, const State& state, double after) {
     then.s += after * rate.s;
     then.t += after;
     dynamics.normalize(then);
-    std::string words = in_words(dynamics, state, from, listen(dynamics, then), after);
+    std::string words = in_words(dynamics, state, from, given_at(dynamics, then), after);
     if (const std::vector<std::string> moved = moved_by_laws(dynamics, state); moved.size() == 1 && !words.empty())
       words += "; a law moves " + moved.front();
     return words;

@@ -24,8 +24,6 @@ constexpr double kNoise = 1e-10;  // relative to the largest impulse, speed, for
 
 std::uint64_t bit_of(std::size_t contact) { return std::uint64_t{1} << contact % 64; }
 
-std::size_t most_pivots(std::size_t n) { return 20 + 10 * n * n; }
-
 }  // namespace
 
 // What a row or a force throws leaves the state and the contacts as they were: they are settled when the run goes on.
@@ -60,7 +58,10 @@ ContactManager::Settled ContactManager::settle_all(State& state) {
     out.impact = out.impact || hit;
     if (here && (hit || !contacts_.in_force(touching_[k], state))) out.touched |= bit_of(touching_[k]);
   }
-  if (out.impact) impact(state);
+  if (out.impact) {
+    pivot(state, "impulses", [&] { return find_kick(state); });
+    take_impact(state);
+  }
   out.resting = rest(state);
   released_.clear();
   out.restart = here || out.impact || state.modes != modes_before_;
@@ -89,20 +90,21 @@ void ContactManager::put_active(State& state) const {
   for (std::size_t k = 0; k < touching_.size(); ++k) contacts_.put(touching_[k], active_[k], state);
 }
 
-void ContactManager::impact(State& state) {
-  bool fits = false;
-  for (std::size_t n = 0; !fits; ++n) {
-    if (n == most_pivots(touching_.size())) fail(state, "impulses");
-    std::size_t misfit = 0;
-    find_kick(state, fits, misfit);
-    if (!fits) active_[misfit] = !active_[misfit];
+// Flips the first row that does not fit until all do. `misfit`: its place for these rows, or their number.
+template <class Misfit>
+void ContactManager::pivot(State& state, const char* what, const Misfit& misfit) {
+  const std::size_t n_rows = active_.size(), most = 20 + 10 * n_rows * n_rows;
+  for (std::size_t n = 0;; ++n) {
+    if (n == most) fail(state, what);
+    put_active(state);
+    const std::size_t k = misfit();
+    if (k == n_rows) return;
+    active_[k] = !active_[k];
   }
-  take_impact(state);
 }
 
-// The change of velocity with the active rows, and the first row that does not fit it.
-void ContactManager::find_kick(State& state, bool& fits, std::size_t& misfit) {
-  put_active(state);
+// The change of velocity with the active rows; returns the first row that does not fit it.
+std::size_t ContactManager::find_kick(const State& state) {
   const Evaluation& e = dynamics_.gather(state);
   const RowTable& rows = e.rows();
   impulse_.setZero(rows.n_rows);
@@ -118,15 +120,16 @@ void ContactManager::find_kick(State& state, bool& fits, std::size_t& misfit) {
   double speed = 0;
   for (const Gap& g : hits_) speed = std::max(speed, std::abs(g.cd));
   const double least = rows.n_rows > 0 ? -kNoise * impulse_.lpNorm<Eigen::Infinity>() : 0.0;
-  fits = true;
-  for (std::size_t k = 0; k < touching_.size() && fits; ++k) {
+  std::size_t k = 0;
+  for (bool fits = true; k < touching_.size(); ++k) {
     const std::size_t i = touching_[k];
     if (const int row = active_[k] ? contacts_.row(i, rows) : -1; row >= 0)
       fits = -contacts_[i].sign * impulse_[row] >= least;
     else
       fits = contacts_.gap(i, in).cd >= aim_[k] - kNoise * speed;
-    misfit = k;
+    if (!fits) break;
   }
+  return k;
 }
 
 // Applies v+ and counts its energy: an impulse z on a row takes z (Cd- + Cd+)/2, and laws give z Ct.
@@ -164,23 +167,21 @@ std::string ContactManager::rest(State& state) {
   touching_.resize(n), hits_.resize(n), active_.resize(n);
   std::string names;
   if (n == 0) return names;
-  bool fits = false;
-  for (std::size_t pivots = 0; !fits; ++pivots) {
-    if (pivots == most_pivots(n)) fail(state, "forces");
-    put_active(state);
+  pivot(state, "forces", [&] {
     const Solution& v = dynamics_.evaluate(state);
     const double force = std::max(v.lambda.size() > 0 ? v.lambda.lpNorm<Eigen::Infinity>() : 0.0,
                                   v.evaluation.force().lpNorm<Eigen::Infinity>());
     const double a = v.a.size() > 0 ? v.a.lpNorm<Eigen::Infinity>() : 0.0;
-    fits = true;
-    for (std::size_t k = 0; k < n && fits; ++k) {
+    const double least = -kNoise * std::max(a, dynamics_.system().gravity().norm());
+    std::size_t k = 0;
+    for (; k < n; ++k) {
       const std::size_t i = touching_[k];
       const int row = active_[k] ? contacts_.row(i, v.rows) : -1;
-      fits = row >= 0 ? -contacts_[i].sign * v.lambda[row] >= -kNoise * force
-                      : contacts_.gap_dd(i, v) >= -kNoise * std::max(a, dynamics_.system().gravity().norm());
-      if (!fits) active_[k] = !active_[k];
+      if (row >= 0 ? !(-contacts_[i].sign * v.lambda[row] >= -kNoise * force) : !(contacts_.gap_dd(i, v) >= least))
+        break;
     }
-  }
+    return k;
+  });
   for (std::size_t k = 0; k < n; ++k)
     if (active_[k]) names += (names.empty() ? "the contact of link '" : "', '") + contacts_[touching_[k]].link->name();
   if (!names.empty()) names += "'";
