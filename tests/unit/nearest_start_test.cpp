@@ -83,6 +83,17 @@ TEST_CASE("a start by a joint's coordinate is met exactly", "[unit][assembly]") 
   CHECK(std::min(std::abs(std::remainder(is - one, kTwoPi)), std::abs(std::remainder(is - other, kTwoPi))) < 1e-8);
 }
 
+// Turned about x by a, then about the new y by b.
+TEST_CASE("a start may ask for both angles of a universal joint", "[unit][assembly]") {
+  const auto [a, b] = GENERATE(table<double, double>({{1, 0.5}, {-2.5, 1.2}, {0.3, -3.0}}));
+  CAPTURE(a, b);
+  const Assembled found(R"("bodies": [{"name": "b", "mass": 1, "inertia": [1, 1, 1]}],
+    "links": [{"name": "U", "type": "universal", "p": "b", "s": "ground", "at": [0, 0, 0], "start": {"position": )" +
+                        fmt::format(R"({{"rx": {}, "ry": {}}}}}])", a, b));
+  const double qw = std::abs(body_pose(found.m.system.body("b"), found.state).q.w);
+  CHECK(std::abs(qw - std::abs(std::cos(a / 2) * std::cos(b / 2))) < 1e-9);
+}
+
 // (x - 0)^2 + (x - 0.3)^2 is least at 0.15.
 TEST_CASE("a coordinate may be asked for approximately", "[unit][assembly]") {
   const Assembled found(

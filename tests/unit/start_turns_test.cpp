@@ -385,4 +385,24 @@ TEST_CASE("a drive that cannot begin where its law does is named", "[unit][assem
   CHECK(testing::says(error, {"drive rz of link 'A' begins at 180 deg, 180 deg from the poses given"}));
 }
 
+// The hinges of a parallelogram turn along with its crank, which begins a turn away: D's angle is that of A.
+TEST_CASE("angles of the far hinges of a double crank begin in the turn of its drive", "[unit][assembly]") {
+  const double turns = GENERATE(1.0, -1.0, 3.0);
+  CAPTURE(turns);
+  System s;
+  const Vec3 D(2, 0, 0), B(std::cos(0.3), std::sin(0.3), 0), C = B + D;
+  Body& crank = s.add_body("crank", shapes::rod(1.0, Vec3::Zero(), B));
+  Body& coupler = s.add_body("coupler", shapes::rod(1.0, B, C));
+  Body& rocker = s.add_body("rocker", shapes::rod(1.0, D, C));
+  const double begins = 0.3 + turns * kTwoPi;
+  s.add<Revolute>("A", crank, s.ground(), pose_at(Vec3::Zero())).drive(Axis::rz, laws::ramp(0.1, 0, begins));
+  s.add<Revolute>("B", coupler, crank, pose_at(B));
+  s.add<Revolute>("C", coupler, rocker, pose_at(C));
+  s.add<Revolute>("D", rocker, s.ground(), pose_at(D));
+  Simulation run(s, {});
+  run.record({"D.angle_z"});
+  run.run_until(0.01);
+  CHECK(std::abs(run.table().first("D.angle_z") - begins) < 1e-9);
+}
+
 }  // namespace start_turns_test

@@ -115,33 +115,6 @@ TEST_CASE("accelerations at a start in a change point are those of the branch th
                     !(std::abs(table["Ax"][0]) < 10));
 }
 
-// Turned about x by 1 rad, then about the new y by 0.5 rad.
-TEST_CASE("a start may ask for both angles of a universal joint", "[defect][one idea]") {
-  const Ended ended = end_of("universal_two_angles", {"dopri5"});
-  INFO(ended.error);
-  expect_defect(
-      "universal_two_angles", kOneIdea, says(ended, "U.rx and U.ry cannot hold together"),
-      ended.error.empty() && std::abs(std::abs(ended.table["b.qw"][0]) - std::cos(0.5) * std::cos(0.25)) < 1e-9);
-}
-
-// The hinges of a parallelogram turn along with its crank, which begins a turn away: D's angle is that of A.
-TEST_CASE("angles of the far hinges of a double crank begin in the turn of its drive", "[defect][one idea]") {
-  System s;
-  const Vec3 D(2, 0, 0), B(std::cos(0.3), std::sin(0.3), 0), C = B + D;
-  Body& crank = s.add_body("crank", shapes::rod(1.0, Vec3::Zero(), B));
-  Body& coupler = s.add_body("coupler", shapes::rod(1.0, B, C));
-  Body& rocker = s.add_body("rocker", shapes::rod(1.0, D, C));
-  s.add<Revolute>("A", crank, s.ground(), pose_at(Vec3::Zero())).drive(Axis::rz, laws::ramp(0.1, 0, 0.3 + kTwoPi));
-  s.add<Revolute>("B", coupler, crank, pose_at(B));
-  s.add<Revolute>("C", coupler, rocker, pose_at(C));
-  s.add<Revolute>("D", rocker, s.ground(), pose_at(D));
-  Simulation run(s, {});
-  run.record({"D.angle_z"});
-  run.run_until(0.01);
-  const double begins = run.table().first("D.angle_z");
-  expect_defect("double_crank_turns", kOneIdea, std::abs(begins - 0.3) < 1e-9, std::abs(begins - 0.3 - kTwoPi) < 1e-9);
-}
-
 // The uprights of a parallelogram of like rods turn as one: alpha = -2 m g cos(q) / (2 J + m), J about the end of a rod
 // whose radius is a fiftieth of its length. At a distance of 1e-3 rad from the flat position, errors of the motion grow a
 // thousandfold in it, and by as much again.

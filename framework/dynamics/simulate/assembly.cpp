@@ -9,180 +9,75 @@
 #include <lockstep/error.h>
 #include <lockstep/log.h>
 #include <lockstep/text.h>
-#include "framework/dynamics/simulate/assembled_positions.h"
-#include "framework/dynamics/simulate/consistency.h"
-#include "framework/dynamics/simulate/coordinate_row.h"
-#include "framework/dynamics/simulate/nearest_start.h"
-#include "framework/dynamics/simulate/start_turns.h"
+#include "framework/dynamics/simulate/start_positions.h"
+#include "framework/dynamics/simulate/start_rows.h"
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
 namespace {
 
-/// (8.2) x += d, q <- normalise(q + (1/2) q dth).
-void cayley_move(State& state, int n_slots, double share, const VecX& d) {
-  for (int k = 0; k < n_slots; ++k) {
-    state.q.segment<3>(7 * k) += share * d.segment<3>(6 * k);
-    const Quat q = Quat::from(state.q.segment<4>(7 * k + 3)) * cayley(share * d.segment<3>(6 * k + 3));
-    state.q.segment<4>(7 * k + 3) = q.coefficients();
-  }
-}
-
-std::string worst_rows(const Evaluation& e, const VecX& C) {
-  std::vector<int> order(static_cast<std::size_t>(C.size()));
-  for (int i = 0; i < C.size(); ++i) order[static_cast<std::size_t>(i)] = i;
-  std::sort(order.begin(), order.end(), [&](int a, int b) { return std::abs(C[a]) > std::abs(C[b]); });
-  std::vector<std::string> words;
-  for (std::size_t i = 0; i < order.size() && i < 3; ++i)
-    words.push_back(e.system().row_name(e.rows(), order[i]) + " (" + text::brief(C[order[i]]) + ")");
-  return text::join(words);
-}
-
-double round_off(const State& state, double length) {
-  double x_max = 0;
-  for (int k = 0; k + 7 <= state.q.size(); k += 7)
-    x_max = std::max(x_max, state.q.segment<3>(k).lpNorm<Eigen::Infinity>());
-  return 1e-14 * length + 8 * std::numeric_limits<double>::epsilon() * x_max;
-}
-
-constexpr int kMostShort = 400'000;      // iterations that short steps add
 constexpr double kVelocityLimit = 1e-6;  // m/s, residual |Jh v + Ct|: more is a contradiction, not round-off
 
-class Assembler {
- public:
-  Assembler(Dynamics& dynamics, State& state, const AssemblyOptions& options)
-      : dynamics_(dynamics), state_(state), options_(options), n_(dynamics.system().n_slots()) {}
-
-  /// How far the state is off its links, m.
-  double distance() {
-    dynamics_.normalize(state_);
-    residual();
-    return start_distance(*now_, C_);
-  }
-
-  /// `follows`: what counts turns follows the iterations; `short_steps`: see short_share().
-  void positions(AssemblyReport& report, bool follows, bool short_steps) {
-    dynamics_.normalize(state_);
-    const VecX zero = VecX::Zero(6 * n_);
-    VecX d, lambda;
-    double now = residual();
-    check_gradients(*now_);
-    const double goal = std::max(options_.tolerance, round_off(state_, dynamics_.system().length()));
-    int stalls = 0;  // in a row
-    int cut = 0;     // short steps, on the way there
-    for (report.iterations = 0; now > goal; ++report.iterations) {
-      if (report.iterations - cut >= options_.iterations || !std::isfinite(now)) stop(now, report.iterations);
-      const VecX c = -C_;
-      dynamics_.factor(*now_).solve(*now_, zero, c, d, lambda);
-      const double whole = short_steps ? short_share(n_, d) : 1.0;
-      const double next = move_along(d, whole, now);
-      const bool on_the_way = whole < 1 && next < (1 - 0.1 * whole) * now && cut < kMostShort;
-      if (on_the_way) ++cut;
-      const bool stalled = !on_the_way && !(next < 0.9 * now);
-      stalls = stalled ? stalls + 1 : 0;
-      if (stalls > 5 && next > 1e3 * goal) stop(next, report.iterations + 1);
-      if (stalled && next <= 1e3 * goal) break;  // at round-off
-      now = next;
-      if (follows) follow_turns(dynamics_, state_), now = residual();
+// Projects first, then corrects along the free motions only: W = M^-1-orthogonal responses to each target's row. Once
+// more if the solver's answers leave a digit.
+void meet(Dynamics& dynamics, State& state, const std::vector<VelocityTarget>& targets) {
+  constexpr int kRounds = 3;
+  dynamics.project_velocity(state);
+  const auto m = static_cast<Eigen::Index>(targets.size());
+  MatX rows(m, state.v.size()), response(state.v.size(), m);
+  VecX gap(m), a, lambda;
+  for (int round = 0; round < kRounds; ++round) {
+    double largest = 0;
+    for (Eigen::Index i = 0; i < m; ++i) {
+      const VelocityTarget& target = targets[static_cast<std::size_t>(i)];
+      const Lock& link = paired_link(dynamics.system(), target.link, target.axis);
+      const CoordinateRow at = coordinate_row(dynamics, state, link, target.axis);
+      rows.row(i) = at.of_rate.transpose();
+      gap[i] = target.value - at.rate, largest = std::max(largest, std::abs(target.value));
     }
-    residual();
-    report.after = start_distance(*now_, C_);
-  }
-
-  /// M dv + Jh^T mu = 0 with Jh v = -Ct and T v = targets: the targets' rows are added to the mechanism's own.
-  void velocities(const std::vector<VelocityTarget>& targets, AssemblyReport& report) {
-    const VecX zero = VecX::Zero(6 * n_);
-    report.before_v = dynamics_.violation_v(state_);
-    if (targets.empty()) {
-      dynamics_.project_velocity(state_);
-    } else {
-      meet(targets);
+    const double left = gap.lpNorm<Eigen::Infinity>();
+    if (round > 0 && left <= 4 * std::numeric_limits<double>::epsilon() * largest) return;
+    const Evaluation& e = dynamics.gather_rows(state);
+    const VecX none = VecX::Zero(e.rows().n_rows);
+    Factor& factor = dynamics.factor(e);
+    for (Eigen::Index i = 0; i < m; ++i) {
+      factor.solve(e, rows.row(i).transpose(), none, a, lambda);
+      response.col(i) = a;
     }
-    report.after_v = dynamics_.violation_v(state_);
-    residual();
-    if (!(report.after_v <= kVelocityLimit))
-      throw AssemblyError("assembly left inconsistent velocities (constraint violation " + text::brief(report.after_v) +
-                          " m/s); worst: " + worst_rows(*now_, Cd_) + ". Two laws may drive one coordinate" +
-                          or_against_stops(dynamics_.system(), now_->rows()) +
-                          ", or the position is a dead centre, where a driven "
-                          "coordinate cannot move: look at the drives of these links, or start off the dead centre");
-  }
-
- private:
-  // Projects first, then corrects along the free motions only: W = M^-1-orthogonal responses to each target's row. Once
-  // more where the solver's answers leave a digit.
-  void meet(const std::vector<VelocityTarget>& targets) {
-    constexpr int kRounds = 3;
-    dynamics_.project_velocity(state_);
-    const int m = static_cast<int>(targets.size());
-    MatX rows(m, 6 * n_), response(6 * n_, m);
-    VecX gap(m), wanted(m), a, lambda;
-    for (int round = 0; round < kRounds; ++round) {
-      for (int i = 0; i < m; ++i) {
-        const VelocityTarget& target = targets[static_cast<std::size_t>(i)];
-        double rate = 0;
-        const CoordinateRow at = coordinate_row(dynamics_, state_, target.link, target.axis);
-        rate = at.rate;
-        rows.row(i) = at.row.transpose();
-        wanted[i] = std::abs(target.value), gap[i] = target.value - rate;
-      }
-      const double left = gap.lpNorm<Eigen::Infinity>(), largest = wanted.lpNorm<Eigen::Infinity>();
-      if (round > 0 && left <= 4 * std::numeric_limits<double>::epsilon() * largest) return;
-      const Evaluation& e = dynamics_.gather_rows(state_);
-      const VecX none = VecX::Zero(e.rows().n_rows);
-      Factor& factor = dynamics_.factor(e);
-      for (int i = 0; i < m; ++i) {
-        factor.solve(e, rows.row(i).transpose(), none, a, lambda);
-        response.col(i) = a;
-      }
-      // Targets may depend on each other: any impulse that gives their rates will do, since all give the same motion.
-      const MatX compliance = rows.lazyProduct(response);
-      const VecX impulse = compliance.fullPivLu().solve(gap);
-      if ((compliance * impulse - gap).lpNorm<Eigen::Infinity>() > 1e-9 * std::max({1.0, left, largest}))
-        throw AssemblyError("start velocity: " + target_names(targets) +
-                            " cannot be met together; the mechanism does not move that way: "
-                            "ask for fewer coordinates, or for one that is free");
-      state_.v += response * impulse;
-      dynamics_.project_velocity(state_);
+    // Targets may depend on each other: any impulse that gives their rates will do, since all give the same motion.
+    const MatX compliance = rows.lazyProduct(response);
+    const VecX impulse = compliance.fullPivLu().solve(gap);
+    if ((compliance * impulse - gap).lpNorm<Eigen::Infinity>() > 1e-9 * std::max({1.0, left, largest})) {
+      std::vector<std::string> names;
+      for (const VelocityTarget& t : targets) names.push_back(t.link + "." + std::string(to_string(t.axis)));
+      throw AssemblyError("start velocity: " + text::join(names) +
+                          " cannot be met together; the mechanism does not move that way: "
+                          "ask for fewer coordinates, or for one that is free");
     }
+    state.v += response * impulse;
+    dynamics.project_velocity(state);
   }
+}
 
-  // By this share of d, or by half of it, ..., until |C| falls. Returns |C|.
-  double move_along(const VecX& d, double whole, double now) {
-    const State from = state_;
-    for (double share = whole;; share *= 0.5) {
-      state_ = from;
-      cayley_move(state_, n_, share, d);
-      const double next = residual();
-      if (next < now || share < 1e-3 * whole) return next;
-    }
-  }
-
-  double residual() {
-    now_ = &dynamics_.gather_rows(state_);
-    now_->residuals(C_, Cd_);
-    return now_->norm(C_);
-  }
-
-  [[noreturn]] void stop(double now, int iterations) {
-    throw AssemblyError("assembly stopped after " + std::to_string(iterations) +
-                        " iterations at |C| = " + text::brief(now) + " m; worst: " + worst_rows(*now_, C_) +
-                        ". Check the start poses of these links' bodies, their markers and masks");
-  }
-
-  static std::string target_names(const std::vector<VelocityTarget>& targets) {
-    std::vector<std::string> names;
-    for (const VelocityTarget& t : targets) names.push_back(t.link + "." + std::string(to_string(t.axis)));
-    return text::join(names);
-  }
-
-  Dynamics& dynamics_;
-  State& state_;
-  const AssemblyOptions& options_;
-  int n_;
-  const Evaluation* now_ = nullptr;  // set by residual()
-  VecX C_, Cd_;
-};
+/// M dv + Jh^T mu = 0 with Jh v = -Ct and T v = targets: the targets' rows are added to the mechanism's own.
+void assemble_velocities(Dynamics& dynamics, State& state, const std::vector<VelocityTarget>& targets,
+                         AssemblyReport& report) {
+  report.before_v = dynamics.violation_v(state);
+  if (targets.empty())
+    dynamics.project_velocity(state);
+  else
+    meet(dynamics, state, targets);
+  report.after_v = dynamics.violation_v(state);
+  if (report.after_v <= kVelocityLimit) return;
+  const Evaluation& e = dynamics.gather_rows(state);
+  VecX C, Cd;
+  e.residuals(C, Cd);
+  throw AssemblyError("assembly left inconsistent velocities (constraint violation " + text::brief(report.after_v) +
+                      " m/s); worst: " + worst_rows(e, Cd) + ". Two laws may drive one coordinate" +
+                      or_against_stops(dynamics.system(), e.rows()) +
+                      ", or the position is a dead centre, where a driven "
+                      "coordinate cannot move: look at the drives of these links, or start off the dead centre");
+}
 
 double kinetic_energy(Dynamics& dynamics, const State& state) {
   const Inputs& in = dynamics.inputs(state);
@@ -294,14 +189,15 @@ void add_missed(Dynamics& dynamics, const State& assembled, const AssemblyOption
   for (const CoordinateTarget& target : options.coordinates) {
     if (!std::isfinite(target.weight) || target.weight == 0) continue;
     const bool turns = is_rotation(target.axis);
-    const double value = coordinate_value(dynamics, assembled, dynamics.system().link(target.link), target.axis);
+    const Lock& link = dynamics.system().link(target.link);
+    const double value = coordinate_row(dynamics, assembled, link, target.axis).value;
     const double off = turns ? std::remainder(value - target.value, kTwoPi) : value - target.value;
     if (std::abs(off) <= (turns ? kMissed : kMissedBy * dynamics.system().length())) continue;
     const double unit = turns ? 180 / kPi : 1;
     report.warnings.push_back(fmt::format(
         "link '{}': {} begins at {:.4g} {}, near {:.4g} {} was asked for: what else is asked for, start poses of "
-        "bodies "
-        "among it, counts against it; ask for it exactly (\"position\"), or let its body go anywhere (\"assembled\": "
+        "bodies among it, counts against it; ask for it exactly (\"position\"), or let its body go anywhere "
+        "(\"assembled\": "
         "\"free\")",
         target.link, to_string(target.axis), unit * (target.value + off), turns ? "deg" : "m", unit * target.value,
         turns ? "deg" : "m"));
@@ -336,69 +232,14 @@ LOCKSTEP_API std::string AssemblyReport::text() const {
   return text;
 }
 
-namespace {
-
-// Whether the start is the one nearest to what is asked.
-bool weighs(const AssemblyOptions& options) { return !options.coordinates.empty() || !options.poses.empty(); }
-
-void find_positions_from(Dynamics& dynamics, State& work, const AssemblyOptions& options, Assembler& assembler,
-                         AssemblyReport& report, bool follows, bool short_steps) {
-  const int rounds = weighs(options) ? nearest_start(dynamics, work, options, follows) : 0;
-  assembler.positions(report, follows, short_steps);
-  report.iterations += rounds;
-}
-
-/// Once more where drives begin more than a quarter turn away and Newton's method was lost: with the bodies of open chains
-/// turned there, by shorter steps. Returns whether what counts turns followed the iterations.
-bool find_positions(Dynamics& dynamics, State& work, const AssemblyOptions& options, Assembler& assembler,
-                    AssemblyReport& report) {
-  const System& system = dynamics.system();
-  const bool begins = turns_begin(system, work);
-  const bool led = begin_turns(dynamics, work, options, report.warnings),
-             follows =
-                 led || (has_coupled_angles(system) && (!options.coordinates.empty() || has_drives(system, work)));
-  const State begun = work;
-  if (!led) follow_turns(dynamics, work);  // led ones are those of the poses to come
-  report.before = weighs(options) ? dynamics.violation(work) : assembler.distance();
-  const State given = work;
-  try {
-    find_positions_from(dynamics, work, options, assembler, report, follows, follows);
-  } catch (const AssemblyError& error) {
-    work = given;
-    const std::string drive = farthest_drive(dynamics, work);
-    if (!turn_to_drives(dynamics, work)) throw;
-    try {
-      find_positions_from(dynamics, work, options, assembler, report, follows, true);
-    } catch (const AssemblyError&) {
-      throw AssemblyError(error.what() + drive);
-    }
-  }
-  follow_turns(dynamics, work);
-  if (begins) settle_turns(dynamics, begun, work);
-  return follows;
-}
-
-}  // namespace
-
-void assemble_positions(Dynamics& dynamics, State& state, const AssemblyOptions& options) {
-  AssemblyReport report;
-  dynamics.system().check_size(state);
-  State work = state;
-  Assembler assembler(dynamics, work, options);
-  find_positions(dynamics, work, options, assembler, report);
-  state = std::move(work);
-}
-
 AssemblyReport assemble(Dynamics& dynamics, State& state, const std::vector<VelocityTarget>& targets,
                         const AssemblyOptions& options) {
   AssemblyReport report;
   dynamics.system().check_size(state);
   State work = state;
-  Assembler assembler(dynamics, work, options);
-  const bool follows = find_positions(dynamics, work, options, assembler, report);
+  find_positions(dynamics, work, options, report);
   report.kinetic_before = kinetic_energy(dynamics, work);
-  assembler.velocities(targets, report);
-  if (follows) follow_turns(dynamics, work);  // with the rates of the start
+  assemble_velocities(dynamics, work, targets, report);
   report.kinetic_after = kinetic_energy(dynamics, work);
   measure_move(dynamics.system(), state, work, report);
   add_warnings(dynamics, state, work, options, report);

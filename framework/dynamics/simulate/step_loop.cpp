@@ -11,7 +11,7 @@
 #include "framework/dynamics/simulate/damping.h"
 #include "framework/dynamics/simulate/detail_observer.h"
 #include "framework/dynamics/simulate/keep_state.h"
-#include "framework/dynamics/simulate/start_turns.h"
+#include "framework/dynamics/simulate/start_positions.h"
 #include "framework/dynamics/simulate/step_loop_parts.h"
 
 namespace lockstep {

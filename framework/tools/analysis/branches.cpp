@@ -9,7 +9,6 @@
 #include <lockstep/assembly.h>
 #include <lockstep/error.h>
 #include <lockstep/kinematics.h>
-#include "framework/dynamics/simulate/start_turns.h"
 #include "framework/tools/analysis/wild_starts.h"
 
 namespace lockstep {
@@ -19,14 +18,7 @@ BranchReport find_branches(Dynamics& dynamics, const State& start, const BranchO
   State first = start;
   dynamics.to_slots(first);
   first.v.setZero();
-  State turned = first;
-  std::vector<std::string> warnings;  // said by assemble()
-  begin_turns(dynamics, turned, {}, warnings);
-  if (turned.s != first.s || !fit(dynamics, first)) {
-    State again = start;
-    assemble(dynamics, again);  // says which rows do not fit
-    first = again;
-  }
+  assemble(dynamics, first);
   if (const DriveReport driven = driven_by(dynamics, first); driven.freedoms > 0)
     throw ModelError("branches are counted where every coordinate is held or driven; here " + driven.text());
   const double same = options.same * system.length();
@@ -41,16 +33,16 @@ BranchReport find_branches(Dynamics& dynamics, const State& start, const BranchO
       ++report.failed;
       continue;
     }
-    std::string body;
     const int freedoms = mobility(dynamics, state).freedoms;
     const auto known = std::ranges::find_if(report.branches, [&](const AssemblyBranch& b) {
-      return b.freedoms == freedoms && (freedoms > 0 || apart(system, b.state, state, body) <= same);
+      return b.freedoms == freedoms && (freedoms > 0 || apart(system, b.state, state) <= same);
     });
     if (known != report.branches.end()) {
       ++known->found;
       continue;
     }
-    const double distance = apart(system, first, state, body);
+    std::string body;
+    const double distance = apart(system, first, state, &body);
     report.branches.push_back({std::move(state), 1, freedoms, distance, body});
   }
   std::ranges::stable_sort(report.branches, {}, &AssemblyBranch::distance);

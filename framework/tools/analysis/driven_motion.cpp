@@ -8,9 +8,10 @@
 #include <cmath>
 
 #include <lockstep/error.h>
-#include <lockstep/stepping.h>
 #include <lockstep/lock.h>
+#include <lockstep/stepping.h>
 #include <lockstep/text.h>
+#include "framework/tools/analysis/wild_starts.h"
 
 namespace lockstep {
 namespace {
@@ -31,17 +32,6 @@ double integral(const MotionLaw& speed, double t0, double t1) {
   for (std::size_t k = 0; k < kNode.size(); ++k)
     sum += kWeight[k] * speed.at(0.5 * (t0 + t1) + 0.5 * (t1 - t0) * kNode[k]).y;
   return 0.5 * (t1 - t0) * sum;
-}
-
-/// How far apart two poses of all slots are, m; turns by `length`.
-double distance(const State& a, const State& b, double length) {
-  double most = 0;
-  for (Eigen::Index k = 0; k + 7 <= a.q.size(); k += 7) {
-    const auto qa = a.q.segment<4>(k + 3), qb = b.q.segment<4>(k + 3);
-    const double turn = 2 * std::min((qa - qb).norm(), (qa + qb).norm());
-    most = std::max({most, (a.q.segment<3>(k) - b.q.segment<3>(k)).norm(), length * turn});
-  }
-  return most;
 }
 
 }  // namespace
@@ -118,7 +108,7 @@ bool DrivenMotion::step(double t) {
                        moved.after_v);
     return false;
   }
-  if (h != 0 && distance(guess_, trial_, length) > kBranch * length) {
+  if (h != 0 && apart(dynamics_.system(), guess_, trial_) > kBranch * length) {
     why_ = "the next position is not reached continuously";
     return false;
   }

@@ -44,8 +44,7 @@ bool same_pose(const Pose& p, const Pose& q, const Unheld& unheld, double length
 /// Whether two equilibria are one: the same poses, or, where a motion is held by nothing, the same family of them: as
 /// stiff, under the same forces, and the same in all that is held.
 bool same_equilibrium(const System& system, const Equilibrium& a, const Equilibrium& b, double same) {
-  std::string body;
-  if (apart(system, a.state, b.state, body) <= same * system.length()) return true;
+  if (apart(system, a.state, b.state) <= same * system.length()) return true;
   constexpr double kAlike = 1e-6;
   const Stability &s = a.report.stability, &o = b.report.stability;
   const auto alike = [](double x, double y) { return std::abs(x - y) <= kAlike * std::max(std::abs(x), std::abs(y)); };

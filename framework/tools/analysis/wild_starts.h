@@ -28,7 +28,7 @@ LOCKSTEP_API void scatter(const System&, double size, Scatter&, State&);
 /// rows are not finite or contradict one another on the way. The state is in the slots' own coordinates.
 bool fit(Dynamics&, State&);
 
-/// Largest distance of a mass centre between two states, or turn times System::length(), m; `body`: whose it is.
-LOCKSTEP_API double apart(const System&, const State& a, const State& b, std::string& body);
+/// Largest distance of a mass centre between two states, or turn times System::length(), m; `body`: takes whose it is.
+LOCKSTEP_API double apart(const System&, const State& a, const State& b, std::string* body = nullptr);
 
 }  // namespace lockstep

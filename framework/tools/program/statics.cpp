@@ -10,7 +10,7 @@
 #include <lockstep/equilibrium.h>
 #include <lockstep/log.h>
 #include <lockstep/text.h>
-#include "framework/dynamics/simulate/start_turns.h"
+#include "framework/dynamics/simulate/start_positions.h"
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/program/commands.h"
 #include "framework/tools/program/document.h"

@@ -44,8 +44,7 @@ WildStarts try_starts(Mechanism& m, Dynamics& dynamics, int starts) {
       ++out.assembled;
       out.iterations += report.iterations;
       out.violation = std::max(out.violation, report.after);
-      std::string body;
-      out.moved.push_back(apart(m.system, wild, state, body));
+      out.moved.push_back(apart(m.system, wild, state));
     } catch (const AssemblyError&) {
       ++out.failures["ended off the constraints"];
     } catch (const SolveError&) {

@@ -4,7 +4,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/solvers.h>
-#include "framework/dynamics/simulate/assembled_positions.h"
+#include "framework/dynamics/simulate/start_positions.h"
 #include "framework/dynamics/simulate/decided_rows.h"
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/tools/analysis/left_out_rows.h"

@@ -6,7 +6,7 @@
 #include <lockstep/recorder.h>
 #include <lockstep/scene.h>
 #include "framework/description/scene/system_of.h"
-#include "framework/dynamics/simulate/start_turns.h"
+#include "framework/dynamics/simulate/start_positions.h"
 #include "framework/tools/simulation/simulation_parts.h"
 
 namespace lockstep {

@@ -6,7 +6,7 @@
 #include <lockstep/log.h>
 #include <lockstep/registry.h>
 #include <lockstep/text.h>
-#include "framework/dynamics/simulate/start_turns.h"
+#include "framework/dynamics/simulate/start_positions.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/simulation/checkpoint.h"
 #include "framework/tools/simulation/simulation_parts.h"

@@ -1,0 +1,375 @@
+#include "framework/dynamics/simulate/start_positions.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <lockstep/error.h>
+#include <lockstep/log.h>
+#include <lockstep/text.h>
+#include "framework/dynamics/simulate/consistency.h"
+#include "framework/dynamics/simulate/start_rows.h"
+#include "framework/mechanism/system/diagnose.h"
+
+namespace lockstep {
+namespace {
+
+constexpr double kTurn = 0.25 * kPi;  // rad: of a body, from one pose of a way to the next
+constexpr double kDegrees = 180 / kPi;
+
+// --------------------------------------------------------------------------------------- Gauss-Newton with line search
+
+/// (8.2) x += d, q <- normalise(q + (1/2) q dth).
+void cayley_move(State& state, double share, const VecX& d) {
+  for (int k = 0; 6 * k < d.size(); ++k) {
+    state.q.segment<3>(7 * k) += share * d.segment<3>(6 * k);
+    const Quat q = Quat::from(state.q.segment<4>(7 * k + 3)) * cayley(share * d.segment<3>(6 * k + 3));
+    state.q.segment<4>(7 * k + 3) = q.coefficients();
+  }
+}
+
+/// The largest turn of a step or between two states, rad.
+double largest_turn(const VecX& d) {
+  double most = 0;
+  for (int k = 0; 6 * k < d.size(); ++k) most = std::max(most, d.segment<3>(6 * k + 3).norm());
+  return most;
+}
+double largest_turn(const State& a, const State& b) {
+  double most = 0;
+  for (int k = 0; 7 * k < a.q.size(); ++k)
+    most =
+        std::max(most, rotation_vector(conjugate(normalized(a.slot_pose(k).q)) * normalized(b.slot_pose(k).q)).norm());
+  return most;
+}
+
+/// Moves a state by the largest share 1, 1/2, 1/4, ... of a step with which `measure` is less than `now`; by the least
+/// share if none is. Returns the measure there.
+template <class Measure>
+double search_line(State& state, const VecX& d, double now, Measure&& measure) {
+  constexpr double kLeastShare = 1e-3;
+  const State from = state;
+  for (double share = 1;; share *= 0.5) {
+    state = from;
+    cayley_move(state, share, d);
+    const double next = measure(state);
+    if (next < now || share < kLeastShare) return next;
+  }
+}
+
+struct Approach {
+  bool met = false;
+  int rounds = 0;
+  double off = 0;  // m
+};
+
+/// Gauss-Newton steps onto rows, to `goal`, m, or to their rounding.
+Approach approach(StartRows& rows, State& state, double goal, int most) {
+  constexpr double kFalls = 0.9, kRounding = 1e3;
+  constexpr int kStalls = 5;  // in a row
+  Approach at{.off = rows.look(state)};
+  for (int stalls = 0; at.off > goal; ++at.rounds) {
+    if (at.rounds >= most || !std::isfinite(at.off) || stalls > kStalls) return at;
+    const State from = state;
+    const double before = at.off;
+    at.off = search_line(state, rows.step(), before, [&](const State& there) { return rows.look(there); });
+    stalls = at.off < kFalls * before ? 0 : stalls + 1;
+    if (stalls == 0 || before > kRounding * goal) continue;
+    if (!(at.off < before)) state = from, at.off = rows.look(state);
+    break;
+  }
+  at.met = std::isfinite(at.off);
+  return at;
+}
+
+double goal_of(const System& system, const State& state, double tolerance) {
+  double x_max = 0;
+  for (int k = 0; 7 * k < state.q.size(); ++k)
+    x_max = std::max(x_max, state.q.segment<3>(7 * k).lpNorm<Eigen::Infinity>());
+  return std::max(tolerance, 1e-14 * system.length() + 8 * std::numeric_limits<double>::epsilon() * x_max);
+}
+
+// ------------------------------------------------------------------------------------------------------ counted angles
+
+double expected(const CountedAngle& angle, const State& state) {
+  return angle.expected({state.s.data(), static_cast<std::size_t>(state.s.size())});
+}
+
+/// Whether all counted angles are as System::start() left them.
+bool turns_begin(const System& system, const State& state) {
+  if (system.counted_angles().empty()) return true;
+  const State home = system.start();
+  return std::ranges::all_of(system.counted_angles(),
+                             [&](const auto& angle) { return expected(*angle, state) == expected(*angle, home); });
+}
+
+/// Takes the branches nearest to those of another state, or, of angles on which no rows depend, within half a turn of zero.
+void count(Dynamics& dynamics, State& state, const State& from, bool from_zero) {
+  const auto& angles = dynamics.system().counted_angles();
+  if (angles.empty()) return;
+  const Inputs& in = dynamics.inputs(state);
+  for (const auto& angle : angles)
+    named(*angle, in.t,
+          [&] { angle->set(in, from_zero && !angle->coupled() ? 0.0 : expected(*angle, from), state.s); });
+}
+
+bool is_coupled(const System& system) {
+  return std::ranges::any_of(system.counted_angles(), [](const auto& angle) { return angle->coupled(); });
+}
+
+bool turns_about_one_axis(const StartTarget& target) {
+  const Jointed* joint = target.link->jointed();
+  return joint != nullptr && includes(joint->rows() | row_of(target.axis), Mask::e123);
+}
+
+const CountedAngle* angle_of(const System& system, const StartTarget& target) {
+  const auto [p, s] = target.link->pairs().front();
+  return target.turns() ? system.counted(*p, *s, axis_index(target.axis) % 3) : nullptr;
+}
+
+// ----------------------------------------------------------------------------------------------------------- positions
+
+class StartSearch {
+ public:
+  StartSearch(Dynamics& dynamics, State& state, const AssemblyOptions& options, AssemblyReport& report)
+      : dynamics_(dynamics),
+        system_(dynamics.system()),
+        state_(state),
+        options_(options),
+        report_(report),
+        links_(dynamics),
+        goal_(goal_of(system_, state, options.tolerance)),
+        targets_(targets_of(system_, state, options)),
+        begins_(turns_begin(system_, state)),
+        whole_(is_coupled(system_)) {
+    given_ = state;
+    count(dynamics, given_, given_, begins_);
+    for (StartTarget& target : targets_) take_value(target);
+    state_.s = given_.s;
+  }
+
+  void positions() {
+    report_.before = distance();
+    if (options_.coordinates.empty() && options_.poses.empty()) {
+      alone();
+    } else {
+      nearest();
+      if (const std::string why = onto_links(); !why.empty()) throw AssemblyError(why);
+    }
+    report_.after = distance();
+    count_turns();
+  }
+
+  /// Counts the turns of the way from the poses given to this state, by all that is asked for.
+  void count_turns() {
+    if (system_.counted_angles().empty()) return;
+    if (counted_ || !begins_) return count(dynamics_, state_, state_, false);
+    for (StartTarget& target : targets_) target.asked = target.value(dynamics_, state_, target.asked);
+    State way = given_;
+    const bool open = asks() && lead(way, true);
+    count(dynamics_, state_, open ? way : state_, !open);
+    for (const StartTarget& target : targets_) {
+      if (const CountedAngle* angle = angle_of(system_, target); angle != nullptr)
+        angle->set(dynamics_.inputs(state_), target.asked, state_.s);
+      if (!open && is_beyond(target))
+        warn(target, "the way there from the poses given is longer than 10000 turns or not open; give others");
+    }
+  }
+
+ private:
+  double distance() {
+    links_.look(state_);
+    return start_distance(links_.evaluation(), links_.residuals());
+  }
+
+  /// Where a target is in the poses given, and what is asked of it.
+  void take_value(StartTarget& target) {
+    const CountedAngle* angle = angle_of(system_, target);
+    target.now = target.value(dynamics_, given_, angle != nullptr ? expected(*angle, given_) : 0);
+    if (begins_ && !is_beyond(target) &&
+        std::abs(target.value(dynamics_, given_, target.asked) - target.asked) <= goal_) {
+      target.now = target.asked;  // half a turn has two names
+      if (angle != nullptr) angle->set(dynamics_.inputs(given_), target.asked, given_.s);
+    }
+    target.near = target.turns() ? nearest_branch(target.asked, target.now) : target.asked;
+    const bool has_turns = turns_about_one_axis(target);
+    if (!has_turns && is_beyond(target))
+      warn(target,
+           "P turns about other axes of S, too, so that its turns about one have no number; ask for an angle "
+           "within half a turn");
+    if (!has_turns || (!begins_ && angle == nullptr)) target.asked = target.near;
+  }
+
+  bool is_beyond(const StartTarget& target) const { return target.turns() && std::abs(target.asked) > kPi + goal_; }
+
+  void warn(const StartTarget& target, const char* why) {
+    report_.warnings.push_back(
+        fmt::format("{}: {:.9g} deg is asked for and {:.9g} deg taken by what counts its turns: {}", target.who(),
+                    kDegrees * target.asked, kDegrees * nearest_branch(target.asked, 0), why));
+  }
+
+  /// Whether a target is elsewhere than in the poses given.
+  bool asks() const {
+    return std::ranges::any_of(targets_, [&](const StartTarget& t) { return std::abs(t.asked - t.now) > goal_; });
+  }
+
+  /// Gauss-Newton onto rows, with what it took added to the report.
+  Approach bring(StartRows& rows, State& state) {
+    const Approach at = approach(rows, state, goal_, options_.iterations);
+    report_.iterations += at.rounds;
+    return at;
+  }
+
+  /// Onto all rows. Returns why it did not get there.
+  std::string onto_links() {
+    links_.look(state_);
+    check_gradients(links_.evaluation());
+    const Approach at = bring(links_, state_);
+    if (at.met) return "";
+    return "assembly stopped after " + std::to_string(at.rounds) + " iterations at |C| = " + text::brief(at.off) +
+           " m; worst: " + worst_rows(links_.evaluation(), links_.residuals()) +
+           ". Check the start poses of these links' bodies, their markers and masks";
+  }
+
+  /// Without weights and coordinates. The rows first, unless they count turns.
+  void alone() {
+    const bool counts = whole_ && asks();
+    counted_ = counts && lead(state_, true) && onto_links().empty();
+    if (counted_) return;
+    state_ = given_;
+    const std::string why = onto_links();
+    if (why.empty()) return;
+    state_ = given_;
+    if (counts || targets_.empty() || !lead(state_, false) || !onto_links().empty())
+      throw AssemblyError(why + farthest_drive());
+  }
+
+  /// Leads a state along the ways of the targets, in shares that turn no body by more than an eighth of a turn; `whole`: by
+  /// all turns that are asked for. Returns whether it got there.
+  bool lead(State& state, bool whole) try {
+    constexpr double kLeastShare = 1e-5;
+    if (state.v.size() > TargetRows::kMostUnknowns) return false;
+    std::vector<StartTarget> targets = targets_;
+    TargetRows rows(dynamics_, given_, options_, targets);
+    const TargetRows::Held held = whole ? TargetRows::Held::all : TargetRows::Held::exact;
+    State trial = state;
+    const auto ask = [&](double share) {
+      for (StartTarget& to : targets) to.led = to.now + share * ((whole ? to.asked : to.near) - to.now);
+    };
+    const auto arrives = [&](TargetRows::Held holds) {
+      trial = state;
+      rows.hold(holds);
+      return bring(rows, trial).met;
+    };
+    const auto arrive = [&] {
+      count(dynamics_, trial, state, false);
+      state = trial;
+      for (StartTarget& to : targets) to.now = to.value(dynamics_, state, to.now);
+    };
+    ask(0);
+    if (!arrives(held) && !arrives(TargetRows::Held::none)) return false;
+    arrive();
+    if (begins_) count(dynamics_, state, state, true);
+    rows.hold(held);
+    for (double share = 0; share < 1; arrive()) {
+      ask(1);
+      if (rows.look(state) <= goal_) return true;
+      share = std::min(1.0, kTurn / largest_turn(rows.step()));
+      for (;; share *= 0.25) {
+        if (share < kLeastShare) return false;
+        ask(share);
+        if (arrives(held) && largest_turn(state, trial) <= 2 * kTurn) break;
+      }
+    }
+    return true;
+  } catch (const NonFiniteError&) {
+    return false;
+  }
+
+  /// Along what links and exact targets leave free, to where the cost is least.
+  void nearest() {
+    std::vector<StartTarget> targets = targets_;
+    TargetRows rows(dynamics_, given_, options_, targets);
+    const bool arrived = lead(state_, whole_);
+    counted_ = whole_ && arrived;
+    if (!arrived) state_ = given_;
+    for (StartTarget& target : targets) {
+      target.led = whole_ ? target.asked : target.near;
+      target.now = target.value(dynamics_, state_, target.led);
+    }
+    if (const Approach at = bring(rows, state_); !at.met) throw AssemblyError(rows.missed(at.rounds));
+    for (int round = 0; round < options_.iterations; ++round) {
+      const double cost = rows.cost();
+      VecX d = rows.downhill();
+      if (cost == 0 || d.size() == 0 || d.lpNorm<Eigen::Infinity>() <= goal_) return;
+      d *= std::min(1.0, kTurn / std::max(kTurn, largest_turn(d)));
+      const State from = state_;
+      const double next = search_line(state_, d, cost, [&](State& there) {
+        return bring(rows, there).met ? rows.cost() : std::numeric_limits<double>::infinity();
+      });
+      if (!(next < cost)) state_ = from;
+      count(dynamics_, state_, from, false);
+      if (!(next < cost)) return;
+    }
+  }
+
+  /// The drive about an axis that begins farthest from the poses given, more than a quarter turn, in words.
+  std::string farthest_drive() const {
+    const StartTarget* farthest = nullptr;
+    double most = 2 * kTurn;
+    for (const StartTarget& target : targets_)
+      if (const double way = std::abs(target.near - target.now); target.drive >= 0 && target.turns() && way > most)
+        most = way, farthest = &target;
+    if (farthest == nullptr) return "";
+    return fmt::format(" ({} begins at {:.6g} deg, {:.6g} deg from the poses given: put its bodies there)",
+                       farthest->who(), kDegrees * farthest->asked, kDegrees * most);
+  }
+
+  Dynamics& dynamics_;
+  const System& system_;
+  State& state_;
+  State given_;
+  const AssemblyOptions& options_;
+  AssemblyReport& report_;
+  LinkRows links_;
+  double goal_;
+  std::vector<StartTarget> targets_;
+  bool begins_;           // counts are those of System::start()
+  bool whole_;            // rows count turns: positions depend on all turns that are asked for
+  bool counted_ = false;  // the way to the state was counted
+};
+
+}  // namespace
+
+void find_positions(Dynamics& dynamics, State& state, const AssemblyOptions& options, AssemblyReport& report) {
+  dynamics.normalize(state);
+  StartSearch(dynamics, state, options, report).positions();
+}
+
+void assemble_positions(Dynamics& dynamics, State& state, const AssemblyOptions& options) {
+  AssemblyReport report;
+  dynamics.system().check_size(state);
+  State work = state;
+  find_positions(dynamics, work, options, report);
+  state = std::move(work);
+}
+
+bool approach_links(Dynamics& dynamics, State& state, double goal) {
+  LinkRows rows(dynamics);
+  return approach(rows, state, goal, AssemblyOptions{}.iterations).met;
+}
+
+void begin_turns(Dynamics& dynamics, State& state) {
+  if (dynamics.system().counted_angles().empty() || !turns_begin(dynamics.system(), state)) return;
+  AssemblyReport report;
+  StartSearch(dynamics, state, {}, report).count_turns();
+  for (const std::string& warning : report.warnings) log_warning(warning);
+}
+
+void count_from(Dynamics& dynamics, State& state) {
+  count(dynamics, state, state, turns_begin(dynamics.system(), state));
+}
+
+}  // namespace lockstep

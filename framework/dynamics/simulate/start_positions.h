@@ -1,0 +1,36 @@
+// The positions of a start: targets move from the poses given to what is asked. Internal to assembly.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <lockstep/assembly.h>
+
+namespace lockstep {
+
+/// Moves the positions of a state onto the links, and to what is asked (AssemblyOptions, drives):
+///
+///     links(x) = 0,  exact: c_i(x) = led_i,   led from the value of the poses given to what is asked
+///     least: sum over bodies of w (|dx|^2 + L^2 |turn|^2) + sum over coordinates of w (c - asked)^2
+///
+/// One Gauss-Newton with one line search. Without weights and coordinates it is the least mass-weighted move onto all
+/// rows, and drives are led only if that fails or if rows count turns. Counted angles follow the way. `report`: takes
+/// iterations, how far off the start was and is, and warnings. Throws AssemblyError with the rows or targets that are not
+/// met, ModelError for a target without a meaning.
+void find_positions(Dynamics&, State&, const AssemblyOptions&, AssemblyReport& report);
+
+/// The same without a word.
+LOCKSTEP_API void assemble_positions(Dynamics&, State&, const AssemblyOptions&);
+
+/// Newton's method onto all rows, from anywhere, to this many m. Returns whether it got there. Throws SolveError and
+/// NonFiniteError of rows on the way. The state is in the slots' own coordinates.
+LOCKSTEP_API bool approach_links(Dynamics&, State&, double goal);
+
+/// Of a start that is not assembled: counted angles begin in the turn that the laws of drives ask for. Logs what has none.
+LOCKSTEP_API void begin_turns(Dynamics&, State&);
+
+/// Takes the branches of all counted angles nearest to those before. In a state that is as System::start() left them, those
+/// on which no rows depend begin within half a turn of zero.
+void count_from(Dynamics&, State&);
+
+}  // namespace lockstep

@@ -1,0 +1,285 @@
+#include "framework/dynamics/simulate/start_rows.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include <lockstep/error.h>
+#include <lockstep/relative.h>
+#include <lockstep/text.h>
+#include "framework/mechanism/system/diagnose.h"
+
+namespace lockstep {
+namespace {
+
+using Decomposition = Eigen::CompleteOrthogonalDecomposition<MatX>;
+
+/// P against S.
+Quat relative_turn(const Inputs& in, const MarkerFrame& P, const MarkerFrame& S) {
+  return conjugate(in.slot(S.slot).e * S.at(in.t).q) * (in.slot(P.slot).e * P.at(in.t).q);
+}
+
+double angle_about(const Quat& e, int k) { return std::remainder(2 * std::atan2(e.vec()[k], e.w), kTwoPi); }
+
+/// g of theta' = w g, axes of S: (e0^2 k + e0 (e x k) + ek e) / (e0^2 + ek^2), the derivative of theta = 2 atan2(ek, e0).
+Vec3 gradient_of_turn(const Quat& e, int k) {
+  const Vec3 ev = e.vec(), axis = Vec3::Unit(k);
+  const double size = e.w * e.w + ev[k] * ev[k];
+  return size > 0 ? Vec3((e.w * e.w * axis + e.w * cross(ev, axis) + ev[k] * ev) / size) : axis;
+}
+
+}  // namespace
+
+double nearest_branch(double angle, double about) { return angle + kTwoPi * std::round((about - angle) / kTwoPi); }
+
+const Lock& paired_link(const System& system, const std::string& name, Axis axis) {
+  const Lock& link = system.link(name);
+  if (link.pairs().empty())
+    throw ModelError("link '" + name + "' has no pair of markers, and so no coordinate " +
+                     std::string(to_string(axis)) + " to start from; name a link between two bodies");
+  return link;
+}
+
+CoordinateRow coordinate_row(Dynamics& dynamics, const State& state, const Lock& link, Axis which) {
+  const auto [p, s] = link.pairs().front();
+  const MarkerFrame P(*p), S(*s);
+  const Inputs& in = dynamics.inputs(state);
+  const auto O1 = kernel::body(in.slot(P.slot)), O2 = kernel::body(in.slot(S.slot));
+  const auto mP = kernel::marker<true, true>(P.at(in.t)), mS = kernel::marker<true, true>(S.at(in.t));
+  const int k = axis_index(which) % 3;
+  const auto axis = vec::vector(Vec3(Vec3::Unit(k)));
+  CoordinateRow out;
+  const auto row_of = [&](const auto& r) {
+    VecX row = VecX::Zero(6 * dynamics.system().n_slots());
+    const auto put = [&](int slot, double sign, const auto& v, const auto& w) {
+      if (slot == kGround) return;
+      row.segment<3>(6 * slot) += sign * vec::as<Vec3>(v);
+      row.segment<3>(6 * slot + 3) += vec::as<Vec3>(w);
+    };
+    put(P.slot, 1, r.v, r.w1), put(S.slot, -1, r.v, r.w2);
+    return row;
+  };
+  if (is_rotation(which)) {
+    const auto about = [&](const auto& n) {
+      const auto n2 = mS.A * n;
+      return row_of(kernel::angular_velocity_row(O1.A, O2.A * n2, n2));
+    };
+    const Quat e = relative_turn(in, P, S);
+    out.value = angle_about(e, k);
+    out.rate = dot(axis, kernel::relative_angular_velocity(O1, O2, mP, mS));
+    out.of_rate = about(axis);
+    out.of_value = about(vec::vector(gradient_of_turn(e, k)));
+  } else {
+    const auto n2 = mS.A * axis, n = O2.A * n2;
+    const auto at = kernel::position(O1, O2, mP, mS);
+    const MarkerInWorld in_p = in_world(P, in), in_s = in_world(S, in);
+    out.value = in_s.A.col(k).dot(Vec3(in_p.x - in_s.x));
+    out.rate = dot(axis, kernel::position_rate(mS, at, kernel::velocity(O1, O2, mP, at)));
+    out.of_rate = out.of_value = row_of(kernel::translation_row(O1.A, mP.u, at.s, n, n2));
+  }
+  return out;
+}
+
+// ------------------------------------------------------------------------------------------------------------ targets
+
+std::string StartTarget::name() const { return link->name() + "." + std::string(to_string(axis)); }
+
+std::string StartTarget::who() const {
+  return drive >= 0 ? fmt::format("drive {} of link '{}'", to_string(axis), link->name()) : "start by " + name();
+}
+
+double StartTarget::value(Dynamics& dynamics, const State& state, double about) const {
+  const double value = coordinate_row(dynamics, state, *link, axis).value;
+  return turns() ? nearest_branch(value, about) : value;
+}
+
+std::vector<StartTarget> targets_of(const System& system, const State& state, const AssemblyOptions& options) {
+  std::vector<StartTarget> all;
+  for (const auto& link : system.links()) {
+    const Jointed* joint = link->jointed();
+    if (joint == nullptr || !state.modes[static_cast<std::size_t>(link->number())]) continue;
+    int number = -1;
+    for (const Drive& drive : joint->imposed().drives) {
+      ++number;
+      if (drive.speed || (is_rotation(drive.axis) && joint->imposed().turn)) continue;
+      const double asked = named(*link, state.t, [&] { return drive.law->at(state.t).y; });
+      if (std::isfinite(asked))
+        all.push_back({.link = link.get(), .axis = drive.axis, .asked = asked, .drive = number});
+    }
+  }
+  for (const CoordinateTarget& t : options.coordinates) {
+    const StartTarget target{&paired_link(system, t.link, t.axis), t.axis, t.value, t.weight};
+    if (!(t.weight >= 0)) throw ModelError(fmt::format("{}: the weight {} is not 0 or more", target.who(), t.weight));
+    if (!std::isfinite(t.value)) throw ModelError(fmt::format("{}: the value {} is not finite", target.who(), t.value));
+    if (t.weight > 0) all.push_back(target);
+  }
+  return all;
+}
+
+// ---------------------------------------------------------------------------------------------------------- all links
+
+double LinkRows::look(const State& state) {
+  now_ = &dynamics_.gather_rows(state);
+  now_->residuals(C_, Cd_);
+  return now_->norm(C_);
+}
+
+VecX LinkRows::step() {
+  VecX d, lambda;
+  dynamics_.factor(*now_).solve(*now_, VecX::Zero(6 * dynamics_.system().n_slots()), VecX(-C_), d, lambda);
+  return d;
+}
+
+std::string worst_rows(const Evaluation& e, const VecX& C) {
+  std::vector<int> order(static_cast<std::size_t>(C.size()));
+  for (int i = 0; i < C.size(); ++i) order[static_cast<std::size_t>(i)] = i;
+  std::sort(order.begin(), order.end(), [&](int a, int b) { return std::abs(C[a]) > std::abs(C[b]); });
+  std::vector<std::string> words;
+  for (std::size_t i = 0; i < order.size() && i < 3; ++i)
+    words.push_back(e.system().row_name(e.rows(), order[i]) + " (" + text::brief(C[order[i]]) + ")");
+  return text::join(words);
+}
+
+// -------------------------------------------------------------------------------------- links, poses and coordinates
+
+TargetRows::TargetRows(Dynamics& dynamics, const State& given, const AssemblyOptions& options,
+                       std::vector<StartTarget>& targets)
+    : dynamics_(dynamics),
+      system_(dynamics.system()),
+      given_(given),
+      options_(options),
+      targets_(targets),
+      n_(6 * system_.n_slots()),
+      length_(system_.length()) {
+  if (n_ > kMostUnknowns)
+    throw ModelError(
+        fmt::format("weights and coordinates of starts are solved for densely: {} unknowns are more than {}; "
+                    "leave them out and give poses that fit",
+                    n_, kMostUnknowns));
+  weights_ = VecX::Ones(system_.n_slots());
+  for (const PoseWeight& w : options.poses) {
+    if (!(w.weight >= 0))
+      throw ModelError(fmt::format("start of body '{}': the weight {} is not 0 or more", w.body, w.weight));
+    const int slot = system_.body(w.body).slot;
+    if (slot != kGround) weights_[slot] = w.weight;
+  }
+  scale_ = VecX::Ones(n_);
+  const Plane plane = system_.plane();
+  for (int i = 0; i < n_; ++i) {
+    const int c = i % 6;
+    const bool turns = c >= 3, in_plane = !plane || (turns ? c - 3 == plane.n : c != plane.n);
+    const bool is_free = in_plane && !(turns && system_.slot(i / 6).freedoms == Freedoms::particle);
+    scale_[i] = !is_free ? 0.0 : turns ? 1 / length_ : 1.0;
+  }
+}
+
+bool TargetRows::is_led(const Lock& link, int drive) const {
+  return drive >= 0 &&
+         std::ranges::any_of(targets_, [&](const StartTarget& t) { return t.link == &link && t.drive == drive; });
+}
+
+void TargetRows::take_links(const Evaluation& e) {
+  VecX C, Cd;
+  e.residuals(C, Cd);
+  const Eigen::Index most = n_ + static_cast<Eigen::Index>(targets_.size());
+  E_.setZero(C.size() + most, n_), c_.setZero(C.size() + most), exact_ = C.size();
+  S_.setZero(most, n_), r_.setZero(most), soft_ = 0;
+  for (const RowEntry& entry : e.rows().entries) {
+    const Lock& link = *system_.links()[static_cast<std::size_t>(entry.link)];
+    for (int k = 0; k < entry.m; ++k) {
+      const int row = entry.first_row + k;
+      if (is_led(link, link.row(entry.own[static_cast<std::size_t>(k)]).drive)) {
+        C[row] = 0;
+        continue;
+      }
+      for (int i = 0; i < entry.slots.n; ++i) {
+        const auto J = e.rows().block(entry).J(i, k);
+        for (int j = 0; j < 6; ++j) E_(row, 6 * entry.slots[i] + j) += J[static_cast<std::size_t>(j)];
+      }
+    }
+  }
+  c_.head(C.size()) = C;
+  links_ = off_ = e.norm(C);
+  worst_.clear();
+}
+
+void TargetRows::add(const VecX& row, double off, double weight) {
+  if (std::isinf(weight)) {
+    E_.row(exact_) = row.transpose(), c_[exact_++] = off;
+  } else {
+    S_.row(soft_) = std::sqrt(weight) * row.transpose(), r_[soft_++] = std::sqrt(weight) * off;
+  }
+}
+
+void TargetRows::take_poses(const State& state) {
+  for (int k = 0; k < system_.n_slots(); ++k) {
+    if (weights_[k] == 0) continue;
+    const Pose now = state.slot_pose(k), asked = given_.slot_pose(k);
+    const Vec3 turn = rotation_vector(conjugate(normalized(asked.q)) * normalized(now.q));
+    for (int j = 0; j < 6; ++j)
+      if (const double unit = j < 3 ? 1.0 : length_; scale_[6 * k + j] != 0)
+        add(unit * VecX::Unit(n_, 6 * k + j), unit * (j < 3 ? now.x[j] - asked.x[j] : turn[j - 3]), weights_[k]);
+  }
+}
+
+void TargetRows::take_targets(const State& state) {
+  if (held_ == Held::none) return;
+  for (const StartTarget& target : targets_) {
+    const CoordinateRow at = coordinate_row(dynamics_, state, *target.link, target.axis);
+    const double unit = target.turns() ? length_ : 1.0;
+    const double value = target.turns() ? nearest_branch(at.value, target.now) : at.value;
+    const double off = unit * (value - target.led);
+    const bool exact = target.exact() || held_ == Held::all;
+    add(unit * at.of_value, off, exact ? std::numeric_limits<double>::infinity() : target.weight);
+    if (exact && std::abs(off) > off_) off_ = std::abs(off), worst_ = target.name();
+  }
+}
+
+double TargetRows::look(const State& state) {
+  take_links(dynamics_.gather_rows(state));
+  take_poses(state);
+  take_targets(state);
+  E_.conservativeResize(exact_, n_), c_.conservativeResize(exact_);
+  S_.conservativeResize(soft_, n_), r_.conservativeResize(soft_);
+  E_ = E_ * scale_.asDiagonal(), S_ = S_ * scale_.asDiagonal();
+  for (Eigen::Index k = 0; k < E_.rows(); ++k)
+    if (const double size = E_.row(k).norm(); size > 0) E_.row(k) /= size, c_[k] /= size;
+  return std::max(off_, c_.size() > 0 ? c_.lpNorm<Eigen::Infinity>() : 0.0);
+}
+
+VecX TargetRows::step() {
+  constexpr double kFree = 1e-4;  // weight of a free body: it moves a hundred times as easily as one of weight 1
+  VecX easy(n_);                  // root of how easily each unknown moves
+  for (int i = 0; i < n_; ++i)
+    easy[i] = std::isinf(weights_[i / 6]) ? 1.0 : 1 / std::sqrt(std::max(weights_[i / 6], kFree));
+  return to_slots(easy.asDiagonal() * Decomposition(E_ * easy.asDiagonal()).solve(-c_));
+}
+
+VecX TargetRows::downhill() const {
+  const Decomposition rows(E_);
+  const Eigen::Index free = n_ - rows.rank();
+  if (free == 0) return {};
+  const MatX N = rows.colsPermutation() * MatX(rows.matrixZ().adjoint().rightCols(free));
+  return to_slots(N * Decomposition(S_ * N).solve(-r_));
+}
+
+std::string TargetRows::missed(int rounds) const {
+  std::vector<std::string> asked;
+  for (const CoordinateTarget& t : options_.coordinates)
+    if (std::isinf(t.weight)) asked.push_back(t.link + "." + std::string(to_string(t.axis)));
+  for (const PoseWeight& w : options_.poses)
+    if (std::isinf(w.weight)) asked.push_back("body " + w.body);
+  if (asked.empty())
+    return fmt::format(
+        "assembly stopped after {} rounds at {:.3g} m off the links: the links cannot be met together from "
+        "this start; give poses nearer to ones that fit, or look for links that contradict each other",
+        rounds, links_);
+  return fmt::format(
+      "assembly stopped after {} rounds at {:.3g} m off the links, and {:.3g} m off what is asked for exactly{}: {} "
+      "cannot hold together with the links; ask for fewer of them, or make them approximate",
+      rounds, links_, off_, worst_.empty() ? "" : " (most of all " + worst_ + ")", text::join(asked));
+}
+
+}  // namespace lockstep
