@@ -23,7 +23,7 @@ TEST_CASE("the root finder returns the far end of a bracket within the tolerance
   for (const double tolerance : {1e-6, 1e-9, 4e-16}) {
     int evaluations = 0;
     const auto g = [&](double t) { return ++evaluations, c.g(t); };
-    const double t = falling_root(0, c.g(0), 1, c.g(1), tolerance, 0.0, g);
+    const double t = falling_root(0, c.g(0), 1, c.g(1), tolerance, g);
     CAPTURE(c.root, tolerance, t);
     CHECK(c.g(t) <= 0);
     CHECK(t == Approx(c.root).margin(tolerance + 1e-15));
@@ -31,16 +31,11 @@ TEST_CASE("the root finder returns the far end of a bracket within the tolerance
   }
 }
 
-TEST_CASE("the root finder ends where the value is near enough, and at the ends themselves", "[unit][dynamics]") {
+TEST_CASE("the root finder ends at the ends themselves", "[unit][dynamics]") {
   int evaluations = 0;
   const auto g = [&](double t) { return ++evaluations, 0.5 - t * t; };
-  const double t = falling_root(0, 0.5, 1, -0.5, 0.0, 1e-3, g);
-  CHECK(g(t) <= 0);
-  CHECK(g(t) >= -1e-3);
-  evaluations = 0;
-  CHECK(falling_root(0, 0.5, 1, -1e-4, 0.0, 1e-3, g) == 1);  // near enough already
-  CHECK(falling_root(0, 0.5, 1, 0.0, 0.0, 0.0, g) == 1);
-  CHECK(falling_root(0, 0.0, 1, -0.5, 0.0, 0.0, g) == 0);  // down before it began
+  CHECK(falling_root(0, 0.5, 1, 0.0, 0.0, g) == 1);
+  CHECK(falling_root(0, 0.0, 1, -0.5, 0.0, g) == 0);  // down before it began
   CHECK(evaluations == 0);
 }
 

@@ -134,17 +134,15 @@ double ContactManager::locate_hit(const State& end) {
     const Contact& c = contacts_[i];
     const Gap gap = contacts_.gap(i, in);
     near = near || nears(i, gap, end.t - t0);
-    Guard g{.of = i, .enough = c.margin, .from = c.gap.c, .to = gap.c};
+    Guard g{.of = i, .from = c.gap.c, .to = gap.c};
     if (!c.clear || !(c.gap.c > 0))
-      g.armed = false, g.low = c.floor - c.margin, g.rise = c.margin, g.from = std::max(c.gap.c, c.floor);
+      g.armed = false, g.rises = c.gap.cd > 0, g.low = c.floor - c.margin, g.rise = c.margin,
+      g.from = std::max(c.gap.c, c.floor);
     guards_.push_back(g);
   }
   const double first = finder_.find(guards_, near);
-  for (const Guard& g : guards_) {  // between two instants of the look, too, it may have risen
-    if (g.at > first) continue;
-    Contact& c = contacts_[g.of];
-    c.clear = c.clear || g.armed || (first != kNever && c.above({finder_.own(g, t0 + 0.5 * (first - t0)).g, 0}));
-  }
+  for (const Guard& g : guards_)
+    if (g.at <= first) contacts_[g.of].clear = contacts_[g.of].clear || g.armed;
   return first;
 }
 
@@ -163,7 +161,7 @@ double ContactManager::locate_releases(const State& end, double before) {
   for (const std::size_t i : released_) {
     const Contact& c = contacts_[i];
     const double t0 = interval_.from().t, t1 = end.t;
-    const double t = c.push > 0 ? finder_.root({.of = i, .enough = limit}, {t0, c.push}, {t1, c.push_now}) : t0;
+    const double t = c.push > 0 ? finder_.root({.of = i}, {t0, c.push}, {t1, c.push_now}) : t0;
     if (t > before || t > earliest) continue;
     if (t < earliest) n = 0;
     earliest = t, released_[n++] = i;

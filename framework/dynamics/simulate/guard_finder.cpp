@@ -138,8 +138,10 @@ void GuardFinder::search(std::size_t k) {
   const std::size_t n = times_.size() - 1;
   if (g.armed) search_end(g, seen(k, 0), seen(k, 1), seen(k, 2));
   for (std::size_t j = 1; j <= n && g.at > times_[j - 1]; ++j) {
-    const Sampled a = seen(k, j - 1), b = seen(k, j);
+    Sampled a = seen(k, j - 1);
+    const Sampled b = seen(k, j);
     g.armed = g.armed || a.g > g.rise;
+    if (!g.armed && g.rises && j == 1 && g.crosses(a.g - g.low, b.g - g.low)) a = armed_between(g, a, b);
     const double level = g.armed ? 0 : g.low;
     if (g.crosses(a.g - level, b.g - level))
       meet(g, a, b, level);
@@ -148,6 +150,16 @@ void GuardFinder::search(std::size_t k) {
     else if (g.armed)
       search_end(g, b, a, seen(k, n - 2));
   }
+}
+
+// Where a guard that rises at a is above what arms it before it is beyond `low` at b; a if it is nowhere.
+Sampled GuardFinder::armed_between(Guard& g, const Sampled& a, const Sampled& b) {
+  for (double h = 0.5 * (b.t - a.t); h > rounding_at(b.t); h *= 0.5) {
+    const Sampled high = look_at(g, a.t + h);
+    g.armed = high.g > g.rise;
+    if (g.armed) return high;
+  }
+  return a;
 }
 
 // About a turning point between an end of the step and the instant next to it, where the guard is nearest to zero at the
@@ -195,7 +207,7 @@ bool GuardFinder::of_method(const Guard& g, Sampled& a, Sampled& b, double level
 double GuardFinder::root(const Guard& g, const Sampled& a, const Sampled& b, double level) {
   const double sign = a.g > level ? 1 : -1;
   return falling_root(a.t, sign * (a.g - level), b.t, sign * (b.g - level), std::max(g.tolerance, rounding_at(b.t)),
-                      g.enough, [&](double t) { return sign * (own(g, t).g - level); });
+                      [&](double t) { return sign * (own(g, t).g - level); });
 }
 
 // What is seen at an output before the first guard is met in this step, so that no row lies beyond one that is not.

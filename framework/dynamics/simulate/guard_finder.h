@@ -35,11 +35,11 @@ struct Guard {
   std::size_t of = 0;  ///< its number, for its owner
   Event::Crossing crossing = Event::Crossing::falling;
   double tolerance = 0;      ///< of the instant, s, but for rounding
-  double enough = 0;         ///< beyond zero by less, it is met there
   double after = -kNever;    ///< instants up to this one do not count
   double from = 0, to = 0;   ///< values at the ends of the step
   double low = 0, rise = 0;  ///< it passes `low` instead of zero until it has been above `rise`, which arms it
   bool armed = true;
+  bool rises = false;  ///< at the start of the step
   double at = kNever;  ///< where it is met; infinity: nowhere in this step
 
   /// Strictly from one side: a guard that is zero at first does not cross.
@@ -99,6 +99,7 @@ class GuardFinder {
   double first_before_end() const { return std::min(first(), end_->t); }
   Sampled look_at(const Guard& g, double t) { return {t, value(g, Sample(dynamics_, look(t), interval_.report()))}; }
   void search(std::size_t k);
+  Sampled armed_between(Guard&, const Sampled& a, const Sampled& b);
   void search_end(Guard&, Sampled end, const Sampled& next, const Sampled& after);
   void search_turn(Guard&, Sampled a, Sampled middle, Sampled b);
   void search_outputs();
@@ -122,22 +123,15 @@ class GuardFinder {
   VecX rate0_, rate1_;  // dq/dt at the ends
 };
 
-/// For g > 0 at a and g <= 0 at b: the far end of a bracket no longer than `tolerance`, or an instant with
-/// 0 >= g >= -enough. There g <= 0, so the same root is not found again at once. By TOMS 748 (Alefeld, Potra & Shi, ACM
-/// Trans. Math. Softw. 21 (1995) 327), which needs some 8 evaluations where a guarded false position needs 30; each may
-/// cost a step.
+/// For g > 0 at a and g <= 0 at b: the far end of a bracket no longer than `tolerance`. There g <= 0, so the same root is not
+/// found again at once. By TOMS 748 (Alefeld, Potra & Shi, ACM Trans. Math. Softw. 21 (1995) 327), which needs some 8
+/// evaluations where a guarded false position needs 30; each may cost a step.
 template <class G>
-double falling_root(double a, double ga, double b, double gb, double tolerance, double enough, const G& g) {
+double falling_root(double a, double ga, double b, double gb, double tolerance, const G& g) {
   if (!(ga > 0)) return a;
-  double below = gb;  // g at the far end
-  const auto value = [&](double t) {
-    const double now = g(t);
-    if (!(now > 0)) below = now;
-    return now;
-  };
-  const auto close = [&](double left, double right) { return right - left <= tolerance || below >= -enough; };
+  const auto close = [&](double left, double right) { return right - left <= tolerance; };
   std::uintmax_t most = 200;
-  return close(a, b) ? b : boost::math::tools::toms748_solve(value, a, b, ga, gb, close, most).second;
+  return gb == 0 || close(a, b) ? b : boost::math::tools::toms748_solve(g, a, b, ga, gb, close, most).second;
 }
 
 /// Whether g, which is on one side of zero at a, m and b and nearest to it at m, comes to zero between a and b: then m

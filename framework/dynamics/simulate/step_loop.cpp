@@ -274,8 +274,7 @@ void StepLoop::make_step(double limit, double largest) {
 const Inputs* StepLoop::end_step(double wanted) {
   Parts& p = *parts_;
   const Clock::Target& target = p.target;
-  bool landed =
-      p.interval.report().h >= wanted && state_.t >= target.reach - 1e-13 * std::max(std::abs(target.reach), wanted);
+  bool landed = p.interval.report().h >= wanted && wanted == target.reach - p.interval.from().t;
   if (landed) state_.t = target.reach;
   try {
     const bool touched = !p.contacts.empty() && p.contacts.locate(state_);
@@ -288,9 +287,12 @@ const Inputs* StepLoop::end_step(double wanted) {
     if (landed || met || touched) p.clock.set_anchor(state_.t);
     p.acted = touched || met || jump;
     p.cause = touched ? "an impact" : jump ? "the jump of a law" : "";
-    p.fall_due({Due::rows, Due::step, Due::row, Due::progress, Due::before_jump});
-    if (jump) p.due.push_back({Due::jump});
-    for (const Due what : {Due::events, Due::contacts, Due::jumped}) p.due.push_back({what});
+    if (jump)
+      p.fall_due({Due::rows, Due::step, Due::row, Due::progress, Due::before_jump, Due::jump, Due::events,
+                  Due::contacts, Due::jumped});
+    else
+      p.fall_due(
+          {Due::rows, Due::step, Due::row, Due::progress, Due::before_jump, Due::events, Due::contacts, Due::jumped});
     return seen;
   } catch (...) {
     keep_state(p.interval.from(), state_);

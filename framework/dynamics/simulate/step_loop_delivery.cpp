@@ -42,7 +42,7 @@ void tell(const std::vector<Observer*>& observers, Delivery& now, double t, cons
 void StepLoop::deliver() { deliver(Sample(dynamics_, state_, parts_->interval.report())); }
 
 void StepLoop::deliver(const Sample& sample) {
-  for (std::vector<Delivery>& due = parts_->due; !due.empty(); due.erase(due.begin())) hand_over(due.front(), sample);
+  for (std::vector<Delivery>& due = parts_->due; !due.empty(); due.pop_back()) hand_over(due.back(), sample);
 }
 
 void StepLoop::hand_over(Delivery& now, const Sample& sample) {

@@ -90,7 +90,7 @@ void StepLoop::switch_now(const char* call, const Event& change) {
       std::vector<Delivery>& due;
       ~Guard() {
         by_call = nullptr;
-        if (!due.empty() && due.front().what <= Due::events) due.clear();
+        if (!due.empty() && due.back().what <= Due::events) due.clear();
       }
     } guard{by_call_, parts_->due};
     by_call_ = &change;

@@ -58,7 +58,7 @@ struct StepLoop::Parts {
   State before_events;
   Clock::Target target;       // of the present step
   std::size_t started = 0;    // observers that were started
-  std::vector<Delivery> due;  // after the last step; what threw comes first when the run goes on
+  std::vector<Delivery> due;  // after the last step, the last one first; what threw stays until the run goes on
   std::string refusal;        // why no motion follows the jump of a law at its end; "" where one does
   bool acted = false;         // whether something changed the state at its end,
   std::string cause;          // and what
@@ -67,7 +67,7 @@ struct StepLoop::Parts {
   /// Begins a list of what is due.
   void fall_due(std::initializer_list<Due> list) {
     due.clear();
-    for (const Due what : list) due.push_back({what});
+    for (const Due* what = list.end(); what != list.begin();) due.push_back({*--what});
   }
   /// Shows states inside of the last step, from t0 to t1.
   void show_inside(DetailObserver& to, Dynamics& dynamics, double t0, double t1);
