@@ -229,22 +229,13 @@ std::vector<std::string> EventLocator::past_at_start() const {
   return names;
 }
 
-namespace {
-
-// What is saved of an event: whether it is watched, over, or watched and no step was made yet.
-constexpr long kStageWatched = 0, kStageOver = 1, kStageFirst = 2;
-
-}  // namespace
-
 void EventLocator::save(Snapshot& out) const {
   out.put(static_cast<double>(events_.size()));
   for (std::size_t i = 0; i < events_.size(); ++i) {
     const Watched& w = watched_[i];
     out.put_text(events_[i].name);
-    const long stage = w.over ? kStageOver : w.first ? kStageFirst : kStageWatched;
-    for (const double x : {w.value, w.last, w.nearest.t, w.nearest.g, static_cast<double>(stage), w.met ? 1.0 : 0.0,
-                           events_[i].on ? 1.0 : 0.0, w.off ? 1.0 : 0.0})
-      out.put(x);
+    for (const double x : {w.value, w.last, w.nearest.t, w.nearest.g}) out.put(x);
+    for (const bool flag : {w.over, w.first, w.met, events_[i].on, w.off}) out.put(flag ? 1 : 0);
   }
 }
 
@@ -262,12 +253,8 @@ void EventLocator::load(SnapshotReader& in) {
           fmt::format("the run was saved with the event '{}' where it has '{}' now; add the same in the same order",
                       name, events_[i].name));
     for (double* x : {&w.value, &w.last, &w.nearest.t, &w.nearest.g}) *x = in.get();
-    const long stage = in.get_count();
-    if (stage < kStageWatched || stage > kStageFirst)
-      throw ModelError(fmt::format("event '{}' has the stage {}, which no event has: the checkpoint is damaged",
-                                   events_[i].name, stage));
-    w.over = stage == kStageOver, w.first = stage == kStageFirst;
-    w.met = in.get_flag(), on[i] = in.get_flag(), w.off = in.get_flag();
+    w.over = in.get_flag(), w.first = in.get_flag(), w.met = in.get_flag();
+    on[i] = in.get_flag(), w.off = in.get_flag();
   }
   watched_ = std::move(watched);
   for (std::size_t i = 0; i < events_.size(); ++i) events_[i].on = on[i];
