@@ -20,6 +20,44 @@ namespace {
 constexpr double kTurn = 0.25 * kPi;  // rad: of a body, from one pose of a way to the next
 constexpr double kDegrees = 180 / kPi;
 
+// ------------------------------------------------------------------------------------------------------ counted angles
+
+double expected(const CountedAngle& angle, const State& state) {
+  return angle.expected({state.s.data(), static_cast<std::size_t>(state.s.size())});
+}
+
+/// Whether all counted angles are as System::start() left them.
+bool turns_begin(const System& system, const State& state) {
+  if (system.counted_angles().empty()) return true;
+  const State home = system.start();
+  return std::ranges::all_of(system.counted_angles(),
+                             [&](const auto& angle) { return expected(*angle, state) == expected(*angle, home); });
+}
+
+/// Takes the branches nearest to those of another state, or, of angles on which no rows depend, within half a turn of zero.
+void count(Dynamics& dynamics, State& state, const State& from, bool from_zero) {
+  const auto& angles = dynamics.system().counted_angles();
+  if (angles.empty()) return;
+  const Inputs& in = dynamics.inputs(state);
+  for (const auto& angle : angles)
+    named(*angle, in.t,
+          [&] { angle->set(in, from_zero && !angle->coupled() ? 0.0 : expected(*angle, from), state.s); });
+}
+
+bool is_coupled(const System& system) {
+  return std::ranges::any_of(system.counted_angles(), [](const auto& angle) { return angle->coupled(); });
+}
+
+bool turns_about_one_axis(const StartTarget& target) {
+  const Jointed* joint = target.link->jointed();
+  return joint != nullptr && includes(joint->rows() | row_of(target.axis), Mask::e123);
+}
+
+const CountedAngle* angle_of(const System& system, const StartTarget& target) {
+  const auto [p, s] = target.link->pairs().front();
+  return target.turns() ? system.counted(*p, *s, axis_index(target.axis) % 3) : nullptr;
+}
+
 // --------------------------------------------------------------------------------------- Gauss-Newton with line search
 
 /// (8.2) x += d, q <- normalise(q + (1/2) q dth).
@@ -65,8 +103,8 @@ struct Approach {
   double off = 0;  // m
 };
 
-/// Gauss-Newton steps onto rows, to `goal`, m, or to their rounding.
-Approach approach(StartRows& rows, State& state, double goal, int most) {
+/// Gauss-Newton steps onto rows, to `goal`, m, or to their rounding. Counted angles follow.
+Approach approach(Dynamics& dynamics, StartRows& rows, State& state, double goal, int most) {
   constexpr double kFalls = 0.9, kRounding = 1e3;
   constexpr int kStalls = 5;  // in a row
   Approach at{.off = rows.look(state)};
@@ -75,6 +113,7 @@ Approach approach(StartRows& rows, State& state, double goal, int most) {
     const State from = state;
     const double before = at.off;
     at.off = search_line(state, rows.step(), before, [&](const State& there) { return rows.look(there); });
+    count(dynamics, state, from, false);
     stalls = at.off < kFalls * before ? 0 : stalls + 1;
     if (stalls == 0 || before > kRounding * goal) continue;
     if (!(at.off < before)) state = from, at.off = rows.look(state);
@@ -89,44 +128,6 @@ double goal_of(const System& system, const State& state, double tolerance) {
   for (int k = 0; 7 * k < state.q.size(); ++k)
     x_max = std::max(x_max, state.q.segment<3>(7 * k).lpNorm<Eigen::Infinity>());
   return std::max(tolerance, 1e-14 * system.length() + 8 * std::numeric_limits<double>::epsilon() * x_max);
-}
-
-// ------------------------------------------------------------------------------------------------------ counted angles
-
-double expected(const CountedAngle& angle, const State& state) {
-  return angle.expected({state.s.data(), static_cast<std::size_t>(state.s.size())});
-}
-
-/// Whether all counted angles are as System::start() left them.
-bool turns_begin(const System& system, const State& state) {
-  if (system.counted_angles().empty()) return true;
-  const State home = system.start();
-  return std::ranges::all_of(system.counted_angles(),
-                             [&](const auto& angle) { return expected(*angle, state) == expected(*angle, home); });
-}
-
-/// Takes the branches nearest to those of another state, or, of angles on which no rows depend, within half a turn of zero.
-void count(Dynamics& dynamics, State& state, const State& from, bool from_zero) {
-  const auto& angles = dynamics.system().counted_angles();
-  if (angles.empty()) return;
-  const Inputs& in = dynamics.inputs(state);
-  for (const auto& angle : angles)
-    named(*angle, in.t,
-          [&] { angle->set(in, from_zero && !angle->coupled() ? 0.0 : expected(*angle, from), state.s); });
-}
-
-bool is_coupled(const System& system) {
-  return std::ranges::any_of(system.counted_angles(), [](const auto& angle) { return angle->coupled(); });
-}
-
-bool turns_about_one_axis(const StartTarget& target) {
-  const Jointed* joint = target.link->jointed();
-  return joint != nullptr && includes(joint->rows() | row_of(target.axis), Mask::e123);
-}
-
-const CountedAngle* angle_of(const System& system, const StartTarget& target) {
-  const auto [p, s] = target.link->pairs().front();
-  return target.turns() ? system.counted(*p, *s, axis_index(target.axis) % 3) : nullptr;
 }
 
 // ----------------------------------------------------------------------------------------------------------- positions
@@ -167,8 +168,10 @@ class StartSearch {
     if (system_.counted_angles().empty()) return;
     if (counted_ || !begins_) return count(dynamics_, state_, state_, false);
     for (StartTarget& target : targets_) target.asked = target.value(dynamics_, state_, target.asked);
+    const int made = report_.iterations;
     State way = given_;
     const bool open = asks() && lead(way, true);
+    report_.iterations = made;
     count(dynamics_, state_, open ? way : state_, !open);
     for (const StartTarget& target : targets_) {
       if (const CountedAngle* angle = angle_of(system_, target); angle != nullptr)
@@ -217,7 +220,7 @@ class StartSearch {
 
   /// Gauss-Newton onto rows, with what it took added to the report.
   Approach bring(StartRows& rows, State& state) {
-    const Approach at = approach(rows, state, goal_, options_.iterations);
+    const Approach at = approach(dynamics_, rows, state, goal_, options_.iterations);
     report_.iterations += at.rounds;
     return at;
   }
@@ -235,15 +238,12 @@ class StartSearch {
 
   /// Without weights and coordinates. The rows first, unless they count turns.
   void alone() {
-    const bool counts = whole_ && asks();
-    counted_ = counts && lead(state_, true) && onto_links().empty();
-    if (counted_) return;
-    state_ = given_;
+    if (whole_ && asks() && lead_there() && onto_links().empty()) return;
+    state_ = given_, counted_ = false;
     const std::string why = onto_links();
     if (why.empty()) return;
     state_ = given_;
-    if (counts || targets_.empty() || !lead(state_, false) || !onto_links().empty())
-      throw AssemblyError(why + farthest_drive());
+    if (targets_.empty() || !lead_there() || !onto_links().empty()) throw AssemblyError(why + farthest_drive());
   }
 
   /// Leads a state along the ways of the targets, in shares that turn no body by more than an eighth of a turn; `whole`: by
@@ -288,13 +288,19 @@ class StartSearch {
     return false;
   }
 
+  /// Leads the state. Its turns are counted then, unless more of them are asked for. Returns whether it got there.
+  bool lead_there() {
+    const bool arrived = lead(state_, whole_);
+    counted_ =
+        arrived && (whole_ || std::ranges::all_of(targets_, [](const StartTarget& t) { return t.asked == t.near; }));
+    return arrived;
+  }
+
   /// Along what links and exact targets leave free, to where the cost is least.
   void nearest() {
     std::vector<StartTarget> targets = targets_;
     TargetRows rows(dynamics_, given_, options_, targets);
-    const bool arrived = lead(state_, whole_);
-    counted_ = whole_ && arrived;
-    if (!arrived) state_ = given_;
+    if (!lead_there()) state_ = given_;
     for (StartTarget& target : targets) {
       target.led = whole_ ? target.asked : target.near;
       target.now = target.value(dynamics_, state_, target.led);
@@ -358,7 +364,7 @@ void assemble_positions(Dynamics& dynamics, State& state, const AssemblyOptions&
 
 bool approach_links(Dynamics& dynamics, State& state, double goal) {
   LinkRows rows(dynamics);
-  return approach(rows, state, goal, AssemblyOptions{}.iterations).met;
+  return approach(dynamics, rows, state, goal, AssemblyOptions{}.iterations).met;
 }
 
 void begin_turns(Dynamics& dynamics, State& state) {
