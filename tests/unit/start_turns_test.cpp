@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include <spdlog/fmt/fmt.h>
+
 #include <lockstep/lockstep.h>
 #include "framework/description/scene/system_of.h"
 #include "framework/tools/sweep/sweep_lanes.h"
@@ -403,6 +405,49 @@ TEST_CASE("angles of the far hinges of a double crank begin in the turn of its d
   run.record({"D.angle_z"});
   run.run_until(0.01);
   CHECK(std::abs(run.table().first("D.angle_z") - begins) < 1e-9);
+}
+
+namespace {
+
+/// A four-bar linkage from D = (ground, 0): crank, coupler and rocker of these lengths, given with the crank at 0.5 rad.
+std::string linkage(double ground, double crank, double coupler, double rocker, const std::string& on_A) {
+  const Vec3 B(crank * std::cos(0.5), crank * std::sin(0.5), 0), D(ground, 0, 0);
+  const double d = (B - D).norm();
+  const double beside = std::acos((rocker * rocker + d * d - coupler * coupler) / (2 * rocker * d));
+  const double angle = std::atan2(B[1] - D[1], B[0] - D[0]) - beside;
+  const auto at = [](const Vec3& x) { return fmt::format("[{:.17g}, {:.17g}, 0]", x[0], x[1]); };
+  const std::string b = at(B), c = at(D + rocker * Vec3(std::cos(angle), std::sin(angle), 0));
+  const auto rod = [](const std::string& name, const std::string& from, const std::string& to) {
+    return R"({"name": ")" + name + R"(", "rod": {"mass": 1, "from": )" + from + R"(, "to": )" + to + "}}";
+  };
+  const auto hinge = [](const std::string& name, const std::string& p, const std::string& s, const std::string& place) {
+    return R"({"name": ")" + name + R"(", "type": "revolute", "p": ")" + p + R"(", "s": ")" + s + R"(", "at": )" +
+           place;
+  };
+  return R"("bodies": [)" + rod("crank", "[0, 0, 0]", b) + ", " + rod("coupler", b, c) + ", " +
+         rod("rocker", at(D), c) + R"(], "links": [)" + hinge("A", "crank", "ground", "[0, 0, 0]") + on_A + "}, " +
+         hinge("B", "coupler", "crank", b) + "}, " + hinge("C", "rocker", "coupler", c) + "}, " +
+         hinge("D", "rocker", "ground", at(D)) + "}]";
+}
+
+}  // namespace
+
+// theta_A + theta_B + theta_C = theta_D with all turns. The far end of a crank and rocker swings, of a drag link turns along.
+// What is recorded changes no position.
+TEST_CASE("every hinge of a loop begins in the turn to which its crank is led", "[unit][assembly]") {
+  const bool turns = GENERATE(false, true), driven = GENERATE(false, true);
+  const double asked = GENERATE(4.0, -7.0, 18.0);
+  CAPTURE(turns, driven, asked);
+  const std::string on_A =
+      driven ? driven_from(asked) : R"(, "start": {"position": {"rz": )" + std::to_string(asked) + "}}";
+  const std::string members = turns ? linkage(0.3, 0.8, 0.7, 0.9, on_A) : linkage(1, 0.3, 0.9, 0.8, on_A);
+  const Table run =
+      history_of(scene_of(members, R"("rocker.center_x", "A.angle_z", "B.angle_z", "C.angle_z", "D.angle_z")"));
+  const double A = run.first("A.angle_z"), D = run.first("D.angle_z");
+  CHECK(A == Approx(asked));
+  CHECK(A + run.first("B.angle_z") + run.first("C.angle_z") == Approx(D).margin(1e-9));
+  CHECK(std::abs(turns ? D - A : D) < kPi);
+  CHECK(history_of(scene_of(members, R"("rocker.center_x")")).first("rocker.center_x") == run.first("rocker.center_x"));
 }
 
 }  // namespace start_turns_test
