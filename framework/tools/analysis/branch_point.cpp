@@ -60,7 +60,6 @@ std::vector<MatX> stopping_forms(const Evaluation& e, const LoopRows& rows, cons
 // Unit vectors c with c . G c = 0 for all G, up to their sign: Newton's method from many directions.
 std::vector<VecX> common_zeros(const std::vector<MatX>& forms, Eigen::Index p) {
   constexpr int kStarts = 200, kRounds = 60;
-  constexpr double kZero = 1e-6;  // of forms of size 1, as stopping_form() takes them for round-off
   std::minstd_rand random(1);
   std::normal_distribution<double> normal;
   std::vector<VecX> found;
@@ -76,11 +75,11 @@ std::vector<VecX> common_zeros(const std::vector<MatX>& forms, Eigen::Index p) {
       }
       slopes.bottomRows(1) = c.transpose(), values[values.size() - 1] = 0;
       size = values.lpNorm<Eigen::Infinity>();
-      if (size <= kSameLine * kZero) break;
+      if (size <= kSameLine * kFlat) break;
       c -= Eigen::CompleteOrthogonalDecomposition<MatX>(slopes).solve(values);
       c.normalize();
     }
-    if (!(size <= kZero)) continue;
+    if (!(size <= kFlat)) continue;
     const bool known =
         std::ranges::any_of(found, [&](const VecX& other) { return 1 - std::abs(c.dot(other)) < kSameLine; });
     if (!known) found.push_back(c);

@@ -9,30 +9,11 @@
 #include <lockstep/lock.h>
 #include <lockstep/relative.h>
 #include "framework/mechanism/system/diagnose.h"
+#include "framework/tools/analysis/forces_at_rest.h"
+#include "framework/tools/analysis/mechanism_matrices.h"
 
 namespace lockstep {
 namespace {
-
-/// -J^T lambda of those rows of an entry that `takes` chooses, on one slot: force (world), moment (slot axes).
-template <class Takes>
-Vec6 reaction_on(const Evaluated& v, const RowEntry& entry, const Lock& link, int slot, Takes&& takes) {
-  Vec6 sum = Vec6::Zero();
-  const int i = entry.slots.position(slot);
-  if (i < 0) return sum;
-  for (int k = 0; k < entry.m; ++k) {
-    if (!takes(link.row(entry.own[static_cast<std::size_t>(k)]))) continue;
-    const std::array<double, 6> J = v.rows.block(entry).J(i, k);
-    sum -= v.lambda[entry.first_row + k] * Eigen::Map<const Vec6>(J.data());
-  }
-  return sum;
-}
-
-/// The name of the body in a slot; of welded ones "a + b".
-std::string bodies_of(const System& system, int slot) {
-  std::string names;
-  for (const Body* part : system.slot(slot).bodies) names += (names.empty() ? "" : " + ") + part->name;
-  return names;
-}
 
 class Ledger {
  public:
@@ -52,27 +33,22 @@ class Ledger {
 
   void add_force(const Force& force, BodyBalance& out) const {
     if (!force.acts(v_.in)) return;
-    VecX all = VecX::Zero(6 * system_.n_slots());
-    WrenchSum sum(v_.in.motions, all);
-    in_context([&] { return context_of(force, v_.in.t); },
-               [&] {
-                 force.apply(v_.in, sum);
-                 if (force.reacting() != nullptr) force.reacting()->react(v_.in, Reactions(v_), sum);
-               });
-    const Vec6 on = all.segment<6>(6 * slot_);
+    const Reactions reactions(v_);
+    const Vec6 on = load_of(force, v_.in, system_, &reactions).segment<6>(6 * slot_);
     if (!on.isZero(0) || std::ranges::find(force.slots(), slot_) != force.slots().end())
       add("force '" + force.name() + "'", on, out);
   }
 
   void add_link(const RowEntry& entry, BodyBalance& out) const {
-    if (entry.slots.position(slot_) < 0) return;
+    const int i = entry.slots.position(slot_);
+    if (i < 0) return;
     const Lock& link = *system_.links()[static_cast<std::size_t>(entry.link)];
-    add("link '" + link.name() + "'", reaction_on(v_, entry, link, slot_, [](const LinkRow& r) { return r.drive < 0; }),
-        out);
     const int n = link.driven() ? link.driven()->n_drives() : 0;
-    for (int d = 0; d < n; ++d)
-      add("drive " + link.name() + "." + link.driven()->drive(d).name,
-          reaction_on(v_, entry, link, slot_, [d](const LinkRow& r) { return r.drive == d; }), out);
+    for (int d = -1; d < n; ++d) {  // -1: the joint
+      const auto takes = [&](int k) { return link.row(entry.own[static_cast<std::size_t>(k)]).drive == d; };
+      const Vec6 on = -load_of(v_.rows, entry, i, v_.lambda, takes);
+      add(d < 0 ? "link '" + link.name() + "'" : "drive " + link.name() + "." + link.driven()->drive(d).name, on, out);
+    }
   }
 
   const System& system_;
@@ -127,7 +103,7 @@ BodyBalance balance_of(Dynamics& dynamics, const State& state, const Body& body)
   const Slot& slot = system.slot(body.slot);
   const Motion& m = v.in.slot(body.slot);
   BodyBalance out;
-  out.body = bodies_of(system, body.slot);
+  out.body = bodies_of(slot);
   out.mass = slot.mass, out.center = m.x, out.acceleration = v.a.segment<3>(6 * body.slot);
   Ledger(system, v, body.slot).write(out);
   out.sum.what = "sum", out.rate.what = "m a, rate of angular momentum";
@@ -193,7 +169,7 @@ LinkEquations equations_of(Dynamics& dynamics, const State& state, const Lock& l
   const Eigen::Index m = link.row_count(), n = link.slots().n;
   LinkEquations out;
   out.C.resize(m), out.Ct.resize(m), out.Qc.resize(m), out.J.resize(m, 6 * n), out.Cq.resize(m, 7 * n);
-  for (int i = 0; i < n; ++i) out.slots.push_back(bodies_of(system, link.slots()[i]));
+  for (int i = 0; i < n; ++i) out.slots.push_back(bodies_of(system.slot(link.slots()[i])));
   for (int k = 0; k < m; ++k) {
     out.rows.push_back(link.name() + "." + link.row_name(k));
     out.C[k] = rows.C(k), out.Ct[k] = rows.Ct(k), out.Qc[k] = rows.Qhat(k);
@@ -219,18 +195,15 @@ ForceEffect account_of(Dynamics& dynamics, const State& state, const Force& forc
     if (marker != nullptr) add_laws(*marker, state.t, out.laws);
   out.acts = force.acts(v.in);
   if (!out.acts) return out;
-  VecX all = VecX::Zero(6 * system.n_slots());
-  WrenchSum sum(v.in.motions, all);
-  in_context([&] { return context_of(force, v.in.t); },
-             [&] {
-               force.apply(v.in, sum);
-               if (force.reacting() != nullptr) force.reacting()->react(v.in, Reactions(v), sum);
-               out.potential = force.potential(v.in);
-               out.dissipation = force.dissipation(v.in), out.supply = force.supply(v.in);
-             });
+  const Reactions reactions(v);
+  const VecX all = load_of(force, v.in, system, &reactions);
+  named(force, v.in.t, [&] {
+    out.potential = force.potential(v.in);
+    out.dissipation = force.dissipation(v.in), out.supply = force.supply(v.in);
+  });
   for (const int slot : force.slots()) {
     out.on.push_back(
-        {bodies_of(system, slot), all.segment<3>(6 * slot), v.in.slot(slot).A * all.segment<3>(6 * slot + 3)});
+        {bodies_of(system.slot(slot)), all.segment<3>(6 * slot), v.in.slot(slot).A * all.segment<3>(6 * slot + 3)});
   }
   return out;
 }

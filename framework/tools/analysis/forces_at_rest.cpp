@@ -1,7 +1,6 @@
 #include "framework/tools/analysis/forces_at_rest.h"
 
 #include <algorithm>
-#include <array>
 
 #include <lockstep/error.h>
 #include "framework/mechanism/system/diagnose.h"
@@ -21,7 +20,7 @@ void ForcesAtRest::look(const State& state) {
     r.segment<3>(6 * k) = system.slot(k).mass * a.segment<3>(6 * k);
     r.segment<3>(6 * k + 3) = system.slot(k).J * a.segment<3>(6 * k + 3);
   }
-  force = largest_force();
+  force = system.n_slots() > 0 ? largest_loads(*e, lambda).maxCoeff() : 0;
   const double left = largest(r);
   unbalanced = force > 0 ? left / force : 0;
   speed_up = 0;
@@ -30,37 +29,47 @@ void ForcesAtRest::look(const State& state) {
   e->residuals(C, Cd_);
 }
 
+namespace {
+
+double size_of_load(const Vec6& f, double length) { return std::max(f.head<3>().norm(), f.tail<3>().norm() / length); }
+
+}  // namespace
+
 double ForcesAtRest::largest(const VecX& f) const {
   double most = 0;
-  for (Eigen::Index k = 0; k < f.size(); k += 6) most = std::max(most, size_of(f.segment<6>(k)));
+  for (Eigen::Index k = 0; k < f.size(); k += 6) most = std::max(most, size_of_load(f.segment<6>(k), length_));
   return most;
 }
 
-double ForcesAtRest::largest_force() {
-  const System& system = dynamics_.system();
-  const Inputs& in = e->inputs();
-  double most = largest(e->force());
-  for (int k = 0; k < system.n_slots(); ++k) most = std::max(most, system.slot(k).mass * system.gravity().norm());
-  one_.setZero(a.size());
-  WrenchSum sum(in.motions, one_);
-  for (const auto& each : system.forces()) {
-    if (!each->acts(in)) continue;
-    named(*each, in.t, [&] { each->apply(in, sum); });
-    for (const int slot : each->slots()) {
-      most = std::max(most, size_of(one_.segment<6>(6 * slot)));
-      one_.segment<6>(6 * slot).setZero();
-    }
+VecX load_of(const Force& force, const Inputs& in, const System& system, const Reactions* reactions) {
+  VecX all = VecX::Zero(6 * system.n_slots());
+  WrenchSum sum(in.motions, all);
+  named(force, in.t, [&] {
+    force.apply(in, sum);
+    if (reactions != nullptr && force.reacting() != nullptr) force.reacting()->react(in, *reactions, sum);
+  });
+  return all;
+}
+
+VecX largest_loads(const Evaluation& e, const VecX& lambda) {
+  const System& system = e.system();
+  VecX loads(system.n_slots());
+  const auto add = [&](int slot, const Vec6& f) {
+    loads[slot] = std::max(loads[slot], size_of_load(f, system.length()));
+  };
+  for (int k = 0; k < system.n_slots(); ++k) {
+    loads[k] = system.slot(k).mass * system.gravity().norm();
+    add(k, e.force().segment<6>(6 * k));
   }
-  for (const RowEntry& entry : e->rows().entries)
-    for (int i = 0; i < entry.slots.n; ++i) {
-      Vec6 on = Vec6::Zero();
-      for (int k = 0; k < entry.m; ++k) {
-        const std::array<double, 6> J = e->rows().block(entry).J(i, k);
-        on += lambda[entry.first_row + k] * Eigen::Map<const Vec6>(J.data());
-      }
-      most = std::max(most, size_of(on));
-    }
-  return most;
+  for (const auto& force : system.forces()) {
+    if (!force->acts(e.inputs())) continue;
+    const VecX one = load_of(*force, e.inputs(), system);
+    for (const int slot : force->slots()) add(slot, one.segment<6>(6 * slot));
+  }
+  for (const RowEntry& entry : e.rows().entries)
+    for (int i = 0; i < entry.slots.n; ++i)
+      add(entry.slots[i], load_of(e.rows(), entry, i, lambda, [](int) { return true; }));
+  return loads;
 }
 
 }  // namespace lockstep

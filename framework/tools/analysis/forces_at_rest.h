@@ -1,7 +1,7 @@
 // The forces on a mechanism at rest that nothing balances.
 #pragma once
 
-#include <algorithm>
+#include <array>
 
 #include <lockstep/dynamics.h>
 
@@ -24,14 +24,30 @@ class ForcesAtRest {
 
  private:
   double largest(const VecX&) const;
-  /// Of each force by itself, since all of them together vanish where nothing else holds a body.
-  double largest_force();
-  double size_of(const Vec6& f) const { return std::max(f.head<3>().norm(), f.tail<3>().norm() / length_); }
 
   Dynamics& dynamics_;
   double length_;
   ReactionIteration reacting_;
-  VecX none_, Cd_, one_;
+  VecX none_, Cd_;
 };
+
+/// What a force does by itself, with these reactions if it depends on them: 6 per slot, N (world) and N m (slot axes).
+VecX load_of(const Force&, const Inputs&, const System&, const Reactions* = nullptr);
+
+/// J^T lambda of those rows of an entry that `takes` chooses, by their place in it, on its i-th slot.
+template <class Takes>
+Vec6 load_of(const RowTable& table, const RowEntry& entry, int i, const VecX& lambda, Takes&& takes) {
+  Vec6 sum = Vec6::Zero();
+  for (int k = 0; k < entry.m; ++k) {
+    if (!takes(k)) continue;
+    const std::array<double, 6> J = table.block(entry).J(i, k);
+    sum += lambda[entry.first_row + k] * Eigen::Map<const Vec6>(J.data());
+  }
+  return sum;
+}
+
+/// The largest single load on each slot, N: its weight, each applied force and their sum, the reaction of a link; moments
+/// by the length. Each by itself, since all of them together vanish if nothing else holds a body.
+VecX largest_loads(const Evaluation&, const VecX& lambda);
 
 }  // namespace lockstep

@@ -162,9 +162,9 @@ std::vector<Vec3> spins_of(const MechanismMatrices& at, const std::vector<SlotMo
   }
   spins.emplace_back(A.completeOrthogonalDecomposition().solve(b).head<3>());
   Vec3& spin = spins.back();
-  if (spin.norm() <= 1e-9 * first.norm()) spin.setZero();
+  if (spin.norm() <= kSymmetric * first.norm()) spin.setZero();
   for (int k = 0; k < 3; ++k)
-    if (std::abs(spin[k]) <= 1e-12 * spin.norm()) spin[k] = 0;
+    if (std::abs(spin[k]) <= kRoundOff * spin.norm()) spin[k] = 0;
   if (!spin.isZero(0)) spins.emplace_back(Vec3::Zero());
   return spins;
 }

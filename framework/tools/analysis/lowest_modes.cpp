@@ -19,7 +19,6 @@ namespace {
 using Complex = std::complex<double>;
 using MatXc = Eigen::MatrixXcd;
 
-constexpr double kSmallShare = 1e-11;   // of K with all its terms by their size: as for dense matrices
 constexpr double kModeSettled = 1e-12;  // residual of an eigenvector, relative
 constexpr double kBlur = 1e-14;         // and what the largest leaves on it
 
@@ -30,73 +29,55 @@ class Subspace {
   using Operator = std::function<VecX(const VecX&)>;
 
   Subspace(Operator image, Operator metric, Eigen::Index size)
-      : image_(std::move(image)), metric_(std::move(metric)), size_(size) {}
+      : image_(std::move(image)), metric_(std::move(metric)), size_(size), V_(size, 0) {}
 
   void add_random() {
     for (int tries = 0; tries < 3; ++tries)
-      if (add(image_(VecX(VecX::NullaryExpr(size_, [&] { return normal_(random_); })))) > 0) return;
+      if (add(image_(VecX(VecX::NullaryExpr(size_, [&] { return normal_(random_); }))))) return;
   }
-  // Takes the next vector's image in; false where there is no further one.
+  // Takes the next vector's image in; false if there is no further one.
   bool grow() {
     if (taken_ == n()) add_random();
     if (taken_ == n()) return false;
-    const VecX image = image_(V_[static_cast<std::size_t>(taken_)]);
-    const double size = std::sqrt(std::max(image.dot(metric_(image)), 0.0));
-    columns_.emplace_back();
-    add(image, &columns_.back(), size);
+    add(image_(V_.col(taken_)), taken_);
     ++taken_;
     return true;
   }
   Eigen::Index taken() const { return taken_; }
   // The operator on the vectors whose images are in.
-  MatX projected() const {
-    MatX H = MatX::Zero(taken_, taken_);
-    for (Eigen::Index j = 0; j < taken_; ++j) {
-      const VecX& h = columns_[static_cast<std::size_t>(j)];
-      H.col(j).head(std::min(taken_, h.size())) = h.head(std::min(taken_, h.size()));
-    }
-    return H;
-  }
+  MatX projected() const { return H_.topLeftCorner(taken_, taken_); }
   // |image(x) - theta x| of x = V s, for eigenvectors s of projected().
-  double residual(const VecXc& s) const {
-    VecXc left = VecXc::Zero(n() - taken_);
-    for (Eigen::Index j = 0; j < taken_; ++j) {
-      const VecX& h = columns_[static_cast<std::size_t>(j)];
-      for (Eigen::Index i = taken_; i < h.size(); ++i) left[i - taken_] += h[i] * s[j];
-    }
-    return left.norm();
-  }
-  VecXc vector(const VecXc& s) const {
-    VecXc x = VecXc::Zero(size_);
-    for (Eigen::Index j = 0; j < taken_; ++j) x += s[j] * V_[static_cast<std::size_t>(j)].cast<Complex>();
-    return x;
-  }
+  double residual(const VecXc& s) const { return (H_.bottomLeftCorner(n() - taken_, taken_) * s).norm(); }
+  VecXc vector(const VecXc& s) const { return V_.leftCols(taken_) * s; }
 
  private:
-  Eigen::Index n() const { return static_cast<Eigen::Index>(V_.size()); }
+  Eigen::Index n() const { return V_.cols(); }
+  double norm(const VecX& x) const { return std::sqrt(std::max(x.dot(metric_(x)), 0.0)); }
 
-  // Adds the part of x that is new; its size, 0 where there is none. `h`: the components of x.
-  double add(VecX x, VecX* h = nullptr, double before = -1) {
-    VecX components = VecX::Zero(n() + 1);
-    if (before < 0) before = std::sqrt(std::max(x.dot(metric_(x)), 0.0));
+  // Adds the part of x that is new; false if there is none. The components of the image of vector `of` go to H.
+  bool add(VecX x, Eigen::Index of = -1) {
+    VecX components = VecX::Zero(n());
+    const double before = norm(x);
     for (int round = 0; round < 3; ++round) {
-      const VecX Mx = metric_(x);
-      VecX step(n());
-      for (Eigen::Index i = 0; i < n(); ++i) step[i] = V_[static_cast<std::size_t>(i)].dot(Mx);
-      for (Eigen::Index i = 0; i < n(); ++i) x -= step[i] * V_[static_cast<std::size_t>(i)];
-      components.head(n()) += step;
+      const VecX step = V_.transpose() * metric_(x);
+      x -= V_ * step;
+      components += step;
     }
-    const double left = std::sqrt(std::max(x.dot(metric_(x)), 0.0));
-    const bool is_new = left > 1e-12 * before && left > 0;
-    if (is_new) components[n()] = left;
-    if (h != nullptr) *h = is_new ? components : VecX(components.head(n()));
-    if (is_new) V_.push_back(x / left);
-    return is_new ? left : 0.0;
+    const double left = norm(x);
+    const bool is_new = left > kModeSettled * before;
+    if (is_new) {
+      V_.conservativeResize(Eigen::NoChange, n() + 1);
+      V_.rightCols(1) = x / left;
+      H_.conservativeResizeLike(MatX::Zero(n(), n()));
+    }
+    if (of >= 0) H_.col(of).head(components.size()) = components;
+    if (of >= 0 && is_new) H_(n() - 1, of) = left;
+    return is_new;
   }
 
   Operator image_, metric_;
   Eigen::Index size_, taken_ = 0;
-  std::vector<VecX> V_, columns_;
+  MatX V_, H_;  // image(V) = V H of those that are taken
   std::mt19937 random_{1};
   std::normal_distribution<double> normal_;
 };
@@ -199,7 +180,7 @@ Found settle(Subspace& space, bool symmetric, std::size_t count, Eigen::Index mo
 // What round-off may make of a zero w^2 in the direction of x.
 double zero_of(const LinearMotion& m, const VecXc& x) {
   const VecX size = x.cwiseAbs();
-  return kSmallShare * size.dot(SparseMat(m.K.cwiseAbs()) * size) / size.dot(SparseMat(m.M.cwiseAbs()) * size) +
+  return kZeroShare * size.dot(SparseMat(m.K.cwiseAbs()) * size) / size.dot(SparseMat(m.M.cwiseAbs()) * size) +
          unrest_share(m);
 }
 
@@ -224,7 +205,7 @@ Values with_shift(const LinearMotion& m, bool symmetric, double sigma, int count
   const auto wanted = static_cast<std::size_t>(symmetric ? count : 2 * count);
   const Found found = settle(space, symmetric, wanted, static_cast<Eigen::Index>(200 + 20 * wanted));
   Values out;
-  out.blur = kSmallShare * sigma;
+  out.blur = kZeroShare * sigma;
   out.x = MatXc(m.M.rows(), static_cast<Eigen::Index>(found.theta.size()));
   for (std::size_t k = 0; k < found.theta.size(); ++k) {
     const auto col = static_cast<Eigen::Index>(k);
@@ -274,16 +255,8 @@ Spectrum spectrum_from(const LinearMotion& m, bool symmetric, const Values& valu
     }
   }
   put_zeros(m, zero, out);
-  std::vector<std::size_t> order(out.values.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(order, {}, [&](std::size_t k) { return std::abs(out.values[k]); });
-  const auto v = out.values;
-  const auto b = out.bounds;
-  out.vectors = MatXc(m.M.rows(), static_cast<Eigen::Index>(order.size()));
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    out.values[k] = v[order[k]], out.bounds[k] = b[order[k]];
-    out.vectors.col(static_cast<Eigen::Index>(k)) = values.x.col(source[order[k]]);
-  }
+  out.vectors = values.x(Eigen::all, source);
+  sort(out);
   return out;
 }
 

@@ -8,6 +8,7 @@
 #include <lockstep/linearization.h>
 #include <lockstep/newton.h>
 #include "framework/mechanism/system/diagnose.h"
+#include "framework/tools/analysis/forces_at_rest.h"
 #include "framework/tools/analysis/loop_rows.h"
 
 namespace lockstep {
@@ -47,7 +48,6 @@ SparseMat tangent_of(const TangentSum& sum, bool of_velocity, const Unknowns& at
 }
 
 std::optional<MatX> stopping_form(const Evaluation& e, const Unknowns& at, const MatX& N, const VecX& w) {
-  constexpr double kFlat = 1e-6;  // of the terms: what differences of step 1e-4 leave of a link without a formula
   const double length = e.system().length();
   TangentSum sum;
   sum.lay_out(e.system().n_slots());
@@ -110,14 +110,8 @@ constexpr double kMostLever = 10;    // of the largest load
 // its hinge carries.
 void write_loads(const System& system, const Evaluation& e, const Unknowns& at, MechanismMatrices& m) {
   VecX sum = VecX::Zero(6 * system.n_slots());
-  VecX one(sum.size());
-  for (const auto& force : system.forces()) {
-    if (!force->acts(e.inputs())) continue;
-    one.setZero();
-    WrenchSum wrench(e.inputs().motions, one);
-    named(*force, e.inputs().t, [&] { force->apply(e.inputs(), wrench); });
-    sum += one.cwiseAbs();
-  }
+  for (const auto& force : system.forces())
+    if (force->acts(e.inputs())) sum += load_of(*force, e.inputs(), system).cwiseAbs();
   const VecX reactions = at.to_slots(VecX(m.J.cwiseAbs().transpose() * m.lambda.cwiseAbs()));
   m.loads.setZero(system.n_slots()), m.levers.setZero(system.n_slots()), m.moments.setZero(3 * system.n_slots());
   for (int k = 0; k < system.n_slots(); ++k) {

@@ -26,7 +26,8 @@ std::string direction_words(const Vec3& direction) {
 
 namespace {
 
-constexpr double kNotable = 0.1;  // of the largest
+constexpr double kNotable = 0.1;       // of the largest
+constexpr std::size_t kMostNamed = 4;  // bodies by name
 
 // What a slot does in a motion: "turns about z", and how much, m; no words where it hardly moves.
 struct Part {
@@ -59,27 +60,25 @@ std::vector<Part> parts_of(const System& system, const Inputs& at, const VecX& m
 }  // namespace
 
 std::string motion_words(const System& system, const Inputs& at, const VecX& motion) {
-  constexpr std::size_t kMost = 4;
   const std::vector<Part> parts = parts_of(system, at, motion);
   std::string words;
-  for (std::size_t i = 0; i < std::min(kMost, parts.size()); ++i)
+  for (std::size_t i = 0; i < std::min(kMostNamed, parts.size()); ++i)
     words += (i > 0 ? ", " : "") + name_of(system, parts[i].slot) + " " + parts[i].words;
-  if (const std::size_t n = parts.size(); n > kMost)
-    words += fmt::format(" and {} more bod{} with them", n - kMost, n == kMost + 1 ? "y" : "ies");
+  if (const std::size_t n = parts.size(); n > kMostNamed)
+    words += fmt::format(" and {} more bod{} with them", n - kMostNamed, n == kMostNamed + 1 ? "y" : "ies");
   return words;
 }
 
 std::string led_motion_words(const System& system, const Inputs& at, const VecX& motion, int leader) {
-  constexpr std::size_t kMost = 4;
   std::vector<Part> parts = parts_of(system, at, motion);
   const Part first = part_of(system, at, motion, leader, 0);
   if (first.words.empty()) return motion_words(system, at, motion);
   std::erase_if(parts, [&](const Part& p) { return p.slot == leader; });
   std::string words = name_of(system, leader) + " " + first.words, names;
-  for (std::size_t i = 0; i < std::min(kMost, parts.size()); ++i)
+  for (std::size_t i = 0; i < std::min(kMostNamed, parts.size()); ++i)
     names += (i > 0 ? ", " : "") + name_of(system, parts[i].slot);
-  if (const std::size_t n = parts.size(); n > kMost)
-    names += fmt::format(" and {} more bod{}", n - kMost, n == kMost + 1 ? "y" : "ies");
+  if (const std::size_t n = parts.size(); n > kMostNamed)
+    names += fmt::format(" and {} more bod{}", n - kMostNamed, n == kMostNamed + 1 ? "y" : "ies");
   return names.empty() ? words : words + "; " + names + (parts.size() == 1 ? " follows" : " follow");
 }
 

@@ -16,8 +16,7 @@ namespace {
 using Complex = std::complex<double>;
 using MatXc = Eigen::MatrixXcd;
 
-constexpr double kZeroShare = 1e-11;  // of K with all its terms by their size: less is round-off
-constexpr double kAccuracy = 1e-13;   // of the largest rate, for an eigenvalue of condition 1
+constexpr double kAccuracy = 1e-13;  // of the largest rate, for an eigenvalue of condition 1
 
 // In coordinates z = L^T y, M = L L^T.
 struct Normal {
@@ -51,21 +50,6 @@ MatXc back(const Normal& n, const MatXc& z) {
   if (y.size() == 0) return y;
   y.real() = back(n, MatX(z.real())), y.imag() = back(n, MatX(z.imag()));
   return y;
-}
-
-void sort(Spectrum& s) {
-  std::vector<std::size_t> order(s.values.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
-    const double A = std::abs(s.values[a]), B = std::abs(s.values[b]);
-    return A != B ? A < B : s.values[a].real() < s.values[b].real();
-  });
-  Spectrum sorted = s;
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    sorted.values[k] = s.values[order[k]], sorted.bounds[k] = s.bounds[order[k]];
-    sorted.vectors.col(static_cast<Eigen::Index>(k)) = s.vectors.col(static_cast<Eigen::Index>(order[k]));
-  }
-  s = std::move(sorted);
 }
 
 // D = 0, K symmetric: l^2 = -w^2 of a symmetric matrix, in which zeros do not split.
@@ -185,6 +169,21 @@ void solve_general(const Normal& n, double zero, double unrest, Spectrum& out) {
 }
 
 }  // namespace
+
+void sort(Spectrum& s) {
+  std::vector<std::size_t> order(s.values.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
+    const double A = std::abs(s.values[a]), B = std::abs(s.values[b]);
+    return A != B ? A < B : s.values[a].real() < s.values[b].real();
+  });
+  Spectrum sorted = s;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    sorted.values[k] = s.values[order[k]], sorted.bounds[k] = s.bounds[order[k]];
+    sorted.vectors.col(static_cast<Eigen::Index>(k)) = s.vectors.col(static_cast<Eigen::Index>(order[k]));
+  }
+  s = std::move(sorted);
+}
 
 Spectrum spectrum_of(const QuadraticProblem& p) {
   Spectrum out;

@@ -25,6 +25,12 @@ struct Spectrum {
   Eigen::MatrixXcd vectors;                  ///< of each
 };
 
+/// Of K with all its terms by their size: less is round-off.
+inline constexpr double kZeroShare = 1e-11;
+
+/// Sorts by rising |l|; of equal ones by their real parts.
+void sort(Spectrum&);
+
 /// Throws SolveError where M is not positive definite or the decomposition does not converge.
 Spectrum spectrum_of(const QuadraticProblem&);
 

@@ -11,15 +11,18 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
 
 #include <lockstep/error.h>
 #include "framework/tools/analysis/mechanism_matrices.h"
 #include "framework/tools/analysis/minimal_coordinates.h"
+#include "framework/tools/analysis/row_space.h"
 
 namespace lockstep {
 namespace {
 
 constexpr double kDifferenceStep = 4e-3;  // of a difference, in rad, or of the length; the second step is half of it
+constexpr double kRateStep = 1e-2;        // the same of rates, in their units: what depends on them is nearly quadratic
 constexpr double kNothing = 1e-9;         // of the forces, or of the length: derivatives below may be round-off alone
 
 // Puts the inputs back to zero, whatever happens.
@@ -157,7 +160,7 @@ class Outputs {
   void refuse_integrals() const {
     if (state_.s.size() == 0) return;
     State moved = state_;
-    moved.s.array() += 1e-3;
+    moved.s.array() += kRateStep;
     for (const auto& link : dynamics_.system().links()) {
       const Eigen::Index own = link->jointed() != nullptr ? link->n_own_states() : 0;
       if (own > 0) moved.s.segment(link->first_state(), own) = state_.s.segment(link->first_state(), own);
@@ -244,12 +247,11 @@ double accuracy_of(const VecX& derivative, const VecX& off, const LinearMotion& 
 // How far two derivatives of the outputs are apart, relative to the largest of the same row. A row that is round-off
 // beside one of the same unit, or at all, says nothing.
 double accuracy_of_outputs(const MatX& derivatives, const MatX& off, const std::vector<Channel>& channels) {
-  constexpr double kRoundOff = 1e-14;
   std::vector<double> largest;  // of each row
   for (const auto row : derivatives.rowwise()) largest.push_back(row.lpNorm<Eigen::Infinity>());
   double worst = 0;
   for (std::size_t k = 0; k < channels.size(); ++k) {
-    double scale = kRoundOff / kNothing;
+    double scale = 100 * std::numeric_limits<double>::epsilon() / kNothing;
     for (std::size_t other = 0; other < channels.size(); ++other)
       if (channels[other].unit == channels[k].unit) scale = std::max(scale, largest[other]);
     if (largest[k] > kNothing * scale)
@@ -267,7 +269,7 @@ std::vector<InputColumn> columns_of(const LinearInput& input, const Actuator& ac
   VecX off;
   const VecX by_value = derivative([&](double h) { return response(acts, {h, 0, 0}); }, length_step, off);
   accuracy = std::max(accuracy, accuracy_of(by_value, off, m));
-  const VecX by_rate = derivative([&](double h) { return response(acts, {0, h, 0}); }, 1e-2, off);
+  const VecX by_rate = derivative([&](double h) { return response(acts, {0, h, 0}); }, kRateStep, off);
   accuracy = std::max(accuracy, accuracy_of(by_rate, off, m));
   VecX C_u = by_value.head(rows);
   const VecX R_u = by_value.tail(by_value.size() - rows), R_ud = by_rate.tail(by_rate.size() - rows);
@@ -280,10 +282,10 @@ std::vector<InputColumn> columns_of(const LinearInput& input, const Actuator& ac
   if (moves) {
     const MatX J = m.J;
     Eigen::CompleteOrthogonalDecomposition<MatX> cod;
-    cod.setThreshold(1e-9);
+    cod.setThreshold(kDependent);
     cod.compute(J);
     G = -cod.solve(C_u);
-    if ((J * G + C_u).norm() > 1e-8 * C_u.norm())
+    if ((J * G + C_u).norm() > 10 * kDependent * C_u.norm())
       throw ModelError("input '" + input.name +
                        "' moves against other rows: the joints leave nothing that could follow it");
     G -= r.N * VecX(G(r.chosen));
@@ -305,12 +307,12 @@ std::vector<InputColumn> columns_of(const LinearInput& input, const Actuator& ac
   const bool by_value_alone = !moves && R_ud.isZero(0);
   if (by_value_alone && !speed) return out;  // a state of its own has a rate, which moves it
   // dv of dx' = G u' in the axes: the turning of dx itself is in the column of the value
-  out.push_back(column(speed ? "" : "_d", unit + "/s", m.D * G + R_ud, 1e-2, [=](double h) {
+  out.push_back(column(speed ? "" : "_d", unit + "/s", m.D * G + R_ud, kRateStep, [=](double h) {
     return with({0, h, 0}, {}, VecX(h * G));
   }));
   if (speed) out.back().of = InputColumn::Of::rate_of_state;
   if (by_value_alone) return out;
-  out.push_back(column(speed ? "_d" : "_dd", unit + "/s^2", m.M * G, 1e-2, [=](double h) {
+  out.push_back(column(speed ? "_d" : "_dd", unit + "/s^2", m.M * G, kRateStep, [=](double h) {
     return with({0, 0, h}, {}, {});
   }));
   return out;
@@ -385,12 +387,12 @@ StateSpace linearize(Dynamics& dynamics, const State& given, const std::vector<L
   for (Eigen::Index k = 0; k < f; ++k) {
     const VecX N = r.N.col(k), dv = turned(N);
     const bool turn = m.unknowns[static_cast<std::size_t>(r.chosen[static_cast<std::size_t>(k)])].velocity >= 3;
-    const double largest = std::max(1e-300, N.cwiseAbs().maxCoeff());
+    const double largest = N.cwiseAbs().maxCoeff();
     const double h = kDifferenceStep * (turn ? 1.0 : m.length) / std::max(1.0, turn ? largest : largest * m.length);
     all.col(k) = derivative([&](double u) { return outputs.at(VecX(u * N), VecX(u * dv)); }, h, apart);
     off.col(k) = apart;
     all.col(f + k) =
-        derivative([&](double u) { return outputs.at({}, VecX(u * N)); }, 1e-2 * h / kDifferenceStep, apart);
+        derivative([&](double u) { return outputs.at({}, VecX(u * N)); }, kRateStep * h / kDifferenceStep, apart);
     off.col(f + k) = apart;
   }
   out.B = MatX::Zero(n, n_in);
