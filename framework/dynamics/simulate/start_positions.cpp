@@ -11,6 +11,7 @@
 #include <lockstep/log.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/simulate/consistency.h"
+#include "framework/dynamics/simulate/line_search.h"
 #include "framework/dynamics/simulate/start_rows.h"
 #include "framework/mechanism/system/diagnose.h"
 
@@ -83,20 +84,6 @@ double largest_turn(const State& a, const State& b) {
   return most;
 }
 
-/// Moves a state by the largest share 1, 1/2, 1/4, ... of a step with which `measure` is less than `now`; by the least
-/// share if none is. Returns the measure there.
-template <class Measure>
-double search_line(State& state, const VecX& d, double now, Measure&& measure) {
-  constexpr double kLeastShare = 1e-3;
-  const State from = state;
-  for (double share = 1;; share *= 0.5) {
-    state = from;
-    cayley_move(state, share, d);
-    const double next = measure(state);
-    if (next < now || share < kLeastShare) return next;
-  }
-}
-
 struct Approach {
   bool met = false;
   int rounds = 0;
@@ -112,7 +99,12 @@ Approach approach(Dynamics& dynamics, StartRows& rows, State& state, double goal
     if (at.rounds >= most || !std::isfinite(at.off) || stalls > kStalls) return at;
     const State from = state;
     const double before = at.off;
-    at.off = search_line(state, rows.step(), before, [&](const State& there) { return rows.look(there); });
+    const VecX d = rows.step();
+    search_line(state, [&](double share) {
+      cayley_move(state, share, d);
+      at.off = rows.look(state);
+      return at.off < before || share == kLeastShare;  // a little uphill leads out of many a corner
+    });
     count(dynamics, state, from, false);
     stalls = at.off < kFalls * before ? 0 : stalls + 1;
     if (stalls == 0 || before > kRounding * goal) continue;
@@ -249,7 +241,7 @@ class StartSearch {
   /// Leads a state along the ways of the targets, in shares that turn no body by more than an eighth of a turn; `whole`: by
   /// all turns that are asked for. Returns whether it got there.
   bool lead(State& state, bool whole) try {
-    constexpr double kLeastShare = 1e-5;
+    constexpr double kLeastPart = 1e-5;
     if (state.v.size() > TargetRows::kMostUnknowns) return false;
     std::vector<StartTarget> targets = targets_;
     TargetRows rows(dynamics_, given_, options_, targets);
@@ -278,7 +270,7 @@ class StartSearch {
       if (rows.look(state) <= goal_) return true;
       share = std::min(1.0, kTurn / largest_turn(rows.step()));
       for (;; share *= 0.25) {
-        if (share < kLeastShare) return false;
+        if (share < kLeastPart) return false;
         ask(share);
         if (arrives(held) && largest_turn(state, trial) <= 2 * kTurn) break;
       }
@@ -311,13 +303,12 @@ class StartSearch {
       VecX d = rows.downhill();
       if (cost == 0 || d.size() == 0 || d.lpNorm<Eigen::Infinity>() <= goal_) return;
       d *= std::min(1.0, kTurn / std::max(kTurn, largest_turn(d)));
-      const State from = state_;
-      const double next = search_line(state_, d, cost, [&](State& there) {
-        return bring(rows, there).met ? rows.cost() : std::numeric_limits<double>::infinity();
-      });
-      if (!(next < cost)) state_ = from;
-      count(dynamics_, state_, from, false);
-      if (!(next < cost)) return;
+      const auto falls = [&](double share) {
+        cayley_move(state_, share, d);
+        count(dynamics_, state_, state_, false);
+        return bring(rows, state_).met && rows.cost() < cost;
+      };
+      if (!search_line(state_, falls)) return;
     }
   }
 

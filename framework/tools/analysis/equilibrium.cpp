@@ -10,6 +10,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/dynamics/simulate/line_search.h"
 #include "framework/tools/analysis/equilibrium_search.h"
 #include "framework/tools/analysis/free_motions.h"
 #include "framework/tools/analysis/motion_words.h"
@@ -163,28 +164,20 @@ bool EquilibriumSearch::look() {
 }
 
 bool EquilibriumSearch::take_step() {
-  constexpr int kHalvings = 12;
-  const State from = state_;
   const double slope = slope_, unbalanced = now_.unbalanced, power = now_.power();
-  double share = 1;
-  for (int k = 0; k < kHalvings; ++k, share *= 0.5) {
-    state_ = from;
+  const bool taken = search_line(state_, [&](double share) {
     advance_state(state_, share, step_);
-    if (!settle(state_)) continue;
-    if (touch(state_)) {  // the next step knows of the link
-      if (!settle(state_) || !look()) continue;
-      return true;
-    }
-    if (!look() || !accepts(share, slope, unbalanced, power)) continue;
+    if (!settle(state_)) return false;
+    if (touch(state_)) return settle(state_) && look();  // the next step knows of the link
+    if (!look() || !accepts(share, slope, unbalanced, power)) return false;
     if (share < 1)
       shift_ = std::max(2 * shift_, least_shift());
     else
       shift_ *= now_.r.dot(step_) < 0.7 * slope ? 0.1 : 0.3;
     return true;
-  }
-  state_ = from;
-  now_.look(state_);
-  return false;
+  });
+  if (!taken) now_.look(state_);
+  return taken;
 }
 
 bool EquilibriumSearch::newton(int most) {

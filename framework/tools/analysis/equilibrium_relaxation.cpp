@@ -6,6 +6,7 @@
 #include <string>
 
 #include <lockstep/error.h>
+#include "framework/dynamics/simulate/line_search.h"
 #include "framework/tools/analysis/equilibrium_search.h"
 #include "framework/tools/analysis/motion_words.h"
 
@@ -103,13 +104,10 @@ void EquilibriumSearch::no_equilibrium() {
 
 void EquilibriumSearch::push_off(const FreeMotion& motion) {
   report_.left.push_back(motion.words);
-  const State from = state_;
-  double size = kPushOff * length_;
-  for (int k = 0; k < 20; ++k, size *= 0.5) {
-    state_ = from;
-    advance_state(state_, size, motion.motion);
-    if (settle(state_)) break;
-  }
+  search_line(state_, [&](double share) {
+    advance_state(state_, share * kPushOff * length_, motion.motion);
+    return settle(state_);
+  });
   shift_ = 2 * std::abs(motion.stiffness);
 }
 
