@@ -241,7 +241,7 @@ class StartSearch {
   /// Leads a state along the ways of the targets, in shares that turn no body by more than an eighth of a turn; `whole`: by
   /// all turns that are asked for. Returns whether it got there.
   bool lead(State& state, bool whole) try {
-    constexpr double kLeastPart = 1e-5;
+    constexpr double kLeastPart = 1 / 8e4;  // of a way: an eighth of a turn of 10000
     if (state.v.size() > TargetRows::kMostUnknowns) return false;
     std::vector<StartTarget> targets = targets_;
     TargetRows rows(dynamics_, given_, options_, targets);
