@@ -166,10 +166,11 @@ class StartSearch {
     report_.iterations = made;
     count(dynamics_, state_, open ? way : state_, !open);
     for (const StartTarget& target : targets_) {
-      if (const CountedAngle* angle = angle_of(system_, target); angle != nullptr)
-        angle->set(dynamics_.inputs(state_), target.asked, state_.s);
+      const CountedAngle* angle = angle_of(system_, target);
       if (!open && is_beyond(target))
         warn(target, "the way there from the poses given is longer than 10000 turns or not open; give others");
+      else if (angle != nullptr)
+        angle->set(dynamics_.inputs(state_), target.asked, state_.s);
     }
   }
 
