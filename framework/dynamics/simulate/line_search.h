@@ -7,8 +7,8 @@ namespace lockstep {
 
 constexpr double kLeastShare = 0x1p-10;  ///< of a step
 
-/// Tries the shares 1, 1/2, 1/4, ..., kLeastShare of a step until `accepts(share)`, which moves the state and judges it;
-/// each begins at the state as it is now. Returns whether one was accepted; else the state is the one before.
+/// Tries the shares 1, 1/2, 1/4, ..., kLeastShare of a step until `accepts(share)`, which moves the state and judges
+/// it; each begins at the state as it is now. Returns whether one was accepted; else the state is the one before.
 template <class Accepts>
 bool search_line(State& state, Accepts&& accepts) {
   const State from = state;

@@ -35,7 +35,8 @@ bool turns_begin(const System& system, const State& state) {
                              [&](const auto& angle) { return expected(*angle, state) == expected(*angle, home); });
 }
 
-/// Takes the branches nearest to those of another state, or, of angles on which no rows depend, within half a turn of zero.
+/// Takes the branches nearest to those of another state, or, of angles on which no rows depend, within half a turn of
+/// zero.
 void count(Dynamics& dynamics, State& state, const State& from, bool from_zero) {
   const auto& angles = dynamics.system().counted_angles();
   if (angles.empty()) return;
@@ -239,8 +240,8 @@ class StartSearch {
     if (targets_.empty() || !lead_there() || !onto_links().empty()) throw AssemblyError(why + farthest_drive());
   }
 
-  /// Leads a state along the ways of the targets, in shares that turn no body by more than an eighth of a turn; `whole`: by
-  /// all turns that are asked for. Returns whether it got there.
+  /// Leads a state along the ways of the targets, in shares that turn no body by more than an eighth of a turn;
+  /// `whole`: by all turns that are asked for. Returns whether it got there.
   bool lead(State& state, bool whole) try {
     constexpr double kLeastPart = 1 / 8e4;  // of a way: an eighth of a turn of 10000
     if (state.v.size() > TargetRows::kMostUnknowns) return false;

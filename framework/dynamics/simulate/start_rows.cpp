@@ -23,7 +23,7 @@ Quat relative_turn(const Inputs& in, const MarkerFrame& P, const MarkerFrame& S)
 
 double angle_about(const Quat& e, int k) { return std::remainder(2 * std::atan2(e.vec()[k], e.w), kTwoPi); }
 
-/// g of theta' = w g, axes of S: (e0^2 k + e0 (e x k) + ek e) / (e0^2 + ek^2), the derivative of theta = 2 atan2(ek, e0).
+/// g of theta' = w g, theta = 2 atan2(ek, e0), axes of S: g = (e0^2 k + e0 (e x k) + ek e) / (e0^2 + ek^2).
 Vec3 gradient_of_turn(const Quat& e, int k) {
   const Vec3 ev = e.vec(), axis = Vec3::Unit(k);
   const double size = e.w * e.w + ev[k] * ev[k];

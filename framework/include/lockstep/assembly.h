@@ -59,7 +59,7 @@ struct AssemblyReport {
 /// When assembling ends.
 struct AssemblyOptions {
   double tolerance = 1e-12;  ///< of |C|, m (not below the round-off of the largest position)
-  int iterations = 60;       ///< of the positions, at most; short steps on a way of many turns are not counted
+  int iterations = 60;       ///< of the positions, at most; each share of a way has as many
   /// With these or weights, the assembled start is the one for which the sum of weights times squared distances from what
   /// is asked is least (solved densely, up to 250 bodies).
   std::vector<CoordinateTarget> coordinates{};
@@ -67,12 +67,14 @@ struct AssemblyOptions {
 };
 
 /// Brings a state onto the constraints. Positions: Newton's method with the Cayley update (8.2) and the least
-/// mass-weighted move; a step that does not reduce |C| is halved. Velocities: the least mass-weighted change onto
-/// Jh v = -Ct and the targets, which are met to round-off. What counts turns (State::z) begins in the turn that coordinates
-/// or drives ask for, where the state's memory is that of System::start(). A notable correction is logged (log.h, level info), and the
-/// report's warnings are. Throws AssemblyError with the names of the worst rows; ModelError for a target of an unknown link
-/// or body, or of a link without markers, for a weight below zero, a value that is not finite, and for weights or
-/// coordinates of more than 250 bodies; and what an evaluation throws. The state is then unchanged.
+/// mass-weighted move; a step that does not reduce |C| is halved. If that fails, drives are led from the poses given to
+/// where they begin, in shares that turn no body by more than an eighth of a turn; so are coordinates that are asked
+/// for. Velocities: the least mass-weighted change onto Jh v = -Ct and the targets, which are met to round-off. Counted
+/// angles (CountedAngle) follow that way and begin in the turn that coordinates or drives ask for, if they are as
+/// System::start() leaves them. A notable correction is logged (log.h, level info), and the report's warnings are.
+/// Throws AssemblyError with the names of the worst rows; ModelError for a target of an unknown link or body, or of a
+/// link without markers, for a weight below zero, a value that is not finite, and for weights or coordinates of more
+/// than 250 bodies; and what an evaluation throws. The state is then unchanged.
 LOCKSTEP_API AssemblyReport assemble(Dynamics&, State&, const std::vector<VelocityTarget>& targets = {},
                                      const AssemblyOptions& options = {});
 
