@@ -20,6 +20,7 @@ using Complex = std::complex<double>;
 using MatXc = Eigen::MatrixXcd;
 
 constexpr double kModeSettled = 1e-12;  // residual of an eigenvector, relative
+constexpr double kValueSettled = 1e-9;  // of an eigenvalue: it stays when the subspace grows by half
 constexpr double kBlur = 1e-14;         // and what the largest leaves on it
 
 // A subspace that grows by images of its own vectors under an operator, and by vectors at random, which find the other
@@ -152,7 +153,7 @@ Found settle(Subspace& space, bool symmetric, std::size_t count, Eigen::Index mo
     const Found found = eigen_of(space.projected(), symmetric);
     std::size_t n = std::min(count, found.theta.size());
     if (!symmetric && n < found.theta.size() && n > 0 && found.theta[n - 1].imag() != 0 &&
-        std::abs(found.theta[n - 1] - std::conj(found.theta[n])) <= 1e-9 * std::abs(found.theta[n]))
+        found.theta[n - 1] == std::conj(found.theta[n]))
       ++n;  // both of a pair
     bool settled = true;
     for (std::size_t k = 0; k < n && settled; ++k)
@@ -162,7 +163,7 @@ Found settle(Subspace& space, bool symmetric, std::size_t count, Eigen::Index mo
       std::vector<Complex> now(found.theta.begin(), found.theta.begin() + static_cast<std::ptrdiff_t>(n));
       bool same = before.size() == now.size();
       for (std::size_t k = 0; same && k < now.size(); ++k)
-        same = std::abs(std::abs(now[k]) - std::abs(before[k])) <= 1e-9 * std::abs(now[k]);
+        same = std::abs(std::abs(now[k]) - std::abs(before[k])) <= kValueSettled * std::abs(now[k]);
       if (whole || same) return {std::move(now), found.s.leftCols(static_cast<Eigen::Index>(n))};
       before = std::move(now);
       space.add_random();
@@ -247,7 +248,7 @@ Spectrum spectrum_from(const LinearMotion& m, bool symmetric, const Values& valu
       out.zeros += symmetric ? 2 : 1;
       zero.push_back(values.x.col(k));
     } else if (!symmetric) {
-      if (l.imag() >= 0) put(l, 1e-9 * size + small / (2 * size), k);
+      if (l.imag() >= 0) put(l, kValueSettled * size + small / (2 * size), k);
     } else if (l.real() < 0) {
       put({0, size}, small / (2 * size), k);
     } else {
@@ -264,7 +265,7 @@ Spectrum spectrum_from(const LinearMotion& m, bool symmetric, const Values& valu
 
 Spectrum lowest_spectrum(const LinearMotion& m, int count, bool redundant) {
   const double K = m.K.norm();
-  const bool symmetric = m.D.norm() == 0 && SparseMat(m.K - SparseMat(m.K.transpose())).norm() <= 1e-10 * K;
+  const bool symmetric = m.D.norm() == 0 && SparseMat(m.K - SparseMat(m.K.transpose())).norm() <= kZeroShare * K;
   double sigma = 1e-6 * largest_rate(m);
   if (!(sigma > 0)) sigma = 1;  // nothing acts: every eigenvalue is zero
   for (int round = 0;; ++round) {

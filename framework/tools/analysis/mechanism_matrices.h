@@ -13,7 +13,7 @@ SparseMat mass_of(const System&, const Unknowns&);
 /// K or D by pairs of slots.
 SparseMat tangent_of(const TangentSum&, bool of_velocity, const Unknowns&);
 
-/// Of the terms of a form: what differences leave of the stiffness of a link without a formula, with some digits to spare.
+/// Of the terms of a stiffness: what differences leave of a zero, of a link or force without a formula.
 inline constexpr double kFlat = 1e-6;
 
 /// How a combination w of rows that is zero, w J = 0, stops motions N c that the rows leave free: to second order

@@ -8,6 +8,7 @@
 #include "framework/tools/analysis/lowest_modes.h"
 #include "framework/tools/analysis/mechanism_matrices.h"
 #include "framework/tools/analysis/minimal_coordinates.h"
+#include "framework/tools/analysis/motion_words.h"
 #include "framework/tools/analysis/spectrum.h"
 
 namespace lockstep {
@@ -32,7 +33,7 @@ std::vector<BodyShape> shape_of(const System& system, const State& state, const 
     of.turn = (rotation(normalized(state.slot_pose(k).q)).cast<Complex>() * of.turn).eval();
     for (int c = 0; c < 3; ++c)
       for (const Complex z : {Complex(of.move[c] / motion.length), Complex(of.turn[c])})
-        if (std::abs(z) > (1 + 1e-9) * std::abs(largest)) largest = z;
+        if (std::abs(z) > kLarger * std::abs(largest)) largest = z;
   }
   if (largest == 0.0) return shape;
   for (BodyShape& of : shape) of.move /= largest, of.turn /= largest;

@@ -26,7 +26,6 @@ std::string direction_words(const Vec3& direction) {
 
 namespace {
 
-constexpr double kNotable = 0.1;       // of the largest
 constexpr std::size_t kMostNamed = 4;  // bodies by name
 
 // What a slot does in a motion: "turns about z", and how much, m; no words where it hardly moves.
@@ -53,7 +52,7 @@ std::vector<Part> parts_of(const System& system, const Inputs& at, const VecX& m
   const double largest = motion_size(system, motion);
   for (int k = 0; k < system.n_slots(); ++k)
     if (Part part = part_of(system, at, motion, k, largest); !part.words.empty()) parts.push_back(std::move(part));
-  std::ranges::stable_sort(parts, [](const Part& a, const Part& b) { return a.size > 1.000001 * b.size; });
+  std::ranges::stable_sort(parts, [](const Part& a, const Part& b) { return a.size > kLarger * b.size; });
   return parts;
 }
 

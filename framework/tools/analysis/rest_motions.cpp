@@ -7,12 +7,13 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "framework/tools/analysis/mechanism_matrices.h"
+
 namespace lockstep {
 namespace {
 
 constexpr double kRestRoundOff = 1e-12;  // of the terms of u^T K u by their size
 constexpr double kSoft = 1e-6;           // of the stiffest of a level: solved again without it
-constexpr double kNoPotential = 1e-6;    // of the terms of u^T K w: an unsymmetric part that rounding does not make
 
 }  // namespace
 
@@ -57,7 +58,7 @@ RestMotions rest_motions(const RestMatrices& A) {
 bool has_potential(const RestMatrices& A, const RestMotions& m) {
   const MatX K = m.U.transpose() * A.K * m.U, sizes = m.U.cwiseAbs();
   const MatX terms = sizes.transpose() * A.size_K * sizes;
-  return ((K - K.transpose()).cwiseAbs().array() <= kNoPotential * (terms + terms.transpose()).array()).all();
+  return ((K - K.transpose()).cwiseAbs().array() <= kFlat * (terms + terms.transpose()).array()).all();
 }
 
 }  // namespace lockstep

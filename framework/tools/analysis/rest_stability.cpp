@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 
 #include <Eigen/Eigenvalues>
 
@@ -15,23 +16,23 @@ namespace lockstep {
 namespace {
 
 constexpr int kMostUnknowns = 1200;
-constexpr double kSolver = 1e-14;   // of the norm of K: round-off of the eigenvalues of an unsymmetric matrix
+// Of the norm of K: round-off of the eigenvalues of an unsymmetric matrix.
+constexpr double kSolver = 50 * std::numeric_limits<double>::epsilon();
 constexpr double kFlutters = 1e-5;  // of the terms of u^T K u: an imaginary part that rounding does not make
 
 /// 6 per slot, of size 1 m; the largest turn, or where there is hardly one the largest move, is positive. u: in the
 /// unknowns.
 VecX unit_motion(const RestMatrices& A, const System& system, const VecX& u) {
-  constexpr double kHardly = 0.1;
   const auto largest = [&](bool turns) {
     double most = 0;
     for (std::size_t i = 0; i < A.at.size(); ++i)
       if (const double x = u[static_cast<Eigen::Index>(i)];
-          (A.at[i] % 6 >= 3) == turns && std::abs(x) > (1 + 1e-9) * std::abs(most))
+          (A.at[i] % 6 >= 3) == turns && std::abs(x) > kLarger * std::abs(most))
         most = x;
     return most;
   };
   const double turn = largest(true), move = largest(false);
-  const bool positive = (std::abs(turn) >= kHardly * std::abs(move) ? turn : move) >= 0;
+  const bool positive = (std::abs(turn) >= kNotable * std::abs(move) ? turn : move) >= 0;
   const VecX out = motion_of(system, A.at, u);
   return (positive ? 1 : -1) / motion_size(system, out) * out;
 }

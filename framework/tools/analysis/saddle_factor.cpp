@@ -1,13 +1,21 @@
 #include "framework/tools/analysis/saddle_factor.h"
 
 #include <cmath>
+#include <limits>
 
 #include <lockstep/error.h>
 
 namespace lockstep {
 
+namespace {
+
+// Of the largest number of A: below what regular rows leave in the Schur complement, above its round-off.
+constexpr double kProximal = 1e-10;
+
+}  // namespace
+
 SaddleFactor::SaddleFactor(const MechanismMatrices& m, const SparseMat& A, bool redundant) {
-  const double proximity = redundant ? 1e-10 : 0.0;
+  const double proximity = redundant ? kProximal : 0.0;
   const Eigen::Index n = A.rows(), rows = m.J.rows();
   scale_.resize(n);
   for (Eigen::Index i = 0; i < n; ++i)
@@ -42,7 +50,7 @@ SaddleFactor::SaddleFactor(const MechanismMatrices& m, const SparseMat& A, bool 
 
 VecX SaddleFactor::solve(const VecX& f) const {
   constexpr int kCorrections = 40;  // a long loop of joints lets the proximal term go slowly
-  constexpr double kEnough = 1e-15, kRefused = 1e-9;
+  constexpr double kEnough = 4 * std::numeric_limits<double>::epsilon(), kRefused = 1e-9;
   const Eigen::Index n = scale_.size();
   VecX b = VecX::Zero(matrix_.rows());
   b.head(n) = scale_.cwiseProduct(f);
