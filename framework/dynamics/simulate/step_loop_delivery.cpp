@@ -63,7 +63,7 @@ void StepLoop::hand_over(Delivery& now, const Sample& sample) {
       report_.stopped_by = "the caller";
       return;
     case Due::before_jump:
-      if (p.detailed.empty() || !p.acts(state_.t, by_call_)) return;
+      if (p.detailed.empty() || !p.acts(state_.t)) return;
       return tell(observers_, now, state_.t, [&](Observer& o) {
         if (auto* const detailed = dynamic_cast<DetailObserver*>(&o)) detailed->before_jump(sample);
       });
@@ -163,7 +163,7 @@ std::string StepLoop::Parts::why_steps_end(Dynamics& dynamics, const State& stat
   return below_rounding(dynamics.system(), state, tolerance) + (varies.empty() ? "" : "; " + varies);
 }
 
-bool StepLoop::Parts::acts(double t, const Event* by_call) const {
+bool StepLoop::Parts::acts(double t) const {
   bool act = by_call != nullptr || !cause.empty();
   for (std::size_t i = 0; i < events.size() && !act; ++i)
     act = (!events[i].activate.empty() || !events[i].deactivate.empty() || events[i].change) &&

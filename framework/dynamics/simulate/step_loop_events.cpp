@@ -92,8 +92,8 @@ void StepLoop::switch_now(const char* call, const Event& change) {
         by_call = nullptr;
         if (!due.empty() && due.back().what <= Due::events) due.clear();
       }
-    } guard{by_call_, parts_->due};
-    by_call_ = &change;
+    } guard{parts_->by_call, parts_->due};
+    parts_->by_call = &change;
     settle_now();
     parts_->interval.note_acting(state_);
   });
@@ -105,7 +105,7 @@ bool StepLoop::fire_events() {
   const auto due = [&](std::size_t i) { return events.due(i, state_.t) != EventLocator::Due::no; };
   std::size_t first = 0;
   while (first < events.size() && !due(first)) ++first;
-  if (first == events.size() && by_call_ == nullptr) return false;
+  if (first == events.size() && parts_->by_call == nullptr) return false;
   keep_state(state_, parts_->before_events);
   bool changed = false;
   try {
@@ -142,7 +142,7 @@ bool StepLoop::apply_events(std::size_t first) {
   for (std::size_t i = first; i < events.size(); ++i)
     if (events.due(i, state_.t) != EventLocator::Due::no)
       act(events[i], "event '" + events[i].name + "'", ", '" + events[i].name + "'");
-  if (by_call_ != nullptr) act(*by_call_, "a call", " and a call");
+  if (parts_->by_call != nullptr) act(*parts_->by_call, "a call", " and a call");
   if (names.empty()) return false;
   make_consistent(names);
   parts_->cause += (parts_->cause.empty() ? "" : " and ") + names;

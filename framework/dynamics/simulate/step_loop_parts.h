@@ -63,6 +63,8 @@ struct StepLoop::Parts {
   bool acted = false;         // whether something changed the state at its end,
   std::string cause;          // and what
 
+  const Event* by_call = nullptr;  // what a call switches
+
   std::vector<DetailObserver*> detailed;  // of the observers
   /// Begins a list of what is due.
   void fall_due(std::initializer_list<Due> list) {
@@ -76,7 +78,7 @@ struct StepLoop::Parts {
   /// tolerance (infinite for fixed steps), and what varies most. For the end of a message: "" or "; ...".
   std::string why_steps_end(Dynamics& dynamics, const State& state, double tolerance) const;
   /// Whether something acts at the end of the last step, t: an impact, a law's jump, an event that changes something, a call.
-  bool acts(double t, const Event* by_call) const;
+  bool acts(double t) const;
 };
 
 template <class Act>

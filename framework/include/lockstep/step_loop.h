@@ -313,9 +313,8 @@ class LOCKSTEP_API StepLoop {
   std::unique_ptr<Parts> parts_;
   bool begun_ = false, running_ = false, stale_ = false;  // stale: the method's history is that of a failed step
   bool measures_turns_ = false, warned_of_turns_ = false;
-  bool has_laws_ = false;    // links may read inputs, by laws
-  bool keeps_stop_ = false;  // the last call switched: a stop that it came to is still to end a run
-  const Event* by_call_ = nullptr;   // what a call switches
+  bool has_laws_ = false;            // links may read inputs, by laws
+  bool keeps_stop_ = false;          // the last call switched: a stop that it came to is still to end a run
   std::vector<double> inputs_seen_;  // values of the inputs
 };
 
