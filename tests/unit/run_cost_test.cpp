@@ -2,8 +2,10 @@
 #include <cmath>
 #include <memory>
 
+#include <lockstep/forces.h>
 #include <lockstep/integrators.h>
 #include <lockstep/joints.h>
+#include <lockstep/laws.h>
 #include <lockstep/recorder.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>
@@ -52,6 +54,43 @@ TEST_CASE("a run evaluates its stages, finds motions once a step, and reads chan
   CHECK(run.dynamics.work().evaluations - evaluations ==
         4 * 500 + outputs);  // reactions are solved for at outputs alone
   CHECK(run.dynamics.inputs_read() - motions == 500);
+}
+
+TEST_CASE("accelerations along a tree cost one evaluation a row, and no rows of links", "[unit][dynamics]") {
+  Recorded run(Formulation::joint);
+  Recorder rows(run.system, {"B.angle_z_dd", "b.ax", "b.center_ay"});
+  run.loop.add_observer(rows);
+  run.loop.run_until(0.1);
+  const long evaluations = run.dynamics.work().evaluations;
+  run.loop.run_until(0.6);
+  CHECK(run.dynamics.work().evaluations - evaluations == 4 * 500 + 2 * 5);  // those of reactions too
+  System tree({.gravity = Vec3(0, -9.81, 0)});
+  Body& rod = tree.add_body("rod", shapes::slender_rod(1.0, Vec3::Zero(), Vec3(1, 0, 0), 1e-4));
+  tree.add<Revolute>("A", rod, tree.ground(), pose_at(Vec3::Zero()));
+  Recorder alone(tree, {"A.angle_z_dd", "rod.ax"});
+  Dynamics dynamics(tree, std::make_unique<SchurSolver>(), {.formulation = Formulation::joint});
+  StepLoop loop(dynamics, std::make_unique<Rk4>(), {.step = 1e-3, .output = 0.1});
+  loop.add_observer(alone);
+  loop.run_until(0.5);
+  CHECK_FALSE(dynamics.holds_rows());
+  CHECK(std::abs(alone.table()["A.angle_z_dd"][0] + 1.5 * 9.81) < 1e-12);
+}
+
+TEST_CASE("an audit integrates only works that something does", "[unit][dynamics]") {
+  const auto states = [](bool driven, bool damped) {
+    System system;
+    Body& rod = system.add_body("rod", shapes::rod(1.0, Vec3::Zero(), Vec3(1, 0, 0)));
+    Revolute& hinge = system.add<Revolute>("A", rod, system.ground(), pose_at(Vec3::Zero()));
+    if (driven) hinge.drive(Axis::rz, laws::ramp(1));
+    Marker &p = system.add_marker("p", rod), &s = system.add_marker("s", system.ground());
+    if (damped) system.add<Bushing>("air", p, s, Bushing::Options{.damping = {4, 0, 0}});
+    const EnergyAudit audit(system);
+    system.setup();
+    return system.n_states();
+  };
+  CHECK(states(false, false) == 0);
+  CHECK(states(true, false) == 1);  // of the drive
+  CHECK(states(false, true) == 2);  // supplied, and dissipated
 }
 
 }  // namespace run_cost_test

@@ -230,14 +230,15 @@ void check_accelerations(System& system, std::uint64_t seed) {
   const State state = random_state(dynamics, seed);
   StateRate rate;
   dynamics.rates(state, rate);
-  const VecX a =
-      !state.coordinates->followed().empty() ? differences(dynamics, state, rate) : accelerations(dynamics, state, rate);
+  const VecX a = !state.coordinates->followed().empty() ? differences(dynamics, state, rate)
+                                                        : accelerations(dynamics, state, rate);
   State slots = state;
   dynamics.to_slots(slots);
   CHECK(dynamics.violation(slots) < 1e-12);
   CHECK(dynamics.violation_v(slots) < 1e-11);
   CHECK(given->n == 1);
-  if (!only_laws || !state.coordinates->followed().empty()) check_given(*given, dynamics.evaluate(slots), system, only_laws);
+  if (!only_laws || !state.coordinates->followed().empty())
+    check_given(*given, dynamics.evaluate(slots), system, only_laws);
   const VecX expected = accelerations(dynamics, slots);
   CHECK(largest(a - expected) < 1e-10 * largest(expected));
   double a2 = 0, al2 = 0;
@@ -306,6 +307,50 @@ TEST_CASE("markers that move on their bodies: every mask, both ways round, accel
     if (later) add_laws(system, laws);
     move_markers(system, seed);
   });
+}
+
+namespace {
+
+/// Reads the power of laws alone, for which no row of the tree's joints is gathered.
+class PowerMeter final : public Auxiliary {
+ public:
+  explicit PowerMeter(std::shared_ptr<double> power) : Auxiliary("power"), power_(std::move(power)) {}
+  int size() const override { return 1; }
+  bool vanishes_without_laws() const override { return true; }
+  bool reads_law_power_alone() const override { return true; }
+  void rates(const Evaluated& v, std::span<double> sd) const override { sd[0] = 0, *power_ = v.law_power; }
+
+ private:
+  std::shared_ptr<double> power_;
+};
+
+void check_power(System& system, std::uint64_t seed) {
+  const auto power = std::make_shared<double>(NAN);
+  system.add(std::make_unique<PowerMeter>(power));
+  Dynamics dynamics = joint_dynamics(system);
+  State state = random_state(dynamics, seed);
+  StateRate rate;
+  dynamics.rates(state, rate);
+  dynamics.to_slots(state);
+  const Solution& omega = dynamics.evaluate(state);
+  const double expected = power_of_laws(omega.rows, omega.lambda);
+  double size = 1;  // W: the powers of single rows, of which the sum may be small
+  for (const RowEntry& e : omega.rows.entries)
+    for (int k = 0; k < e.m; ++k) size += std::abs(omega.lambda[e.first_row + k] * omega.rows.block(e).Ct(k));
+  CHECK(std::abs(*power - expected) < 1e-10 * size);
+}
+
+}  // namespace
+
+TEST_CASE("the power of laws by what joints carry is that by the multipliers of omega", "[verification][joint]") {
+  for (const Mask mask : all_masks())
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+      CAPTURE(to_string(mask), seed);
+      System system = tree(100 * static_cast<std::uint64_t>(mask) + seed, 3, [&](int) { return mask; });
+      if (seed != 2) add_laws(system, 7 * seed);
+      if (seed > 1) move_markers(system, seed);
+      check_power(system, seed);
+    }
 }
 
 TEST_CASE("masks with one turn alone move as in omega, either way round", "[verification][joint]") {

@@ -21,7 +21,7 @@ double Dynamics::Tree::violation(System& system, const State& state) {
 
 // The recursion at the state whose rows were gathered last. The accelerations that come with it are of no interest.
 void Dynamics::Tree::factor(const State& state) {
-  recursion->outward(*coordinates, state, motions);
+  outward(state, motions);
   recursion->read(*coordinates, motions, closure_rows);
   f.setZero();
   recursion->accelerate(*coordinates, motions, f, correction);

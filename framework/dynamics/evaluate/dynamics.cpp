@@ -113,8 +113,7 @@ void Dynamics::forget_rows(const State& state) {
 const Inputs& Dynamics::inputs(const State& state) {
   system_.setup();
   system_.check_size(state);
-  ++n_inputs_;
-  return inputs_.at(system_, state);
+  return read(state);
 }
 
 Factor& Dynamics::factor(const Evaluation& e) {
@@ -233,9 +232,11 @@ double Dynamics::project_velocity(State& state) {
 const Inputs* Dynamics::accept(State& state) {
   check_state(system_, state);
   if (!system_.keeps_anything()) return nullptr;
-  ++n_inputs_;
-  const Inputs& in = inputs_.at(system_, state);
+  const Inputs& in = read(state);
   system_.accept(in, state);
+  if (Tree* const t = tree_of(state); t != nullptr && system_.control_inputs().empty())
+    t->kept.t = state.t, t->kept.q = state.q, t->kept.v = state.v, t->kept.s = state.s,
+    t->kept.coordinates = state.coordinates;
   return &in;
 }
 

@@ -38,11 +38,13 @@ void for_each_rate(const RowTable& rows, Velocity&& velocity, Visit&& visit) {
 
 const Inputs& StateInputs::at(const System& system, const State& state) {
   system.motions(state, motions_);
-  in_.t = state.t;
+  look_at(state);
   in_.motions = motions_;
-  in_.s = view(state.s);
-  in_.z = view(state.z);
   return in_;
+}
+
+void StateInputs::look_at(const State& state) {
+  in_ = {.t = state.t, .motions = {}, .s = view(state.s), .z = view(state.z), .angle_rates = {}, .angles = {}};
 }
 
 Evaluation::Evaluation(System& system, const State& state) : Evaluation(system) { at(state); }
@@ -87,7 +89,10 @@ void Evaluation::residuals(VecX& C, VecX& Cd) const {
     const Vec3 &v, &w;
   };
   for_each_rate(
-      rows_, [&](int slot) { return Velocity{inputs().slot(slot).v, inputs().slot(slot).w}; },
+      rows_,
+      [&](int slot) {
+        return Velocity{inputs().slot(slot).v, inputs().slot(slot).w};
+      },
       [&](int row, double cd) { Cd[row] = cd; });
 }
 
@@ -98,7 +103,10 @@ void Evaluation::velocity_residual(const VecX& v, VecX& Cd) const {
     const double *v, *w;
   };
   for_each_rate(
-      rows_, [&](int slot) { return Velocity{v.data() + 6 * slot, v.data() + 6 * slot + 3}; },
+      rows_,
+      [&](int slot) {
+        return Velocity{v.data() + 6 * slot, v.data() + 6 * slot + 3};
+      },
       [&](int row, double cd) { Cd[row] = cd; });
 }
 

@@ -43,7 +43,7 @@ Dynamics::Tree& Dynamics::tree(const std::vector<bool>& modes) {
   Tree& t = *tree_;
   if (t.revision == system_.revision() && t.modes == modes) return t;
   t.revision = -1, t.modes = modes;  // the revision when all of it is made
-  t.coordinates = nullptr, t.recursion = nullptr;
+  t.coordinates = nullptr, t.recursion = nullptr, t.kept.coordinates = nullptr;
   const bool asked = options_.formulation == Formulation::joint;
   TreeLayout layout = lay_out_tree(system_, modes, asked ? Taken::all : Taken::where_cheaper);
   t.why_not = std::move(layout.why_not), t.closure_rows = std::move(layout.closures);
@@ -63,11 +63,11 @@ Dynamics::Tree& Dynamics::Tree::of(const State& state) {
 }
 
 void Dynamics::Tree::find_turns(const System& system) {
-  turns.clear(), angle_rates.clear();
+  turns.clear(), n_angles = 0;
+  motions.assign(static_cast<std::size_t>(system.n_slots() + 1), {});
   for (const auto& angle : system.counted_angles())
-    if (const auto turn = angle->turn(); turn && turn->slot != turn->other)
-      find_turn(*turn, static_cast<std::size_t>(angle->number()));
-  if (!turns.empty()) angle_rates.assign(system.counted_angles().size(), NAN);
+    if (const auto turn = angle->turn(); turn && turn->slot != turn->other) find_turn(*angle, *turn);
+  if (!turns.empty()) n_angles = system.counted_angles().size();
 }
 
 namespace {
@@ -92,15 +92,17 @@ int axis_of(const TreeNode& n) {
 // is fixed in both, with unit vectors a and b in their axes,
 //
 //     theta' = a . w_slot - b . w_other
-void Dynamics::Tree::find_turn(const CountedAngle::Turn& turn, std::size_t angle) {
+//
+// Across a hinge without laws theta is its coordinate, but for the sign and what it is where that is zero.
+void Dynamics::Tree::find_turn(const CountedAngle& angle, const CountedAngle::Turn& turn) {
   const int slot = coordinates->node_of(turn.slot), other = coordinates->node_of(turn.other);
   const bool outward = slot > other;
   const TreeNode& n = coordinates->nodes()[static_cast<std::size_t>(outward ? slot : other)];
-  AxisInBoth own{angle, turn.slot, turn.other, Vec3::Zero(), Vec3::Zero()};
+  AxisInBoth own{static_cast<std::size_t>(angle.number()), turn.slot, turn.other, Vec3::Zero(), Vec3::Zero()};
   if (const int k = n.parent == (outward ? other : slot) ? axis_of(n) : -1; k >= 0) {
     own.a = rotation(n.far_q).col(k), own.b = rotation(n.near_q).col(k);
     if (n.turn == TreeTurn::hinge && !n.has_laws())
-      own.v = n.first_v + n.n_slides, own.sign = own.b.dot(n.axis) > 0 ? 1.0 : -1.0;
+      own.q = n.first_q + n.n_slides, own.v = n.first_v + n.n_slides, own.sign = own.b.dot(n.axis) > 0 ? 1.0 : -1.0;
     if (!outward) std::swap(own.a, own.b), own.sign = -own.sign;
   } else if (const PlanarJoints* const plane = coordinates->planar()) {
     const auto normal = [&](int node) {
@@ -111,6 +113,12 @@ void Dynamics::Tree::find_turn(const CountedAngle::Turn& turn, std::size_t angle
   }
   if (!(own.b.squaredNorm() > 0) || !are_parallel(own.b, turn.axis)) return;
   if (own.b.dot(turn.axis) < 0) own.a = -own.a, own.b = -own.b, own.sign = -own.sign;
+  if (own.q >= 0) {
+    Motion& turned = motions[static_cast<std::size_t>(n.slot + 1)];
+    turned.e = n.K0, turned.A = rotation(n.K0);
+    own.at_zero = angle.of_pose({.t = 0, .motions = motions, .s = {}, .z = {}});
+    turned = {};
+  }
   turns.push_back(own);
 }
 
@@ -119,21 +127,67 @@ Inputs Dynamics::Tree::inputs(const State& state) {
   in.t = state.t, in.motions = motions;
   in.s = {state.s.data(), static_cast<std::size_t>(state.s.size())};
   in.z = {state.z.data(), static_cast<std::size_t>(state.z.size())};
-  for (const AxisInBoth& turn : turns)
-    angle_rates[turn.angle] = turn.v >= 0 ? turn.sign * state.v[turn.v]
-                                          : turn.a.dot(in.slot(turn.slot).w) - turn.b.dot(in.slot(turn.other).w);
-  in.angle_rates = angle_rates;
+  read_angles(state, in, angles, angle_rates);
   return in;
+}
+
+void Dynamics::Tree::read_angles(const State& state, Inputs& in, std::vector<double>& values,
+                                 std::vector<double>& rates) const {
+  if (n_angles == 0) return;
+  values.assign(n_angles, NAN), rates.assign(n_angles, NAN);
+  for (const AxisInBoth& turn : turns)
+    if (turn.v >= 0)
+      rates[turn.angle] = turn.sign * state.v[turn.v], values[turn.angle] = turn.sign * state.q[turn.q] + turn.at_zero;
+    else
+      rates[turn.angle] = turn.a.dot(in.slot(turn.slot).w) - turn.b.dot(in.slot(turn.other).w);
+  in.angle_rates = rates, in.angles = values;
+}
+
+void Dynamics::Tree::outward(const State& y, std::vector<Motion>& out) {
+  kept.coordinates = nullptr;
+  recursion->outward(*coordinates, y, out);
+}
+
+void Dynamics::Tree::outward_once(const State& y, const Inputs& of_kept) {
+  if (kept.coordinates != nullptr && y.t == kept.t && y.q == kept.q && y.v == kept.v && y.s == kept.s)
+    motions.assign(of_kept.motions.begin(), of_kept.motions.end());
+  else
+    outward(y, motions);
+}
+
+void Dynamics::set_up() {
+  system_.setup();
+  if (tree_) tree_->kept.coordinates = nullptr;  // a host may have changed laws
+}
+
+// Null where the state has other coordinates.
+Dynamics::Tree* Dynamics::tree_of(const State& y) const {
+  const bool is_current = y.coordinates && tree_ && tree_->coordinates == y.coordinates;
+  return is_current && tree_->revision == system_.revision() ? tree_.get() : nullptr;
+}
+
+const Inputs& Dynamics::read(const State& state) {
+  ++n_inputs_;
+  if (tree_) tree_->kept.coordinates = nullptr;
+  Tree* const t = tree_of(state);
+  if (t == nullptr) return inputs_.at(system_, state);
+  return inputs_.at(
+      state, [&](std::vector<Motion>& motions, Inputs& in, std::vector<double>& angles, std::vector<double>& rates) {
+        t->outward(state, motions);
+        in.motions = motions;
+        t->read_angles(state, in, angles, rates);
+      });
 }
 
 // The rows that are gathered in joint coordinates: all of them if somebody reads accelerations or multipliers, those of
 // links with laws if nothing but the power of laws is read.
 void Dynamics::lay_out_reactions(Tree& t) const {
-  bool any = false;
+  bool any = false, power = false;
   t.reads_all = false;
   for (const auto& own : system_.auxiliaries()) {
-    any = any || own->reads_solution();
-    t.reads_all = t.reads_all || (own->reads_solution() && !own->vanishes_without_laws());
+    if (!own->reads_solution()) continue;
+    (own->reads_law_power_alone() ? power : any) = true;
+    t.reads_all = t.reads_all || !own->vanishes_without_laws();
   }
   std::vector<bool> shown = t.modes;
   if (!t.reads_all) shown.assign(t.modes.size(), false);
@@ -144,18 +198,41 @@ void Dynamics::lay_out_reactions(Tree& t) const {
   for (const int link : t.coordinates->closures())
     if (may_have_laws(*system_.links()[static_cast<std::size_t>(link)])) show(link);
   system_.lay_out(shown, t.rows);
-  t.solves = t.reads_all || (any && laws);
+  t.solves = t.reads_all || (any && laws), t.reads_power = power && laws && !t.solves;
   if (t.solves) t.reactions.begin(*t.coordinates, system_, t.rows);
+}
+
+// Forces with those of the closures.
+void Dynamics::load_closures(Tree& t) {
+  t.loaded = t.f;
+  if (!t.closures().empty()) t.closures().react(t.closure_rows, t.loaded);
+}
+
+// Joints do no work along their free coordinates: what forces and closures leave of the power of inertia is that of laws,
+//
+//     P = V (M a - f + J' lambda) + lambda Ct = V (M a - f) + lambda (J V + Ct)
+//
+// with the rows of closures, which are gathered for the motion itself.
+double Dynamics::joint_law_power(Tree& t) {
+  double power = 0;
+  for (int k = 0; k < system_.n_slots(); ++k) {
+    const Slot& slot = system_.slot(k);
+    const Motion& O = t.motions[static_cast<std::size_t>(k + 1)];
+    const Vec3 force = slot.mass * t.a.segment<3>(6 * k) - t.f.segment<3>(6 * k);
+    const Vec3 moment = slot.J * t.a.segment<3>(6 * k + 3) - t.f.segment<3>(6 * k + 3);
+    power += O.v.dot(force) + O.w.dot(moment);
+  }
+  if (t.closures().empty()) return power;
+  t.closures().residuals(t.motions, t.closure_rows, t.C, t.Cd);
+  return power + t.closures().lambda().dot(t.Cd);
 }
 
 // Accelerations and multipliers for the states that are integrated. Where rows are redundant the multipliers of closures
 // are not those of omega, which are the smallest of all: the sum of their power is the same.
 void Dynamics::joint_reactions(Tree& t, const Inputs& in) {
   system_.gather_rows(in, t.rows);
-  t.recursion->accelerations(*t.coordinates, t.motions, t.a);
-  t.loaded = t.f;
+  load_closures(t);
   const ClosureRows& closures = t.closures();
-  if (!closures.empty()) closures.react(t.closure_rows, t.loaded);
   for (const RowEntry& e : t.rows.entries)
     if (const int at = closures.empty() ? -1 : t.closure_rows.entry_of_link[static_cast<std::size_t>(e.link)]; at >= 0)
       t.reactions.set(e, t.closure_rows.entries[static_cast<std::size_t>(at)], closures.lambda());
@@ -214,10 +291,26 @@ SolveReport Dynamics::rates_with_report(const State& state, StateRate& out) {
   return report;
 }
 
+// Not with closures: what their rows teach them must not depend on who looks.
+const VecX& Dynamics::accelerations(const State& state) {
+  if (!state.coordinates || state.coordinates->has_rows()) return asked_a_ = evaluate(state).a;
+  Tree& t = tree(state.modes).of(state);
+  system_.check_size(state);
+  t.outward_once(state, inputs_.get());
+  const Inputs in = t.inputs(state);
+  system_.gather_forces(in, t.f);
+  t.recursion->accelerate(*t.coordinates, t.motions, t.f, t.correction);
+  if (t.coordinates->n_v() == 0) t.recursion->follow(*t.coordinates);
+  t.recursion->accelerations(*t.coordinates, t.motions, asked_a_);
+  ++work_.evaluations;
+  if (!asked_a_.allFinite()) gather(state);  // names the culprit
+  return asked_a_;
+}
+
 void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* report) {
   Tree& t = tree(state.modes).of(state);
   system_.check_size(state);
-  t.recursion->outward(*t.coordinates, state, t.motions);
+  t.outward_once(state, inputs_.get());
   const Inputs in = t.inputs(state);
   const bool driven = t.coordinates->n_v() == 0;
   system_.gather_forces(in, t.f);  // and says what is wrong with them, where they move nothing too
@@ -232,20 +325,19 @@ void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* repo
   out.largest_a = t.recursion->largest().a(), out.largest_alpha = t.recursion->largest().alpha();
   if (driven) out.v.resize(0);
   t.coordinates->kinematic_rate(state, out.q);
-  if (out.followed.size() > 0) {
-    t.recursion->accelerations(*t.coordinates, t.motions, t.a);
-    write_followed(t.coordinates->followed(), t.motions, t.a, out.followed);
-  }
+  if (out.followed.size() > 0 || t.solves || t.reads_power) t.recursion->accelerations(*t.coordinates, t.motions, t.a);
+  write_followed(t.coordinates->followed(), t.motions, t.a, out.followed);
   out.s.resize(state.s.size());
   if (state.s.size() > 0) {
-    if (t.solves && (solved || !t.multipliers_known || (t.reads_all && t.coordinates->may_be_redundant()))) {
+    if ((t.solves || t.reads_power) &&
+        (solved || !t.multipliers_known || (t.reads_all && t.coordinates->may_be_redundant()))) {
       if (!solved) solved = &evaluate(state), --work_.evaluations;
       system_.state_rates(*solved, out.s);
     } else if (t.solves) {
       joint_reactions(t, in);
       system_.state_rates({in, t.a, t.reactions.lambda(), t.rows}, out.s);
     } else {
-      system_.state_rates({in, t.none, t.none, t.rows}, out.s);
+      system_.state_rates({in, t.none, t.none, t.rows, t.reads_power ? joint_law_power(t) : 0.0}, out.s);
     }
     if (!out.s.allFinite()) diagnose_rates(system_, state.t, out.s);
   }
@@ -302,7 +394,7 @@ void Dynamics::read_rates(const State& state, const StateRate& slots, StateRate&
     throw ModelError("Dynamics::read_rates: rates of " + std::to_string(slots.v.size()) + " velocities and " +
                      std::to_string(slots.s.size()) + " own states where " + std::to_string(6 * system_.n_slots()) +
                      " (6 per slot) and " + std::to_string(state.s.size()) + " are needed; take those of rate()");
-  t.recursion->outward(*t.coordinates, state, t.motions);
+  t.outward(state, t.motions);
   t.recursion->read_off(*t.coordinates, t.motions, slots.v, out.v);
   t.coordinates->kinematic_rate(state, out.q);
   out.s = slots.s;

@@ -26,15 +26,17 @@ struct Dynamics::Tree {
   struct AxisInBoth {
     std::size_t angle;  // its number among the counted ones
     int slot, other;
-    Vec3 a, b;   // the axis in the axes of the slot and of the other
-    int v = -1;  // of the rate itself where both are joined by a hinge of the tree,
-    double sign = 1;
+    Vec3 a, b;                     // the axis in the axes of the slot and of the other
+    int q = -1, v = -1;            // of the angle and of its rate where both are joined by a hinge of the tree:
+    double sign = 1, at_zero = 0;  // sign q + at_zero
   };
-  std::vector<AxisInBoth> turns;    // of counted angles whose axis is fixed in both slots
-  std::vector<double> angle_rates;  // of all counted angles; NaN: it is none of these. Empty: none is
-  RowTable rows;                    // of the links whose multipliers somebody reads, and of those with laws
-  bool solves = false;              // integrated states read accelerations or multipliers,
-  bool reads_all = false;           // not only those of links with laws
+  std::vector<AxisInBoth> turns;            // of counted angles whose axis is fixed in both slots
+  std::size_t n_angles = 0;                 // all counted ones; 0 where none is such
+  std::vector<double> angles, angle_rates;  // of a stage
+  RowTable rows;                            // of the links whose multipliers somebody reads, and of those with laws
+  bool solves = false;                      // integrated states read accelerations or multipliers,
+  bool reads_all = false;                   // not only those of links with laws,
+  bool reads_power = false;                 // or the power of laws alone
   TreeReactions reactions;
   RowTable closure_rows;
   VecX C, Cd, correction, loaded;
@@ -46,11 +48,19 @@ struct Dynamics::Tree {
   // Itself; throws ModelError where the state has other joint coordinates.
   Tree& of(const State&);
   ClosureRows& closures() { return recursion->closures(); }
+  // Motions, and what the recursion keeps of them: of this accepted state, if it has coordinates, for the next step's first
+  // stage. They depend on t, q, v and s alone where no law reads what a host sets.
+  State kept;
+  void outward(const State&, std::vector<Motion>& out);
+  void outward_once(const State&, const Inputs& of_kept);
+
   // The state, and the motions as found last.
   Inputs inputs(const State&);
+  // Angles that are known by coordinates, and rates of angles, at the motions of `in`.
+  void read_angles(const State&, Inputs& in, std::vector<double>& values, std::vector<double>& rates) const;
   // Of all counted angles, and of one.
   void find_turns(const System&);
-  void find_turn(const CountedAngle::Turn&, std::size_t angle);
+  void find_turn(const CountedAngle&, const CountedAngle::Turn&);
   // |C| of the closures, as Evaluation::norm measures it; not finite where something is not.
   double violation(System&, const State&);
   // Brings a state onto C = 0 and J v = -Ct of the closures by the least move in the mass metric, as Projection does.

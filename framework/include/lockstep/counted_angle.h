@@ -50,6 +50,8 @@ class LOCKSTEP_API CountedAngle {
   double turns(std::span<const double> s) const { return std::round(at(s, 1)); }
   /// expected() less whole turns, rad.
   double rest(std::span<const double> s) const { return at(s, 0) + kTwoPi * (at(s, 1) - turns(s)); }
+  /// The angle of the pose, rad, but for whole turns.
+  double of_pose(const Inputs&) const;
   /// The angle of the pose, rad, on the branch nearest to expected().
   double value(const Inputs&) const;
   /// Rate of the angle, rad/s; 0 where it has no value.

@@ -20,10 +20,21 @@ class LOCKSTEP_API StateInputs {
  public:
   /// Reads this state: what links and forces see of it. Valid until the next call, and while the state lives.
   const Inputs& at(const System&, const State&);
+  /// The same, with motions and angles that `write` writes: motions of the ground and all slots, values of Inputs::angles and
+  /// Inputs::angle_rates, whose sizes stay where there are none.
+  template <class Write>
+  const Inputs& at(const State& state, Write&& write) {
+    look_at(state);
+    write(motions_, in_, angles_, angle_rates_);
+    in_.motions = motions_;
+    return in_;
+  }
   const Inputs& get() const { return in_; }  ///< those that at() read last
 
  private:
+  void look_at(const State&);
   std::vector<Motion> motions_;
+  std::vector<double> angles_, angle_rates_;
   Inputs in_;
 };
 
@@ -334,7 +345,7 @@ class LOCKSTEP_API Dynamics {
 
   const System& system() const { return system_; }  ///< the mechanism
   /// Sets the system up when its description changed.
-  void set_up() { system_.setup(); }
+  void set_up();
   /// As System::input().
   ControlInput& input(const std::string& name) { return system_.input(name); }
   std::deque<ControlInput>& control_inputs() { return system_.control_inputs(); }  ///< those of the system
@@ -356,6 +367,9 @@ class LOCKSTEP_API Dynamics {
   const Solution& rate(const State&, StateRate& out);
   /// Solves for the accelerations and multipliers alone. Throws NonFiniteError, SolveError.
   const Solution& evaluate(const State&);
+  /// The accelerations of all slots, as in Evaluated: of a tree without closures by its recursion, else those of evaluate().
+  /// Valid until the next call. Throws NonFiniteError, SolveError.
+  const VecX& accelerations(const State&);
   /// Rows and forces, unsolved; valid until the next evaluation or projection. Throws NonFiniteError.
   const Evaluation& gather(const State&);
   /// Rows alone: no force is asked, as a state off the rows may be none of the forces' own. As gather() else.
@@ -463,7 +477,11 @@ class LOCKSTEP_API Dynamics {
   Tree& tree(const std::vector<bool>& modes);
   void joint_rates(const State&, StateRate& out, SolveReport*);
   ProjectReport project_joint(State&, double goal);
+  Tree* tree_of(const State&) const;
+  const Inputs& read(const State&);
+  void load_closures(Tree&);
   void joint_reactions(Tree&, const Inputs&);
+  double joint_law_power(Tree&);
   const Solution* joint_accelerations(Tree&, const State&, const Inputs&, StateRate& out, SolveReport*);
 
   System& system_;
@@ -478,6 +496,7 @@ class LOCKSTEP_API Dynamics {
   StateInputs inputs_;
   long n_inputs_ = 0;
   VecX a_, lambda_, c_, C_, Cd_;
+  VecX asked_a_;  // by accelerations()
   std::optional<Solution> solution_;
 };
 

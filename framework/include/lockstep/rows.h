@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cassert>
+#include <cmath>
 #include <cstddef>
 #include <span>
 #include <string>
@@ -295,7 +296,12 @@ struct Evaluated {
   const VecX& a;         ///< 6 per slot: acceleration (world, m/s^2), angular acceleration (slot axes, rad/s^2)
   const VecX& lambda;    ///< multipliers, one per row of `rows`
   const RowTable& rows;  ///< the rows, gathered at `in`
+  /// Power of all laws in time, W: the sum of lambda . Ct over all rows (8.8). NaN: it is the one over `rows`.
+  double law_power = NAN;
 };
+
+/// The sum of lambda . Ct over the rows of a table (8.8), W, or J of impulses.
+LOCKSTEP_API double power_of_laws(const RowTable&, const VecX& lambda);
 
 /// Differential equations that are integrated along with the mechanism: a slice of State::s with its rates.
 class LOCKSTEP_API Auxiliary {
@@ -315,6 +321,8 @@ class LOCKSTEP_API Auxiliary {
   /// Whether the multipliers that rates() reads count only with laws in time, as the power lambda . Ct does: it then gets
   /// no other rows than those of links with laws, and no accelerations where there are none.
   virtual bool vanishes_without_laws() const { return false; }
+  /// Whether Evaluated::law_power is all that rates() reads of the solution: no row is gathered for it in joint coordinates.
+  virtual bool reads_law_power_alone() const { return false; }
   /// Writes its states at the start; default: zeros.
   virtual void start(std::span<double> s) const;
   /// Writes d/dt of its states, which are in.s[first()], in.s[first() + 1], ...

@@ -36,6 +36,7 @@ struct InputsT {
   std::span<const double> z;            ///< memory, State::z
   /// Rates of the counted angles (CountedAngle) that are coordinates of joints, rad/s; NaN for others; empty: none is.
   std::span<const double> angle_rates{};
+  std::span<const double> angles{};  ///< likewise the angles themselves, rad, but for whole turns
 
   /// Motion of slot k, kGround for the ground.
   const MotionT<T>& slot(int k) const { return motions[static_cast<std::size_t>(k + 1)]; }  // kGround = -1 is the first
@@ -161,9 +162,9 @@ LOCKSTEP_API void kinematic_rate(const State&, VecX& qd);
 
 /// Time derivatives of q, v and s, in the order of State; those of quaternions are (1/2) e w.
 struct StateRate {
-  VecX q,                    ///< in the slots' own coordinates 7 per slot, m/s and 1/s
-      v,                     ///< likewise 6 per slot, m/s^2 (world) and rad/s^2 (slot axes)
-      s;                     ///< rates of the integrated states
+  VecX q,  ///< in the slots' own coordinates 7 per slot, m/s and 1/s
+      v,   ///< likewise 6 per slot, m/s^2 (world) and rad/s^2 (slot axes)
+      s;   ///< rates of the integrated states
   /// Of the slots that laws move (Coordinates::followed), 12 each: velocity and angular velocity, and their rates, world
   /// axes. Dynamics::rates writes them where there is room for them (sized_like()). By them a method measures errors.
   VecX followed{};

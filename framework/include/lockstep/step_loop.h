@@ -36,6 +36,12 @@ class Sample {
     if (!values_) values_ = &dynamics_.evaluate(state);
     return *values_;
   }
+  /// Accelerations alone: of values() where these are solved for already, else as Dynamics::accelerations() finds them at the
+  /// first call.
+  const VecX& accelerations() const {
+    if (!a_) a_ = values_ ? &values_->a : &dynamics_.accelerations(state);
+    return *a_;
+  }
   /// Motions of all slots, integrated states and memory at this state; read again only after those of another.
   const Inputs& inputs() const {
     if (!inputs_ || read_ != dynamics_.inputs_read())
@@ -61,6 +67,7 @@ class Sample {
   };
   Dynamics& dynamics_;
   mutable const Solution* values_ = nullptr;
+  mutable const VecX* a_ = nullptr;
   mutable const Inputs* inputs_;
   mutable long read_;  // Dynamics::inputs_read() then
   mutable Asked last_;

@@ -16,7 +16,12 @@ double nearest(double angle, double about) { return angle + kTwoPi * std::round(
 
 CountedAngle::~CountedAngle() = default;
 
-double CountedAngle::value(const Inputs& in) const { return nearest(angle(in), rest(in.s)) + kTwoPi * turns(in.s); }
+double CountedAngle::of_pose(const Inputs& in) const {
+  const double known = in.angles.empty() ? NAN : in.angles[static_cast<std::size_t>(number_)];
+  return std::isnan(known) ? angle(in) : known;
+}
+
+double CountedAngle::value(const Inputs& in) const { return nearest(of_pose(in), rest(in.s)) + kTwoPi * turns(in.s); }
 
 double CountedAngle::rate(const Inputs& in) const {
   const double known = in.angle_rates.empty() ? NAN : in.angle_rates[static_cast<std::size_t>(number_)];
@@ -25,14 +30,14 @@ double CountedAngle::rate(const Inputs& in) const {
 
 void CountedAngle::accept(const Inputs& in, VecX& s) const {
   double *own = s.data() + first(), &phi = own[0], &n = own[1], &doubt = own[2];
-  const double pose = nearest(angle(in), phi), turns = std::round(pose / kTwoPi);
+  const double pose = nearest(of_pose(in), phi), turns = std::round(pose / kTwoPi);
   doubt = std::max(doubt, std::abs(pose - phi));
   phi = pose - kTwoPi * turns, n += turns;
 }
 
 void CountedAngle::set(const Inputs& in, double about, VecX& s) const {
   double *own = s.data() + first(), &phi = own[0], &n = own[1];
-  const double pose = nearest(angle(in), about);
+  const double pose = nearest(of_pose(in), about);
   n = std::round(pose / kTwoPi), phi = pose - kTwoPi * n;
 }
 

@@ -9,4 +9,13 @@ Auxiliary::~Auxiliary() = default;
 void Auxiliary::start(std::span<double> s) const { std::fill(s.begin(), s.end(), 0.0); }
 void Auxiliary::impact(const Evaluated&, std::span<double>) const {}
 
+double power_of_laws(const RowTable& rows, const VecX& lambda) {
+  double power = 0;
+  for (const RowEntry& e : rows.entries) {
+    const RowView block = rows.block(e);
+    for (int k = 0; k < e.m; ++k) power += lambda[e.first_row + k] * block.Ct(k);
+  }
+  return power;
+}
+
 }  // namespace lockstep

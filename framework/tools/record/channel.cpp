@@ -10,7 +10,6 @@
 #include <lockstep/log.h>
 #include <lockstep/text.h>
 #include "framework/tools/record/channel_entry.h"
-#include "framework/tools/record/quadrature.h"
 
 namespace lockstep {
 namespace channels {
@@ -47,9 +46,9 @@ void add_angle(Entries& out, std::string name, std::string help, std::function<c
 }
 
 void add_integral(Entries& out, std::string name, std::string unit, std::string help, std::string id,
-                  std::function<double(const Evaluated&)> rate, bool of_reactions) {
-  const auto make = [id = std::move(id), rate = std::move(rate), of_reactions](System& system, Channel& c) {
-    const Quadrature& q = quadrature(system, id, rate, of_reactions);
+                  std::function<double(const Evaluated&)> rate, Integrand of) {
+  const auto make = [id = std::move(id), rate = std::move(rate), of](System& system, Channel& c) {
+    const Quadrature& q = quadrature(system, id, rate, of);
     c.value = [&q](const Sample& s) { return q.value(s.state); };
   };
   out.push_back({std::move(name), std::move(unit), std::move(help), make});
@@ -57,54 +56,40 @@ void add_integral(Entries& out, std::string name, std::string unit, std::string 
 
 namespace {
 
+// All objects that have channels: visit(kind, name, fill), where fill(Entries&) adds theirs.
+template <class Visit>
+void each_object(const System& system, Visit&& visit) {
+  for (const Body& b : system.bodies()) visit("body", b.name, [&](Entries& out) { of_body(b, out); });
+  for (const Marker& m : system.markers()) visit("marker", m.name, [&](Entries& out) { of_frame({m.body, &m}, out); });
+  for (const auto& l : system.links())
+    visit("link", l->name(), [&](Entries& out) { of_link(system, *l, out), of_reactions(*l, out); });
+  for (const auto& f : system.forces()) visit("force", f->name(), [&](Entries& out) { of_force(*f, out); });
+  for (const ControlInput& i : system.control_inputs())
+    visit("input", i.name(), [&](Entries& out) {
+      add(out, "value", i.unit(), "as the host has set it", [&i](const Sample&) { return i.value(); });
+    });
+}
+
 /// An object that has channels: "body 'crank'".
 struct Object {
-  std::string kind, name;
+  std::string label;
   Entries entries;
 };
 
-template <class Items>
-auto find_named(const Items& items, std::string_view name) -> decltype(&*items.begin()) {
-  for (const auto& item : items) {
-    if constexpr (requires { item->name(); }) {
-      if (item->name() == name) return &item;
-    } else if constexpr (requires { item.name(); }) {
-      if (item.name() == name) return &item;
-    } else {
-      if (item.name == name) return &item;
-    }
-  }
-  return nullptr;
+std::optional<Object> find_object(const System& system, std::string_view name) {
+  std::optional<Object> found;
+  each_object(system, [&](const char* kind, const std::string& own, const auto& fill) {
+    if (own == name) fill(found.emplace(Object{fmt::format("{} '{}'", kind, own), {}}).entries);
+  });
+  return found;
 }
 
 std::optional<Frame> find_frame(const System& system, std::string_view name) {
-  if (const Body* b = find_named(system.bodies(), name)) return Frame{b, nullptr};
-  if (const Marker* m = find_named(system.markers(), name)) return Frame{m->body, m};
+  for (const Body& b : system.bodies())
+    if (b.name == name) return Frame{&b, nullptr};
+  for (const Marker& m : system.markers())
+    if (m.name == name) return Frame{m.body, &m};
   return {};
-}
-
-void link_entries(const System& system, const Lock& link, Entries& out) {
-  of_link(system, link, out);
-  of_reactions(link, out);
-}
-
-std::optional<Object> find_object(const System& system, std::string_view name) {
-  Object found{"", std::string(name), {}};
-  if (const Body* b = find_named(system.bodies(), name)) {
-    found.kind = "body", of_body(*b, found.entries);
-  } else if (const Marker* m = find_named(system.markers(), name)) {
-    found.kind = "marker", of_frame({m->body, m}, found.entries);
-  } else if (const auto* l = find_named(system.links(), name)) {
-    found.kind = "link", link_entries(system, **l, found.entries);
-  } else if (const auto* f = find_named(system.forces(), name)) {
-    found.kind = "force", of_force(**f, found.entries);
-  } else if (const ControlInput* i = find_named(system.control_inputs(), name)) {
-    found.kind = "input";
-    add(found.entries, "value", i->unit(), "as the host has set it", [i](const Sample&) { return i->value(); });
-  } else {
-    return {};
-  }
-  return found;
 }
 
 std::vector<std::string> names_of(const Entries& entries) {
@@ -174,11 +159,7 @@ std::vector<std::string> meant_by(const std::string& quantity, const std::vector
   Entries totals;
   of_totals(totals), of_run(totals);
   std::vector<std::string> names;
-  for (const Body& b : system.bodies()) names.push_back(b.name);
-  for (const auto& l : system.links()) names.push_back(l->name());
-  for (const auto& f : system.forces()) names.push_back(f->name());
-  for (const ControlInput& i : system.control_inputs()) names.push_back(i.name());
-  for (const Marker& m : system.markers()) names.push_back(m.name);
+  each_object(system, [&](const char*, const std::string& name, const auto&) { names.push_back(name); });
   const std::vector<std::string> total_names = names_of(totals);
   const std::string near = text::closest_name(channel, total_names);
   const std::string hint = !near.empty() ? "; did you mean \"" + near + "\"?" : text::suggestion(object, names);
@@ -221,7 +202,7 @@ Channel make_channel(System& system, const std::string& name) {
     if (!object) continue;
     const std::string quantity = name.substr(dot + 1);
     if (const Entry* e = find(object->entries, quantity)) return made(system, name, *e);
-    unknown_quantity(name, fmt::format("{} '{}'", object->kind, object->name), quantity, object->entries);
+    unknown_quantity(name, object->label, quantity, object->entries);
   }
   unknown_object(system, name, name.substr(0, name.find('.')));
 }
@@ -232,12 +213,11 @@ std::vector<ChannelHelp> channel_help(const System& system) {
   const auto take = [&](const std::string& object, const Entries& entries) {
     for (const Entry& e : entries) all.push_back({object.empty() ? e.name : object + "." + e.name, e.unit, e.help});
   };
-  const auto take_of = [&](const std::string& name) { take(name, find_object(system, name)->entries); };
-  for (const Body& b : system.bodies()) take_of(b.name);
-  for (const Marker& m : system.markers()) take_of(m.name);
-  for (const auto& l : system.links()) take_of(l->name());
-  for (const auto& f : system.forces()) take_of(f->name());
-  for (const ControlInput& i : system.control_inputs()) take_of(i.name());
+  each_object(system, [&](const char*, const std::string& name, const auto& fill) {
+    Entries entries;
+    fill(entries);
+    take(name, entries);
+  });
   Entries totals;
   of_totals(totals), of_run(totals);
   take("", totals);

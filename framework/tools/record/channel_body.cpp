@@ -114,26 +114,26 @@ void of_body(const Body& body, Entries& out) {
   add_vector(out, "center_v", "m/s", "velocity of the mass centre, world",
              [b](const Sample& s) { return Vec3(s.inputs().slot(b->slot).v); });
   add_vector(out, "center_a", "m/s^2", "acceleration of the mass centre, world",
-             [b](const Sample& s) { return Vec3(s.values().a.segment<3>(6 * b->slot)); });
+             [b](const Sample& s) { return Vec3(s.accelerations().segment<3>(6 * b->slot)); });
 }
 
 void of_pair(const Frame& m, const Frame& n, Entries& out) {
   const auto y = [m, n](const Sample& s) { return relative(m, n, s); };
-  add_vector(out, "", "m", "origin, in the other's axes", [y](const Sample& s) { return Vec3(y(s).y.head<3>()); });
-  add_vector(out, "v", "m/s", "rate of that", [y](const Sample& s) { return Vec3(y(s).yd.head<3>()); });
+  add_vector(out, "", "m", "origin, in the other's axes", [y](const Sample& s) { return y(s).x; });
+  add_vector(out, "v", "m/s", "rate of that", [y](const Sample& s) { return y(s).v; });
   add_vector(out, "a", "m/s^2", "second rate of that",
-             [m, n](const Sample& s) { return Vec3(relative_with_second(m, n, s).ydd.head<3>()); });
-  const auto q = [y](const Sample& s) { return Quat::from(y(s).y.tail<4>()); };
+             [m, n](const Sample& s) { return relative_with_second(m, n, s).a; });
+  const auto q = [y](const Sample& s) { return y(s).q; };
   add_quaternion(out, "quaternion to the other's axes", q);
   add_vector(out, "omega_", "rad/s", "angular velocity against the other, its axes",
              [y](const Sample& s) { return y(s).w; });
   add_directions(out, m, n, "turn about the other's axis, counted past full turns");
   add_sequences(out, q);
-  add(out, "distance", "m", "distance of the two origins", [y](const Sample& s) { return y(s).y.head<3>().norm(); });
+  add(out, "distance", "m", "distance of the two origins", [y](const Sample& s) { return y(s).x.norm(); });
   add(out, "distance_d", "m/s", "rate of that; 0 where they meet", [y](const Sample& s) {
     const Relative r = y(s);
-    const double d = r.y.head<3>().norm();
-    return d > 0 ? r.y.head<3>().dot(r.yd.head<3>()) / d : 0.0;
+    const double d = r.x.norm();
+    return d > 0 ? r.x.dot(r.v) / d : 0.0;
   });
 }
 

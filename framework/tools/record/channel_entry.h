@@ -9,6 +9,7 @@
 
 #include <lockstep/recorder.h>
 #include "framework/tools/record/frame.h"
+#include "framework/tools/record/quadrature.h"
 
 namespace lockstep::channels {
 
@@ -32,7 +33,7 @@ void add_vector(Entries&, const std::string& name, const std::string& unit, cons
 void add_angle(Entries&, std::string name, std::string help, std::function<const CountedAngle&(System&)> count);
 /// The time integral of `rate` along the motion: the system's quadrature `id`, which all channels of that id share.
 void add_integral(Entries&, std::string name, std::string unit, std::string help, std::string id,
-                  std::function<double(const Evaluated&)> rate, bool of_reactions = false);
+                  std::function<double(const Evaluated&)> rate, Integrand of = Integrand::motion);
 
 /// The quantities of one object each.
 void of_frame(const Frame&, Entries&);
@@ -55,11 +56,9 @@ void add_own(Entries& out, const std::vector<Quantity>& own, const std::string& 
 /// Residuals C of the rows of some entries, in the system's norm, m.
 double violation(const Evaluation&, std::span<const RowEntry>, VecX& scratch);
 
-/// Power of all drives and moving laws, W.
-double power_of_laws(const Evaluated&);
+/// Power that a force gives to the bodies, W, with what it does by these reactions where they are given.
+double power_of(const Force&, const Inputs&, const Reactions*, VecX& scratch);
 /// Power taken out by the damping and friction of a force, W.
 double loss(const Force&, const Evaluated&);
-/// Energy lost in the impacts of all unilateral links up to this state, J.
-double lost_in_impacts(const System&, const State&);
 
 }  // namespace lockstep::channels

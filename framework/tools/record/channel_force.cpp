@@ -17,6 +17,21 @@ double loss(const Force& f, const Evaluated& v) {
   });
 }
 
+double power_of(const Force& f, const Inputs& in, const Reactions* reactions, VecX& scratch) {
+  if (!f.acts(in)) return 0;
+  const int n_slots = static_cast<int>(in.motions.size()) - 1;
+  scratch.setZero(6 * n_slots);
+  WrenchSum sum(in.motions, scratch);
+  named(f, in.t, [&] {
+    f.apply(in, sum);
+    if (reactions) f.reacting()->react(in, *reactions, sum);
+  });
+  double power = 0;
+  for (int k = 0; k < n_slots; ++k)
+    power += scratch.segment<3>(6 * k).dot(in.slot(k).v) + scratch.segment<3>(6 * k + 3).dot(in.slot(k).w);
+  return power;
+}
+
 void of_force(const Force& force, Entries& out) {
   const Force* const f = &force;
   const Reacting* const reacting = force.reacting();
@@ -39,18 +54,8 @@ void of_force(const Force& force, Entries& out) {
   const auto scratch = std::make_shared<VecX>();
   if (free("power"))
     add(out, "power", "W", "power that the force gives to the bodies", [f, reacting, scratch](const Sample& s) {
-      const Inputs& in = s.values().in;
-      scratch->setZero(6 * s.system().n_slots());
-      WrenchSum sum(in.motions, *scratch);
-      if (!f->acts(in)) return 0.0;
-      named(*f, s.state.t, [&] {
-        f->apply(in, sum);
-        if (reacting) reacting->react(in, Reactions(s.values()), sum);
-      });
-      double power = 0;
-      for (int k = 0; k < s.system().n_slots(); ++k)
-        power += scratch->segment<3>(6 * k).dot(in.slot(k).v) + scratch->segment<3>(6 * k + 3).dot(in.slot(k).w);
-      return power;
+      const Reactions reactions(s.values());
+      return power_of(*f, s.values().in, reacting ? &reactions : nullptr, *scratch);
     });
   if (free("potential"))
     add(out, "potential", "J", "energy stored in the force", [f](const Sample& s) {

@@ -48,7 +48,7 @@ void add_drive(const Lock& link, const std::string& name, int part, const std::s
       [l, part](const Sample& s) { return power_of_drive(*l, s.values(), part); });
   add_integral(
       out, name + ".work", "J", "work of " + by + " since the start", link.name() + "." + name + ".work",
-      [l, part](const Evaluated& v) { return power_of_drive(*l, v, part); }, true);
+      [l, part](const Evaluated& v) { return power_of_drive(*l, v, part); }, Integrand::drive);
 }
 
 }  // namespace
@@ -64,15 +64,6 @@ void of_reactions(const Lock& link, Entries& out) {
     const std::string name = driven->drive(d).name;
     add_drive(link, "drive_" + name, d, "its drive on " + name, out);
   }
-}
-
-double power_of_laws(const Evaluated& v) {
-  double power = 0;
-  for (const RowEntry& e : v.rows.entries) {
-    const RowView block = v.rows.block(e);
-    for (int k = 0; k < e.m; ++k) power += v.lambda[e.first_row + k] * block.Ct(k);
-  }
-  return power;
 }
 
 }  // namespace lockstep::channels

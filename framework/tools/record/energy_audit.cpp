@@ -6,6 +6,8 @@
 
 #include <lockstep/error.h>
 #include "framework/mechanism/system/diagnose.h"
+#include "framework/tools/record/channel_entry.h"
+#include "framework/tools/record/energies.h"
 
 namespace lockstep {
 
@@ -15,11 +17,6 @@ constexpr double kRounding = 1e-9;  // of the energies themselves: a smaller imb
 constexpr double kStill = 1e-14;    // nor one below this times m L^2 / s^2,
 constexpr double kPlace = 1e-13;    // or of the length, by which rounding may move a weight: times m g L
 
-enum : std::size_t { kKinetic, kPotential, kDrives, kSupplied, kDissipated };
-
-// What a channel without the quantity is worth.
-double value_of(const Channel& c, const Sample& s) { return c.value ? c.value(s) : 0.0; }
-
 }  // namespace
 
 struct EnergyAudit::Books {
@@ -28,10 +25,11 @@ struct EnergyAudit::Books {
     void add(double x) { least = std::min(least, x), most = std::max(most, x); }
     double size() const { return most - least; }
   };
+  Books(AuditLimits l, EnergyTerms t) : limits(l), terms(t) {}
   AuditLimits limits;
-  std::vector<Channel> channels;
-  Range kinetic, potential, drives, supplied, dissipated;
-  double least = 0;  // imbalance that counts, J
+  EnergyTerms terms;
+  std::array<Range, 5> ranges;  // of the Energies, the potential less that at the start
+  double least = 0;             // imbalance that counts, J
   double first_potential = 0, first_balance = 0, at_instants = 0, before = 0;
   double largest_kinetic = 0, largest_potential = 0;
   std::vector<bool> gives_power, booked_forces;  // of the forces
@@ -39,65 +37,50 @@ struct EnergyAudit::Books {
   VecX f;
   Audit audit;
 
-  struct Energies {
-    double kinetic, potential, drives, supplied, dissipated;
-    double balance() const { return kinetic + potential - drives - supplied + dissipated; }
-  };
-  Energies energies(const Sample& s) const {
-    return {value_of(channels[kKinetic], s), value_of(channels[kPotential], s), value_of(channels[kDrives], s),
-            value_of(channels[kSupplied], s), value_of(channels[kDissipated], s)};
+  // What a checkpoint keeps, but for what of it are no numbers.
+  std::array<double*, 23> numbers() {
+    auto& r = ranges;
+    return {&r[0].least,  &r[0].most, &r[1].least,      &r[1].most,         &r[2].least,      &r[2].most,
+            &r[3].least,  &r[3].most, &r[4].least,      &r[4].most,         &first_potential, &first_balance,
+            &at_instants, &before,    &largest_kinetic, &largest_potential, &audit.imbalance, &audit.violation,
+            &audit.start, &audit.end, &audit.drives,    &audit.supplied,    &audit.dissipated};
   }
-  double balance(const Sample& s) const { return energies(s).balance(); }
   void compare(const Energies& e) {
     const double off = std::abs(e.balance() - first_balance - at_instants);
     if (!(off <= audit.imbalance) && !std::isnan(audit.imbalance)) audit.imbalance = off;
   }
   // Ranges and imbalances are those of all steps: outputs may be few, or meet a motion at equal phases.
   void widen(const Energies& e) {
-    kinetic.add(e.kinetic), potential.add(e.potential - first_potential);
-    drives.add(e.drives), supplied.add(e.supplied), dissipated.add(e.dissipated);
+    const double values[] = {e.kinetic, e.potential - first_potential, e.drives, e.supplied, e.dissipated};
+    for (std::size_t k = 0; k < ranges.size(); ++k) ranges[k].add(values[k]);
     largest_kinetic = std::max(largest_kinetic, e.kinetic);
     largest_potential = std::max(largest_potential, std::abs(e.potential));
   }
   void look_at_forces(const Sample&);
 };
 
-EnergyAudit::EnergyAudit(System& system, AuditLimits limits) : books_(std::make_unique<Books>()) {
-  books_->limits = limits;
-  const bool links = !system.links().empty(), forces = !system.forces().empty();
-  const bool impacts = std::any_of(system.links().begin(), system.links().end(),
-                                   [](const auto& link) { return link->unilateral() != nullptr; });
-  const auto add = [&](const char* name, bool present) {  // nothing is integrated in vain
-    books_->channels.push_back(present ? make_channel(system, name) : Channel{});
-  };
-  add("energy.kinetic", true), add("energy.potential", true);
-  add("energy.drives", links), add("energy.supplied", forces), add("energy.dissipated", forces || impacts);
-}
+EnergyAudit::EnergyAudit(System& system, AuditLimits limits)
+    : books_(std::make_unique<Books>(limits, EnergyTerms(system, false))) {}
 
 EnergyAudit::~EnergyAudit() = default;
 
 void EnergyAudit::start(const Sample& s) {
-  Books& b = *books_;
-  b.kinetic = b.potential = b.drives = b.supplied = b.dissipated = {};
-  b.at_instants = b.largest_kinetic = b.largest_potential = 0;
-  b.audit = {};
-  b.audit.limits = b.limits.of(s.system().length());
-  b.least = 0;
+  Books& b = *books_ = Books(books_->limits, books_->terms);
   const double L = s.system().length(), g = s.system().gravity().norm();
+  b.audit.limits = b.limits.of(L);
   for (int k = 0; k < s.system().n_slots(); ++k) b.least += s.system().slot(k).mass * L * (kStill * L + kPlace * g);
-  b.force_names.clear();
   for (const auto& force : s.system().forces()) b.force_names.push_back(force->name());
-  b.gives_power.assign(s.system().forces().size(), false);
-  b.booked_forces.assign(s.system().forces().size(), false);
-  b.first_potential = value_of(b.channels[kPotential], s);
-  b.first_balance = b.before = b.balance(s);
-  b.audit.start = value_of(b.channels[kKinetic], s) + b.first_potential;
+  b.gives_power.assign(b.force_names.size(), false), b.booked_forces = b.gives_power;
+  const Energies first = b.terms.at(s);
+  b.first_potential = first.potential;
+  b.first_balance = b.before = first.balance();
+  b.audit.start = first.kinetic + first.potential;
   output(s);
 }
 
 void EnergyAudit::step(const Sample& s) {
   Books& b = *books_;
-  const Books::Energies now = b.energies(s);
+  const Energies now = b.terms.at(s);
   b.before = now.balance();
   b.widen(now), b.compare(now);
   double& most = b.audit.violation;  // once it is no number it stays none
@@ -108,7 +91,7 @@ void EnergyAudit::step(const Sample& s) {
 void EnergyAudit::jumped(const Sample& s) {
   if (s.cause.empty()) return;
   Books& b = *books_;
-  const Books::Energies now = b.energies(s);
+  const Energies now = b.terms.at(s);
   const double change = now.balance() - b.before;
   b.widen(now);
   b.at_instants += change;
@@ -120,7 +103,7 @@ void EnergyAudit::jumped(const Sample& s) {
 
 void EnergyAudit::output(const Sample& s) {
   Books& b = *books_;
-  const Books::Energies now = b.energies(s);
+  const Energies now = b.terms.at(s);
   b.audit.drives = now.drives, b.audit.supplied = now.supplied, b.audit.dissipated = now.dissipated;
   b.audit.end = now.kinetic + now.potential;
   b.widen(now), b.compare(now);
@@ -129,35 +112,21 @@ void EnergyAudit::output(const Sample& s) {
 
 // A force whose wrench does work while it has neither potential, loss nor supply.
 void EnergyAudit::Books::look_at_forces(const Sample& s) {
-  const System& system = s.system();
   const Inputs& in = s.inputs();
   for (std::size_t k = 0; k < gives_power.size(); ++k) {
-    if (booked_forces[k]) continue;
-    const Force& force = *system.forces()[k];
-    if (!force.acts(in)) continue;
-    named(force, s.state.t, [&] {
-      booked_forces[k] = force.potential(in) != 0 || force.dissipation(in) != 0 || force.supply(in) != 0;
-      f.setZero(6 * system.n_slots());
-      WrenchSum sum(in.motions, f);
-      force.apply(in, sum);
-    });
-    double power = 0;
-    for (int i = 0; i < system.n_slots(); ++i)
-      power += f.segment<3>(6 * i).dot(in.slot(i).v) + f.segment<3>(6 * i + 3).dot(in.slot(i).w);
-    gives_power[k] = gives_power[k] || power != 0;
+    const Force& force = *s.system().forces()[k];
+    if (booked_forces[k] || !force.acts(in)) continue;
+    booked_forces[k] = named(
+        force, in.t, [&] { return force.potential(in) != 0 || force.dissipation(in) != 0 || force.supply(in) != 0; });
+    gives_power[k] = gives_power[k] || channels::power_of(force, in, nullptr, f) != 0;
   }
 }
 
 void EnergyAudit::save(Snapshot& out) const {
-  const Books& b = *books_;
-  for (const Books::Range* r : {&b.kinetic, &b.potential, &b.drives, &b.supplied, &b.dissipated})
-    out.put(r->least), out.put(r->most);
-  for (const double x :
-       {b.first_potential, b.first_balance, b.at_instants, b.before, b.largest_kinetic, b.largest_potential})
-    out.put(x);
+  Books& b = *books_;
+  for (const double* x : b.numbers()) out.put(*x);
   out.put_all(b.gives_power), out.put_all(b.booked_forces);
   const Audit& a = b.audit;
-  for (const double x : {a.imbalance, a.violation, a.start, a.end, a.drives, a.supplied, a.dissipated}) out.put(x);
   out.put(static_cast<double>(a.instants.size()));
   for (const Audit::Instant& i : a.instants) {
     out.put_text(i.cause);
@@ -167,16 +136,11 @@ void EnergyAudit::save(Snapshot& out) const {
 
 void EnergyAudit::load(SnapshotReader& in) {
   Books& b = *books_;
-  for (Books::Range* r : {&b.kinetic, &b.potential, &b.drives, &b.supplied, &b.dissipated})
-    r->least = in.get(), r->most = in.get();
-  for (double* x :
-       {&b.first_potential, &b.first_balance, &b.at_instants, &b.before, &b.largest_kinetic, &b.largest_potential})
-    *x = in.get();
+  for (double* x : b.numbers()) *x = in.get();
   in.get_all(b.gives_power), in.get_all(b.booked_forces);
   if (b.gives_power.size() != b.force_names.size() || b.booked_forces.size() != b.force_names.size())
     throw ModelError("the saved books of the energy are those of other forces than the system has");
   Audit& a = b.audit;
-  for (double* x : {&a.imbalance, &a.violation, &a.start, &a.end, &a.drives, &a.supplied, &a.dissipated}) *x = in.get();
   a.instants.clear();
   for (long n = in.get_count(); n > 0; --n) {
     Audit::Instant i;
@@ -187,21 +151,14 @@ void EnergyAudit::load(SnapshotReader& in) {
 }
 
 const char* Audit::verdict() const {
-  switch (energy) {
-    case Energy::conserved:
-      return "conserved";
-    case Energy::not_conserved:
-      return "not conserved";
-    default:
-      return "not judged";
-  }
+  constexpr const char* kWords[] = {"conserved", "not conserved", "not judged"};
+  return kWords[static_cast<int>(energy)];
 }
 
 Audit EnergyAudit::result() const {
   const Books& b = *books_;
   Audit audit = b.audit;
-  audit.scale =
-      std::max({b.kinetic.size(), b.potential.size(), b.drives.size(), b.supplied.size(), b.dissipated.size()});
+  for (const Books::Range& r : b.ranges) audit.scale = std::max(audit.scale, r.size());
   audit.drifted = !(audit.violation <= audit.limits.violation);
   for (std::size_t k = 0; k < b.force_names.size(); ++k)
     if (b.gives_power[k] && !b.booked_forces[k]) audit.unbooked_forces.push_back(b.force_names[k]);

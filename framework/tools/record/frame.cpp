@@ -10,11 +10,6 @@ Vec3 slot_alpha(const VecX& a, int slot) {
   return slot == kGround ? Vec3(Vec3::Zero()) : Vec3(a.segment<3>(6 * slot + 3));
 }
 
-RelativeKinematics kinematics_of(const MarkerFrame& m, const MarkerFrame& n, const Inputs& in) {
-  const bool moving = m.translation_law || m.rotation_law || n.translation_law || n.rotation_law;
-  return relative_kinematics(in.slot(m.slot), in.slot(n.slot), m.at(in.t), n.at(in.t), moving ? 1u : 0u);
-}
-
 }  // namespace
 
 MarkerFrame Frame::folded() const {
@@ -45,7 +40,7 @@ FrameMotion motion_of(const Frame& frame, const Sample& sample) {
 }
 
 FrameAcceleration acceleration_of(const Frame& frame, const Sample& sample) {
-  const VecX& a = sample.values().a;
+  const VecX& a = sample.accelerations();
   const MarkerFrame& f = frame.in(sample.system());
   const Motion& O = sample.inputs().slot(f.slot);
   const MarkerMotion m = f.at(sample.state.t);
@@ -57,32 +52,23 @@ FrameAcceleration acceleration_of(const Frame& frame, const Sample& sample) {
   return r;
 }
 
-namespace {
-
-Relative relative(const RelativeKinematics& L, const MarkerFrame& P, const MarkerFrame& S, const Inputs& in) {
-  Relative r;
-  r.y = L.y, r.yd = L.yd, r.ydd.setZero();
-  const MarkerOn<double> p{in.slot(P.slot), P.at(in.t)}, s{in.slot(S.slot), S.at(in.t)};
-  r.w = s.A().transpose() * (p.w() - s.w());
-  return r;
-}
-
-}  // namespace
-
 Relative relative(const Frame& m, const Frame& n, const Sample& sample) {
-  const MarkerFrame &P = m.in(sample.system()), &S = n.in(sample.system());
-  const Inputs& in = sample.inputs();
-  return relative(kinematics_of(P, S, in), P, S, in);
+  const FrameMotion P = motion_of(m, sample), S = motion_of(n, sample);
+  const Mat3 to_n = S.A.transpose();
+  const Vec3 x = P.x - S.x;
+  return {to_n * x, to_n * (P.v - S.v - cross(S.w, x)), to_n * (P.w - S.w), conjugate(S.q) * P.q};
 }
 
+// In the axes of n, which turn with w_n:
+//   x'' = a_m - a_n - alpha_n x r - w_n x (w_n x r) - 2 w_n x v,  w' = alpha_m - alpha_n - w_n x w
 Relative relative_with_second(const Frame& m, const Frame& n, const Sample& sample) {
-  const VecX& a = sample.values().a;
-  const MarkerFrame &P = m.in(sample.system()), &S = n.in(sample.system());
-  const RelativeKinematics L = kinematics_of(P, S, sample.inputs());
-  Relative r = relative(L, P, S, sample.inputs());
-  // (2.2) ydd = Jh_y acc - Qhat_y
-  r.ydd = L.Jv1 * (slot_acceleration(a, P.slot) - slot_acceleration(a, S.slot)) + L.Jw1 * slot_alpha(a, P.slot) +
-          L.Jw2 * slot_alpha(a, S.slot) - L.Qhat;
+  Relative r = relative(m, n, sample);
+  const FrameAcceleration P = acceleration_of(m, sample), S = acceleration_of(n, sample);
+  const FrameMotion N = motion_of(n, sample);
+  const Mat3 to_n = N.A.transpose();
+  const Vec3 w = to_n * N.w;
+  r.a = to_n * (P.a - S.a) - cross(Vec3(to_n * S.alpha), r.x) - cross(w, Vec3(cross(w, r.x) + 2.0 * r.v));
+  r.alpha = to_n * (P.alpha - S.alpha) - cross(w, r.w);
   return r;
 }
 

@@ -31,13 +31,14 @@ struct FrameAcceleration {
 FrameMotion motion_of(const Frame&, const Sample&);
 FrameAcceleration acceleration_of(const Frame&, const Sample&);
 
-/// Frame m relative to frame n, in n's axes: the seven coordinates of (7.1), their rates and second rates.
+/// Frame m relative to frame n, in n's axes: its origin and its angular velocity with their rates, and its quaternion.
 struct Relative {
-  Vec7T<double> y, yd, ydd;
-  Vec3 w;  ///< angular velocity of m relative to n
+  Vec3 x, v, w;
+  Quat q;
+  Vec3 a = Vec3::Zero(), alpha = Vec3::Zero();  ///< the second rate of x, the rate of w
 };
 Relative relative(const Frame& m, const Frame& n, const Sample&);
-/// With ydd, which needs the accelerations.
+/// With a and alpha, which need the accelerations.
 Relative relative_with_second(const Frame& m, const Frame& n, const Sample&);
 
 }  // namespace lockstep::channels

@@ -7,7 +7,7 @@
 namespace lockstep {
 
 const Quadrature& quadrature(System& system, const std::string& name,
-                             const std::function<double(const Evaluated&)>& rate, bool of_reactions) {
+                             const std::function<double(const Evaluated&)>& rate, Integrand of) {
   for (const auto& auxiliary : system.auxiliaries()) {
     if (auxiliary->name() != name) continue;
     if (const auto* found = dynamic_cast<const Quadrature*>(auxiliary.get())) return *found;
@@ -16,7 +16,7 @@ const Quadrature& quadrature(System& system, const std::string& name,
                     "that state",
                     name));
   }
-  return static_cast<const Quadrature&>(system.add(std::make_unique<Quadrature>(name, rate, of_reactions)));
+  return static_cast<const Quadrature&>(system.add(std::make_unique<Quadrature>(name, rate, of)));
 }
 
 }  // namespace lockstep
