@@ -32,11 +32,11 @@ void check_tolerance(const Tolerance& t) {
                      text::brief(kRounding) + "), and no step meets it; take 1e-13 or more");
 }
 
-void UnmetTolerance::count(double error, double t) {
+void UnmetTolerance::count(const StepReport& step, double t) {
   constexpr double kJust = 1 + 1e-6;  // an error of 1 is met
-  if (!(error > kJust)) return;
+  if (!(step.error > kJust)) return;
   if (steps++ == 0) first = t;
-  largest = std::max(largest, error);
+  largest = std::max(largest, step.error), lost += step.h * (step.error - 1);
 }
 
 Tolerance tolerance_of(double relative) {

@@ -37,15 +37,6 @@ LOCKSTEP_API Tolerance tolerance_of(double relative);
 /// Throws ModelError for a tolerance that is not above zero, that no number of 16 digits meets, or that allows any error.
 LOCKSTEP_API void check_tolerance(const Tolerance&);
 
-/// Steps of a run whose errors stayed above the tolerance because nothing better could be reached.
-struct UnmetTolerance {
-  long steps = 0;    ///< how many
-  double first = 0,  ///< end of the first of them, s
-      largest = 0;   ///< the largest of their errors, in tolerances
-  /// Counts a step that ended at t if its error is such a one.
-  LOCKSTEP_API void count(double error, double t);
-};
-
 /// What one step did.
 struct StepReport {
   double h = 0;                ///< length of the step, s
@@ -56,6 +47,16 @@ struct StepReport {
   double violation_after = 0;  ///< |C| of the new state, m
   bool manifold = false;       ///< its stages were evaluated on the constraints, as near singular positions
   bool stiff = false;          ///< damped fast modes, not accuracy, limit the step: an implicit method is cheaper
+};
+
+/// Steps of a run whose errors stayed above the tolerance because nothing better could be reached.
+struct UnmetTolerance {
+  long steps = 0;    ///< how many
+  double first = 0,  ///< end of the first of them, s
+      largest = 0,   ///< the largest of their errors, in tolerances
+      lost = 0;      ///< sum of their lengths times what their errors exceed the tolerance by, in tolerances, s
+  /// Counts a step that ended at t if its error is such a one.
+  LOCKSTEP_API void count(const StepReport&, double t);
 };
 
 /// A time-stepping method. It may keep a history of earlier steps; the state itself belongs to the caller.

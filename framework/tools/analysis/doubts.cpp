@@ -6,64 +6,74 @@
 #include <algorithm>
 #include <cmath>
 
+#include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/solvers/graph.h"
+#include "framework/tools/analysis/beside.h"
 
 namespace lockstep {
 
 namespace {
 
-constexpr double kUncertain = 1e-2;  // of a reaction
-constexpr double kGrowth = 5;        // measured: an error of the motion becomes this, over the indicator, of a reaction
-constexpr double kFixed = 1e-9;      // error of the motion for a method that promises none: that of its projection,
-constexpr double kLeastError = 1e-13;  // and of one that promises more than rounding allows
+constexpr double kUncertain = 1e-2;  // of the largest multiplier
+constexpr double kBeside = 0.05;     // rad, about: farther from a singular position reactions are not looked at
+constexpr double kAside = 1e-4;      // rad, along the motion, to the states that are compared
 
 }  // namespace
 
 void Doubts::start(const Sample& sample) {
   loops_ = has_loops(sample.system(), sample.state.modes);
-  unmet_ = {}, n_uncertain_ = 0;
+  unmet_ = {}, n_uncertain_ = 0, begun_ = sample.state.t;
   uncertain_.clear();
 }
 
 void Doubts::save(Snapshot& out) const {
-  out.put(static_cast<double>(unmet_.steps)), out.put(unmet_.largest), out.put(unmet_.first);
+  out.put(static_cast<double>(unmet_.steps)), out.put(unmet_.largest), out.put(unmet_.first), out.put(unmet_.lost);
+  out.put(begun_);
   out.put(static_cast<double>(n_uncertain_));
   out.put_all(uncertain_);
 }
 
 void Doubts::load(SnapshotReader& in) {
-  unmet_.steps = in.get_count(), unmet_.largest = in.get(), unmet_.first = in.get();
+  unmet_.steps = in.get_count(), unmet_.largest = in.get(), unmet_.first = in.get(), unmet_.lost = in.get();
+  begun_ = in.get();
   n_uncertain_ = in.get_count();
   in.get_all(uncertain_);
 }
 
-void Doubts::step(const Sample& sample) { unmet_.count(sample.report.error, sample.state.t); }
+void Doubts::step(const Sample& sample) { unmet_.count(sample.report, sample.state.t); }
 
-// Beside a singular position, at the distance theta, an error of the motion appears in the extra direction divided by
-// theta, and in what its velocity asks of the rows by theta once more; the indicator falls as theta^2. At a residual the
-// rows themselves were not met.
 void Doubts::output(const Sample& sample) {
-  if (!reactions_ || !loops_ || (sample.state.coordinates && !sample.state.coordinates->has_rows())) return;
-  const Solution& solution = sample.values();
-  SolveReport report = solution.report;
-  solution.factor.complete(report);
-  const double error = tolerance_ > 0 ? std::max(tolerance_, kLeastError) : kFixed;
-  if (!(std::max(kGrowth * error, report.residual) > kUncertain * report.detector)) return;
+  if (!reactions_ || !loops_ || !has_rows(sample) || !are_uncertain(sample)) return;
   ++n_uncertain_;
   if (uncertain_.size() < kNamed) uncertain_.push_back(sample.state.t);
 }
 
-std::vector<std::string> Doubts::words(long steps) const {
-  constexpr double kMostRounding = 1e-7;  // relative error: beyond, it is not rounding that spoils a step
+// Multipliers of a motion are the mean of those as far before as after, but for the square of the distance. Errors that a
+// position magnifies, by one over the square of the distance to it, are not.
+bool Doubts::are_uncertain(const Sample& sample) try {
+  const Solution& solution = sample.values();
+  if (!(solution.full_report().detector < kBeside * kBeside)) return false;  // which falls as the square
+  const State here = in_slots(sample);
+  const double rate = fastest(solution.in, system_.length());
+  Beside eye(system_, here);
+  State before, after;
+  if (!(rate > 0) || !eye.along(here, -kAside / rate, before) || !eye.along(here, kAside / rate, after)) return false;
+  const VecX first = eye.multipliers(before), mean = 0.5 * (first + eye.multipliers(after));
+  return (mean - solution.lambda).lpNorm<Eigen::Infinity>() > kUncertain * mean.lpNorm<Eigen::Infinity>();
+} catch (const Error&) {  // what cannot be evaluated speaks neither for nor against
+  return false;
+}
+
+std::vector<std::string> Doubts::words(long steps, double t) const {
   std::vector<std::string> all;
-  if (unmet_.steps > 0)
+  const double seconds = t - begun_;
+  if (unmet_.lost > seconds)
     all.push_back(fmt::format(
-        "the tolerance of {:g} was not reached in {} of {} step{}, from t = {:.6g} s on: {} errors of up to {:.2g} "
-        "times it there; the run went on with what can be reached",
-        tolerance_, unmet_.steps, steps, steps == 1 ? "" : "s", unmet_.first,
-        tolerance_ * unmet_.largest > kMostRounding ? "a singular position leaves" : "rounding leaves",
-        unmet_.largest));
+        "the tolerance of {:g} was not reached in {} of {} step{}, from t = {:.6g} s on: errors of up to {:.2g} times "
+        "it "
+        "stay there, in sum {:.2g} times what it allows the whole run; the run went on with what can be reached",
+        tolerance_, unmet_.steps, steps, steps == 1 ? "" : "s", unmet_.first, unmet_.largest, unmet_.lost / seconds));
   if (const long n = n_uncertain_; n > 0)
     all.push_back(fmt::format(
         "the reactions at t = {}{} are uncertain by more than 1 %: {} in or beside a singular position, where they "

@@ -1,4 +1,4 @@
-// What makes the result of a run doubtful though it went through: tolerances that were not reached, recorded reactions that
+// What makes the result of a run doubtful though it went through: a tolerance that was not reached, recorded reactions that
 // rounding decides.
 #pragma once
 
@@ -12,13 +12,15 @@
 
 namespace lockstep {
 
-/// Watches what the method says of its steps, and the conditioning of the instants that are recorded.
+/// Watches what the method says of its steps, and whether reactions that are recorded beside a singular position agree with
+/// those of the motion around them.
 class LOCKSTEP_API Doubts final : public Observer {
  public:
   static constexpr std::size_t kNamed = 5;  ///< instants that are kept
 
-  /// `reactions`: some are recorded; `tolerance`: of the method, relative, 0 for fixed steps.
-  Doubts(bool reactions, double tolerance) : reactions_(reactions), tolerance_(tolerance) {}
+  /// `reactions`: some are recorded; `tolerance`: of the method, relative, 0 for fixed steps. The system must outlive it.
+  Doubts(System& system, bool reactions, double tolerance)
+      : system_(system), reactions_(reactions), tolerance_(tolerance) {}
 
   void start(const Sample&) override;
   void step(const Sample&) override;
@@ -26,14 +28,17 @@ class LOCKSTEP_API Doubts final : public Observer {
   void save(Snapshot&) const override;
   void load(SnapshotReader&) override;
 
-  /// In sentences, of a run of so many steps; none where nothing is doubtful.
-  std::vector<std::string> words(long steps) const;
+  /// In sentences, of a run of so many steps to the time t, s; none where nothing is doubtful.
+  std::vector<std::string> words(long steps, double t) const;
   /// Takes the steps of a run whose steps it was not shown.
   void take(const UnmetTolerance& unmet) { unmet_ = unmet; }
 
  private:
+  bool are_uncertain(const Sample&);
+
+  System& system_;
   bool reactions_, loops_ = false;
-  double tolerance_;
+  double tolerance_, begun_ = 0;
   UnmetTolerance unmet_;
   long n_uncertain_ = 0;           // instants beside a singular position: reactions may be off by more than a hundredth
   std::vector<double> uncertain_;  // the first of those instants, kNamed at most, s

@@ -6,11 +6,11 @@
 #include <vector>
 
 #include <lockstep/export.h>
-#include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>
-#include <lockstep/stepping.h>
 
 namespace lockstep {
+
+class Beside;
 
 /// A singular position that a run passed.
 struct PassedPosition {
@@ -20,8 +20,8 @@ struct PassedPosition {
 };
 
 /// Watches the steps whose stages are evaluated as they are, and finds the singular positions between them. It looks at
-/// the singularity indicator whenever a body has turned by 0.02 rad, with a solver of its own; where the indicator has a
-/// small minimum, it looks for the position itself.
+/// the singularity indicator whenever a body has turned by 0.02 rad, with a solver of its own. Where the indicator has a
+/// minimum that lies nearer to a singular position than the stages of a step to one another, they did not see that position.
 class LOCKSTEP_API SingularWatch final : public Observer {
  public:
   /// The system must outlive it.
@@ -44,19 +44,19 @@ class LOCKSTEP_API SingularWatch final : public Observer {
   long n_passed() const { return n_passed_; }  ///< how many there were
 
  private:
-  struct Eye;
   struct Look {
     State state;
-    double root = -1;  ///< of the indicator; -1: none
-    double turn = 0;   ///< of the step that led here, rad
+    double indicator = -1;  ///< -1: none
+    double rate = 0;        ///< of the body that turns fastest, rad/s
+    double turn = 0;        ///< of the step that led here, rad
   };
 
-  void look(const State&, double turn);
+  void look(Look now);
   void find_between(const Look& before, const Look& lowest, const Look& after);
   void forget();
 
   System& system_;
-  std::unique_ptr<Eye> eye_;
+  std::unique_ptr<Beside> eye_;
   Look before_, last_, regular_;
   double turned_ = 0;  // since the last look, rad
   std::vector<PassedPosition> passed_;

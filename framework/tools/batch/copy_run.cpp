@@ -176,7 +176,7 @@ class AloneRun {
     const bool landed = lands && step.h >= asked;
     if (landed) state_.t = schedule_.reach();
     report_.t = state_.t;
-    report_.unmet.count(step.error, state_.t);
+    report_.unmet.count(step, state_.t);
     tell_step(false);
     if (landed) arrive();  // run() goes on where an output is at a jump
   }

@@ -60,7 +60,7 @@ Json columns_of(const RowEnvelope& rows) {
 
 std::vector<std::string> doubts_of(const EndedRun& ended) {
   StepLoop& sim = ended.sim;
-  std::vector<std::string> all = ended.doubts.words(sim.report().steps);
+  std::vector<std::string> all = ended.doubts.words(sim.report().steps, sim.state().t);
   if (!ended.passed.empty())
     all.insert(all.begin(), passed_words(ended.passed, ended.n_passed, sim.integrator().info(),
                                          sim.dynamics().options().stabilization.kind == Stabilization::Kind::project));

@@ -33,7 +33,7 @@ struct SceneParts final : HeldMechanism, Simulation::Parts {
     if (settings.at_jumps) run.add_observer(at_jumps);
     run.add_observer(*audit);
     const bool adaptive = run.integrator().info().adaptive;
-    doubts = std::make_unique<Doubts>(records_reactions(settings), adaptive ? settings.tolerance.relative : 0.0);
+    doubts = std::make_unique<Doubts>(system, records_reactions(settings), adaptive ? settings.tolerance.relative : 0.0);
     run.add_observer(*doubts);
     if (SingularWatch::is_needed(by, start, run.integrator().info())) run.add_observer(singular);
     for (const Event& event : events) run.add_event(event);
@@ -41,7 +41,7 @@ struct SceneParts final : HeldMechanism, Simulation::Parts {
   }
   RunVerdict verdict() const override {
     if (!loop) throw ModelError("simulation: verdict() before the run began; call it after run()");
-    RunVerdict found{audit->result(), doubts->words(loop->report().steps)};
+    RunVerdict found{audit->result(), doubts->words(loop->report().steps, loop->state().t)};
     found.right = !found.audit.is_wrong();
     if (!singular.passed().empty())
       found.doubts.insert(found.doubts.begin(),

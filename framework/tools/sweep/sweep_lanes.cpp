@@ -94,7 +94,7 @@ void prepare(Lane& lane, const Registry& registry) {
   lane.dynamics = std::make_unique<Dynamics>(system_of(m), make_solver(m.run, registry),
                                              DynamicsOptions{m.run.formulation, m.run.stabilization});
   lane.start = assembled_start(*lane.dynamics, m);
-  lane.doubts = std::make_unique<Doubts>(records_reactions(m.run), m.run.tolerance.relative);
+  lane.doubts = std::make_unique<Doubts>(system_of(m), records_reactions(m.run), m.run.tolerance.relative);
   const Sample first(*lane.dynamics, lane.start, kNoReport);
   lane.doubts->start(first);
   lane.recorder->start(first);
@@ -197,7 +197,7 @@ std::vector<SweepRun> sweep_lanes(std::span<const Scene> scenes, const Registry&
     run.steps = reports[i].steps, run.cpu = cpu;
     judge(*lanes[i], run);
     lanes[i]->doubts->take(reports[i].unmet);
-    run.doubts = lanes[i]->doubts->words(run.steps);
+    run.doubts = lanes[i]->doubts->words(run.steps, lanes[i]->mechanism.run.until);
     runs.push_back(std::move(run));
     if (history != nullptr) *history = lanes[i]->recorder->table();
   }
