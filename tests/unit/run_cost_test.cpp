@@ -63,7 +63,7 @@ TEST_CASE("accelerations along a tree cost one evaluation a row, and no rows of 
   run.loop.run_until(0.1);
   const long evaluations = run.dynamics.work().evaluations;
   run.loop.run_until(0.6);
-  CHECK(run.dynamics.work().evaluations - evaluations == 4 * 500 + 2 * 5);  // those of reactions too
+  CHECK(run.dynamics.work().evaluations - evaluations == 4 * 500 + 5);  // solved for the reactions already
   System tree({.gravity = Vec3(0, -9.81, 0)});
   Body& rod = tree.add_body("rod", shapes::slender_rod(1.0, Vec3::Zero(), Vec3(1, 0, 0), 1e-4));
   tree.add<Revolute>("A", rod, tree.ground(), pose_at(Vec3::Zero()));
