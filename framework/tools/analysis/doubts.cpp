@@ -71,8 +71,7 @@ std::vector<std::string> Doubts::words(long steps, double t) const {
   if (unmet_.lost > seconds)
     all.push_back(fmt::format(
         "the tolerance of {:g} was not reached in {} of {} step{}, from t = {:.6g} s on: errors of up to {:.2g} times "
-        "it "
-        "stay there, in sum {:.2g} times what it allows the whole run; the run went on with what can be reached",
+        "it stay there, in sum {:.2g} times what it allows the whole run; the run went on with what can be reached",
         tolerance_, unmet_.steps, steps, steps == 1 ? "" : "s", unmet_.first, unmet_.largest, unmet_.lost / seconds));
   if (const long n = n_uncertain_; n > 0)
     all.push_back(fmt::format(

@@ -18,8 +18,7 @@ namespace {
 
 constexpr double kLook = 0.02;  // rad between two looks
 constexpr int kRounds = 6;      // of parabolas, each of which gains more than a digit
-constexpr double kUnseen =
-    0.1;  // of the turn of a step: stages stand about so far apart, and see nothing that is nearer
+constexpr double kUnseen = 0.1;  // of the turn of a step: about the distance of its stages
 
 }  // namespace
 
@@ -129,7 +128,8 @@ void SingularWatch::find_between(const Look& before, const Look& lowest, const L
     const double left = (p[1].second - p[0].second) / a, right = (p[2].second - p[1].second) / b;
     const Point x = look_at(p[1].first - (left * b + right * a) / (2 * (right - left)));
     if (!std::isfinite(x.second) || x.first == p[1].first) break;
-    const bool lower = x.second<p[1].second, later = x.first> p[1].first;
+    const bool lower = x.second < p[1].second;
+    const bool later = x.first > p[1].first;
     if (lower)
       p = later ? std::array{p[1], x, p[2]} : std::array{p[0], x, p[1]};
     else
