@@ -31,7 +31,7 @@ struct Recorded {
   long reads = 0;
 
   explicit Recorded(Formulation formulation)
-      : dynamics(system, std::make_unique<SchurSolver>(), {.formulation = formulation}),
+      : dynamics(system, std::make_unique<SchurSolver>(), {.formulation = formulation, .stabilization = {}}),
         loop(dynamics, std::make_unique<Rk4>(), {.step = 1e-3, .output = 0.1}) {
     recorder.add("reads", "", [this](const Sample&) { return static_cast<double>(++reads); });
     loop.add_observer(recorder);
@@ -68,7 +68,7 @@ TEST_CASE("accelerations along a tree cost one evaluation a row, and no rows of 
   Body& rod = tree.add_body("rod", shapes::slender_rod(1.0, Vec3::Zero(), Vec3(1, 0, 0), 1e-4));
   tree.add<Revolute>("A", rod, tree.ground(), pose_at(Vec3::Zero()));
   Recorder alone(tree, {"A.angle_z_dd", "rod.ax"});
-  Dynamics dynamics(tree, std::make_unique<SchurSolver>(), {.formulation = Formulation::joint});
+  Dynamics dynamics(tree, std::make_unique<SchurSolver>(), {.formulation = Formulation::joint, .stabilization = {}});
   StepLoop loop(dynamics, std::make_unique<Rk4>(), {.step = 1e-3, .output = 0.1});
   loop.add_observer(alone);
   loop.run_until(0.5);

@@ -54,8 +54,6 @@ Ended end_of(const std::string& scene, const Way& way) {
   }
 }
 
-bool says(const Ended& ended, const std::string& words) { return ended.error.find(words) != std::string::npos; }
-
 }  // namespace
 
 // Crank and arm, both of length l, turn evenly against one another, so that for the crank's angle q the slider is at

@@ -44,8 +44,8 @@ struct Guard {
 
   /// Strictly from one side: a guard that is zero at first does not cross.
   bool crosses(double was, double now) const {
-    const bool rises = was < 0 && now >= 0, falls = was > 0 && now <= 0;
-    return (rises && crossing != Event::Crossing::falling) || (falls && crossing != Event::Crossing::rising);
+    const bool up = was < 0 && now >= 0, down = was > 0 && now <= 0;
+    return (up && crossing != Event::Crossing::falling) || (down && crossing != Event::Crossing::rising);
   }
 };
 

@@ -85,14 +85,14 @@ void StepLoop::switch_now(const char* call, const Event& change) {
     aim_at(std::numeric_limits<double>::infinity());
     keeps_stop_ = true;
     start();
-    struct Guard {
+    struct Switched {
       const Event*& by_call;
       std::vector<Delivery>& due;
-      ~Guard() {
+      ~Switched() {
         by_call = nullptr;
         if (!due.empty() && due.back().what <= Due::events) due.clear();
       }
-    } guard{parts_->by_call, parts_->due};
+    } switched{parts_->by_call, parts_->due};
     parts_->by_call = &change;
     settle_now();
     parts_->interval.note_acting(state_);

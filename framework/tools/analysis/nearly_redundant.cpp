@@ -33,13 +33,13 @@ std::string keeper_of(const NamedRow& row) {
 /// The rows of a loop that is not too large, in the order of the links.
 class LoopChoice {
  public:
-  LoopChoice(const System& system, const RowTable& table, const LoopRows& rows)
-      : space(rows.Jt), J_(rows.Jt.rows(), rows.n()) {
-    for (const int number : rows.numbers) this->rows.emplace_back(system, table, number);
-    order_.resize(this->rows.size());
+  LoopChoice(const System& system, const RowTable& table, const LoopRows& loop)
+      : space(loop.Jt), J_(loop.Jt.rows(), loop.n()) {
+    for (const int number : loop.numbers) rows.emplace_back(system, table, number);
+    order_.resize(rows.size());
     std::iota(order_.begin(), order_.end(), 0);
     std::ranges::stable_sort(order_, {}, [&](int row) { return named(row).link->number(); });
-    for (Eigen::Index k = 0; k < J_.cols(); ++k) J_.col(k) = VecX(rows.Jt.col(order_[k])) / space.length(order_[k]);
+    for (Eigen::Index k = 0; k < J_.cols(); ++k) J_.col(k) = VecX(loop.Jt.col(order_[k])) / space.length(order_[k]);
   }
 
   RowSpace space;
