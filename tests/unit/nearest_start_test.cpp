@@ -89,7 +89,7 @@ TEST_CASE("a start may ask for both angles of a universal joint", "[unit][assemb
   CAPTURE(a, b);
   const Assembled found(R"("bodies": [{"name": "b", "mass": 1, "inertia": [1, 1, 1]}],
     "links": [{"name": "U", "type": "universal", "p": "b", "s": "ground", "at": [0, 0, 0], "start": {"position": )" +
-                        fmt::format(R"({{"rx": {}, "ry": {}}}}}])", a, b));
+                        fmt::format(R"({{"rx": {}, "ry": {}}}}}}}])", a, b));
   const double qw = std::abs(body_pose(found.m.system.body("b"), found.state).q.w);
   CHECK(std::abs(qw - std::abs(std::cos(a / 2) * std::cos(b / 2))) < 1e-9);
 }

@@ -390,7 +390,7 @@ TEST_CASE("kinematics_energy: a column that is integrated is refused where nothi
 TEST_CASE("a sweep's row doubts what a run by itself doubts", "[verification][defects]") {
   const std::string file = paths::kSource + std::string("/tests/verification/scenes/slider_crank_equal_arms.json");
   Scene scene = read_scene(file);
-  scene.run.record = {{"pull", "A.force_on_p_link_y"}};
+  scene.run.record = {{"A.force_on_p_link_y", "pull"}};
   scene.run.tolerance.relative = 1e-8, scene.run.output = 0.02, scene.run.until = 0.54;
   const Registry& registry = builtin_registry();
   const Table columns = recorded_columns(scene, registry);

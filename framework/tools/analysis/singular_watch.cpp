@@ -123,23 +123,22 @@ void SingularWatch::find_between(const Look& before, const Look& lowest, const L
   std::array<Point, 3> p{
       Point{before.state.t, before.indicator}, {lowest.state.t, lowest.indicator}, {after.state.t, after.indicator}};
   if (before.indicator < 0) p[0] = p[1], p[1] = look_at(0.5 * (p[0].first + p[2].first));
-  for (int k = 0; k < kRounds && p[1].second < p[0].second; ++k) {
+  for (int k = 0; k < kRounds; ++k) {
     const double a = p[1].first - p[0].first, b = p[2].first - p[1].first;
     const double left = (p[1].second - p[0].second) / a, right = (p[2].second - p[1].second) / b;
-    const Point x = look_at(p[1].first - (left * b + right * a) / (2 * (right - left)));
-    if (!std::isfinite(x.second) || x.first == p[1].first) break;
-    const bool lower = x.second < p[1].second;
-    const bool later = x.first > p[1].first;
-    if (lower)
-      p = later ? std::array{p[1], x, p[2]} : std::array{p[0], x, p[1]};
-    else
-      p[later ? 2 : 0] = x;
+    const double vertex = p[1].first - (left * b + right * a) / (2 * (right - left));
+    if (!std::isfinite(vertex) || vertex == p[0].first || vertex == p[1].first || vertex == p[2].first) break;
+    const Point x = look_at(vertex);
+    if (!std::isfinite(x.second)) break;
+    *std::ranges::max_element(p, {}, &Point::second) = x;
+    std::ranges::sort(p);
   }
   const Look& side = before.indicator > after.indicator ? before : after;
   const double turned = side.rate * (side.state.t - best.state.t);
   const double c = (side.indicator - best.indicator) / (turned * turned),
                unseen = kUnseen * std::max(lowest.turn, after.turn);
-  if (best.state.t == (before.indicator < 0 ? lowest : before).state.t || !(best.indicator < c * unseen * unseen))
+  // A start in a position, or behind it, passes none.
+  if (!(best.state.t > (before.indicator < 0 ? lowest : before).state.t) || !(best.indicator < c * unseen * unseen))
     return;
   ++n_passed_;
   if (passed_.size() == kKept) return;
