@@ -4,6 +4,7 @@
 #include <string>
 
 #include <lockstep/error.h>
+#include "framework/dynamics/integrate/singular_passage.h"
 
 namespace lockstep {
 
@@ -51,24 +52,27 @@ std::unique_ptr<StepControl> control_of(const EmbeddedScheme& scheme, const Embe
 EmbeddedRungeKutta::EmbeddedRungeKutta(const EmbeddedScheme& scheme, const EmbeddedOptions& options)
     : AdaptiveStepper(scheme.tableau.order, control_of(scheme, options)),
       scheme_(scheme),
-      passage_(options.fixed && options.stages == StagesWhen::automatic ? StagesWhen::plain : options.stages,
-               scheme.name),
+      passage_(std::make_unique<SingularPassage>(
+          options.fixed && options.stages == StagesWhen::automatic ? StagesWhen::plain : options.stages, scheme.name)),
       watch_(scheme.stability) {}
+EmbeddedRungeKutta::~EmbeddedRungeKutta() = default;
+
+bool EmbeddedRungeKutta::passes_singular() const { return passage_->when() != StagesWhen::plain; }
 
 const EmbeddedScheme* EmbeddedRungeKutta::scheme() const {
-  return (scheme_.error && fixed()) || passage_.when() == StagesWhen::manifold ? nullptr : &scheme_;
+  return (scheme_.error && fixed()) || passage_->when() == StagesWhen::manifold ? nullptr : &scheme_;
 }
 
 void EmbeddedRungeKutta::set_tolerance(const Tolerance& tolerance) {
   AdaptiveStepper::set_tolerance(tolerance);
-  passage_.set_tolerance(tolerance.relative);
+  passage_->set_tolerance(tolerance.relative);
 }
 
 void EmbeddedRungeKutta::begin(Dynamics& dynamics, const State& state) {
   AdaptiveStepper::begin(dynamics, state);
   dynamics_ = &dynamics;
-  passage_.begin(scheme_.tableau, state, dynamics);
-  stages_.begin(scheme_.tableau, state, passage_.active());
+  passage_->begin(scheme_.tableau, state, dynamics);
+  stages_.begin(scheme_.tableau, state, passage_->active());
   watch_.begin(state.v.size());
   h_ = h_followed_ = 0;
   dense_ready_ = false;
@@ -91,22 +95,22 @@ double EmbeddedRungeKutta::start_step(Dynamics& dynamics, double h) {
   const double h_before = h_followed_;
   h_ = h_followed_ = 0;
   dense_ready_ = false;
-  passage_.start_step();
-  first_done_ = passage_.first_stage(dynamics, start_, stages_);
+  passage_->start_step();
+  first_done_ = passage_->first_stage(dynamics, start_, stages_);
   if (follows && first_done_ && !fixed())
     watch_.observe(h_before, gap_.v, stages_.k(scheme_.late_stage).v, stages_.k(0).v,
                    start_.coordinates ? 1.0 : dynamics.system().length());
-  return fixed() ? h : passage_.longest(h);
+  return fixed() ? h : passage_->longest(h);
 }
 
 Attempt EmbeddedRungeKutta::attempt(Dynamics& dynamics, double h) {
   Attempt made;
-  if (!first_done_) first_done_ = passage_.first_stage(dynamics, start_, stages_);
+  if (!first_done_) first_done_ = passage_->first_stage(dynamics, start_, stages_);
   const bool evaluated =
-      first_done_ && stages_.evaluate(dynamics, start_, h, 1, scheme_.tableau.n_stages, passage_.stages_on());
-  if (passage_.enters(stages_)) {
+      first_done_ && stages_.evaluate(dynamics, start_, h, 1, scheme_.tableau.n_stages, passage_->stages_on());
+  if (passage_->enters(stages_)) {
     first_done_ = false;
-    made.next = fixed() ? h : passage_.longest(h);
+    made.next = fixed() ? h : passage_->longest(h);
     return made;
   }
   if (evaluated) stages_.end(start_, h, end_);
@@ -115,25 +119,25 @@ Attempt EmbeddedRungeKutta::attempt(Dynamics& dynamics, double h) {
     return made;
   }
   if (evaluated) made.error = estimate(h);
-  made.shifted = passage_.must_shift(stages_, made.error);
-  if (made.shifted) made.next = passage_.shift(stages_, h, made.error);
-  made.accepted = evaluated && !made.shifted && made.error <= passage_.limit();
+  made.shifted = passage_->must_shift(stages_, made.error);
+  if (made.shifted) made.next = passage_->shift(stages_, h, made.error);
+  made.accepted = evaluated && !made.shifted && made.error <= passage_->limit();
   return made;
 }
 
 void EmbeddedRungeKutta::finish_step(Dynamics&, StepReport& report) {
   h_ = h_followed_ = report.h;
   landed_t_ = landed_.t;
-  report.manifold = passage_.stages_on() == StagesOn::manifold;
+  report.manifold = passage_->stages_on() == StagesOn::manifold;
   report.stiff = watch_.stiff();
-  passage_.finish_step(stages_, report);
+  passage_->finish_step(stages_, report);
   if (fixed() || end_.v.size() == 0) return;
   stages_.sum(h_, gap_w_, gap_);
   gap_.v += landed_.v - end_.v;
 }
 
 ProjectReport EmbeddedRungeKutta::project_end(Dynamics& dynamics, State& y) {
-  return lockstep::project_end(dynamics, y, passage_.stages_on());
+  return lockstep::project_end(dynamics, y, passage_->stages_on());
 }
 
 double EmbeddedRungeKutta::estimate(double h) {
@@ -146,7 +150,7 @@ double EmbeddedRungeKutta::estimate(double h) {
 }
 
 std::string EmbeddedRungeKutta::advice() const {
-  if (watch_.stiff() && !passage_.near(stages_))
+  if (watch_.stiff() && !passage_->near(stages_))
     return "damped fast modes limit it (stiffness): use an implicit method (--integrator radau5 or "
            "generalized_alpha)";
   return AdaptiveStepper::advice();
@@ -175,7 +179,7 @@ bool EmbeddedRungeKutta::dense(double t, State& out) const {
 // p0 = y1 - y0, p1 = h k(t0) - p0, p2 = p0 - h k(t1) - p1, p3 ... = h sum d_i k_i
 void EmbeddedRungeKutta::prepare_dense() const {
   const Tableau& tableau = scheme_.tableau;
-  stages_.evaluate(*dynamics_, start_, h_, tableau.n_stages, tableau.n_all, passage_.stages_on());
+  stages_.evaluate(*dynamics_, start_, h_, tableau.n_stages, tableau.n_all, passage_->stages_on());
   const auto each = [&](auto part, auto state_part) {
     VecX &p0 = poly_[0].*part, &p1 = poly_[1].*part, &p2 = poly_[2].*part;
     p0 = end_.*state_part - start_.*state_part;
@@ -191,7 +195,7 @@ void EmbeddedRungeKutta::prepare_dense() const {
 
 void EmbeddedRungeKutta::save(Snapshot& out) const {
   AdaptiveStepper::save(out);
-  passage_.save(out);
+  passage_->save(out);
   if (fixed()) return;
   watch_.save(out);
   out.put(h_followed_), out.put(landed_t_), out.put_all(gap_.v), out.put_all(stages_.k(scheme_.late_stage).v);
@@ -199,7 +203,7 @@ void EmbeddedRungeKutta::save(Snapshot& out) const {
 
 void EmbeddedRungeKutta::restore(SnapshotReader& in) {
   AdaptiveStepper::restore(in);
-  passage_.restore(in);
+  passage_->restore(in);
   h_ = h_followed_ = 0;
   if (fixed()) return;
   watch_.restore(in);
@@ -217,7 +221,7 @@ double EmbeddedRungeKutta::first_step(Dynamics& dynamics, const State& state, do
   dense_ready_ = false;
   const double guess = AdaptiveStepper::first_step(dynamics, state, largest);
   copy_motion(state, start_);
-  return passage_.first_step(dynamics, start_, stages_, guess, largest);
+  return passage_->first_step(dynamics, start_, stages_, guess, largest);
 }
 
 }  // namespace lockstep

@@ -53,6 +53,7 @@ class SchurOnKktFactorization final : public Factorization {
         }
       }
     }
+    kkt_.redundant = given.redundant;
     inner_->compute(kkt_);
   }
 

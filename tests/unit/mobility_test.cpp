@@ -8,7 +8,7 @@
 
 #include <lockstep/lockstep.h>
 #include <lockstep/uniqueness.h>
-#include "framework/tools/analysis/row_space.h"
+#include "framework/dynamics/evaluate/row_space.h"
 #include "tests/support/catch.h"
 
 namespace mobility_test {

@@ -1,4 +1,4 @@
-#include <lockstep/stepping.h>
+#include "framework/dynamics/integrate/singular_rate.h"
 
 #include <cmath>
 
@@ -128,8 +128,8 @@ TEST_CASE("a run starts in a flat position and follows the motion", "[unit][dyna
   Bays bays(2, 0, 1.5);
   Dynamics dynamics = schur_dynamics(bays.system);
   StepLoop run(dynamics,
-                 builtin_registry().integrators.make(method, Params{{"stages", stages}}, nullptr, "run.integrator"),
-                 {.tolerance = {1e-9, 1e-11}});
+               builtin_registry().integrators.make(method, Params{{"stages", stages}}, nullptr, "run.integrator"),
+               {.tolerance = {1e-9, 1e-11}});
   run.run_until(0.5);
   const Vec3 top = body_pose(bays.system.body("bar 0"), run.state()).x - Vec3(0.5, 0, 0);
   const double theta = bays.angle(0, 1.5, 0.5);
@@ -141,7 +141,7 @@ TEST_CASE("a start at rest in a flat position is refused", "[unit][dynamics]") {
   Bays bays(2, 0, 0);
   Dynamics dynamics = schur_dynamics(bays.system);
   StepLoop run(dynamics,
-                 builtin_registry().integrators.make("dop853", Params{{"stages", "auto"}}, nullptr, "run.integrator"));
+               builtin_registry().integrators.make("dop853", Params{{"stages", "auto"}}, nullptr, "run.integrator"));
   testing::check_words(testing::message_of<StepError>([&] { run.run_until(0.1); }),
                        {"dop853", "singular position", "start slightly off it"});
 }

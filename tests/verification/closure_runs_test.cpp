@@ -171,7 +171,6 @@ TEST_CASE("a look aside leaves nothing behind in joint coordinates either", "[ve
     while (loop.state().t < 2) {
       loop.step(), ++steps;
       if (!looks) continue;
-      const Dynamics::Aside aside(dynamics);
       State beside = loop.state();  // flat, where rows fade
       StateRate rate;
       for (double& q : beside.q) q = 0;

@@ -27,6 +27,29 @@ void Dynamics::Tree::factor(const State& state) {
   recursion->accelerate(*coordinates, motions, f, correction);
 }
 
+void Dynamics::Tree::pivots(System& system, const State& state, SolveReport& report) {
+  gather(system, state);
+  factor(state);
+  closures().complete(report);
+}
+
+// J v + Ct, coordinate by coordinate.
+MatX Dynamics::Tree::rows_transposed(System& system, const State& state) {
+  State moved = state;
+  moved.v.setZero();
+  gather(system, moved);
+  const VecX Ct = Cd;
+  MatX Jt(moved.v.size(), closure_rows.n_rows);
+  for (Eigen::Index i = 0; i < moved.v.size(); ++i) {
+    moved.v[i] = 1;
+    coordinates->motions(moved, motions);
+    closures().residuals(motions, closure_rows, C, Cd);
+    Jt.row(i) = Cd - Ct;
+    moved.v[i] = 0;
+  }
+  return Jt;
+}
+
 double Dynamics::Tree::largest(Vec3 Motion::*of) const {
   double most = 0;
   for (const Motion& O : motions) most = std::max(most, (O.*of).lpNorm<Eigen::Infinity>());

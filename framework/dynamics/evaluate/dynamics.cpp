@@ -10,6 +10,7 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/evaluate/joint_coordinates.h"  // complete where a Dynamics is made
+#include "framework/dynamics/evaluate/projection_rule.h"
 #include "framework/dynamics/evaluate/slot_coordinates.h"
 #include "framework/mechanism/system/diagnose.h"
 
@@ -86,6 +87,14 @@ Evaluation& Dynamics::own() {
 Evaluation& Dynamics::gathered(const State& state) {
   Evaluation& e = own();
   e.at(state);
+  if (e.redundant() != Kkt::kUnknown) return e;
+  e.residuals(C_, Cd_);
+  if (e.norm(C_) > kOnConstraints * system_.length()) return e;
+  State slots = state;
+  to_slots(slots);
+  const int n = redundancy(slots).rows;  // which may gather elsewhere
+  e.at(state);
+  e.set_redundant(n);
   return e;
 }
 
@@ -106,7 +115,7 @@ void Dynamics::forget_rows(const State& state) {
   if (!state.coordinates) return;
   solution_.reset();
   evaluation_ = nullptr;
-  factor_.rest();
+  factor_.forget();
   for (VecX* x : {&a_, &lambda_, &c_, &C_, &Cd_}) *x = VecX();
 }
 
@@ -240,36 +249,13 @@ const Inputs* Dynamics::accept(State& state) {
   return &in;
 }
 
-void Dynamics::save(const State& state, Snapshot& out) {
-  const bool held = holds_rows();
+void Dynamics::save(Snapshot& out) const {
   for (const long n : {work_.evaluations, work_.factors, work_.projections, work_.corrections})
     out.put(static_cast<double>(n));
-  factor_.save(gather(state), out);
-  if (state.coordinates && state.coordinates->has_rows()) tree(state.modes).of(state).closures().save(out);
-  if (!held) forget_rows(state);
 }
 
-void Dynamics::restore(const State& state, SnapshotReader& in) {
-  WorkCount work;
-  for (long* n : {&work.evaluations, &work.factors, &work.projections, &work.corrections}) *n = in.get_count();
-  factor_.restore(gather(state), in);
-  if (state.coordinates && state.coordinates->has_rows()) tree(state.modes).of(state).closures().restore(in);
-  work_ = work;  // what was done to get here was counted before
-}
-
-Dynamics::Aside::Aside(Dynamics& dynamics) : dynamics_(dynamics), work_(dynamics.work_) {
-  dynamics.factor_.keep(learned_);
-  if (dynamics.tree_ && dynamics.tree_->coordinates) {
-    coordinates_ = dynamics.tree_->coordinates;
-    dynamics.tree_->closures().save(closures_);
-  }
-}
-
-Dynamics::Aside::~Aside() {
-  dynamics_.factor_.put_back(std::move(learned_));
-  SnapshotReader closures(closures_);
-  if (coordinates_ && dynamics_.tree_->coordinates == coordinates_) dynamics_.tree_->closures().restore(closures);
-  dynamics_.work_ = work_;
+void Dynamics::restore(SnapshotReader& in) {
+  for (long* n : {&work_.evaluations, &work_.factors, &work_.projections, &work_.corrections}) *n = in.get_count();
 }
 
 void Dynamics::save_state(const State& state, Snapshot& out) const {

@@ -57,7 +57,7 @@ void Evaluation::lay_out(const State& state) {
   if (covers(state)) return system_.check_size(state);
   system_.setup();
   system_.check_size(state);
-  layout_ = nullptr;
+  layout_ = nullptr, redundant_ = Kkt::kUnknown;
   system_.lay_out(state.modes, rows_);
   f_.setZero(6 * system_.n_slots());
   reacting_.clear();

@@ -1,20 +1,13 @@
 #include <lockstep/dynamics.h>
 
-#include <utility>
-
 #include <lockstep/error.h>
 #include <lockstep/solvers.h>
 #include <lockstep/text.h>
+#include "framework/dynamics/evaluate/projection_rule.h"
 #include "framework/dynamics/solvers/stop_rule.h"
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
-
-namespace {
-
-constexpr double kOn = 1e-7;  // of that length: nearer than this is on the constraints
-
-}  // namespace
 
 Factor::Factor(const System& system, const LinearSolver& solver, Formulation formulation, WorkCount& work)
     : solver_(&solver), work_(&work), assembler_(system, formulation) {}
@@ -35,68 +28,15 @@ void Factor::lay_out(const Evaluation& e) {
 void Factor::compute(const Evaluation& e) {
   if (!fits(e)) lay_out(e);
   assembler_.update(e.rows(), e.inputs().motions);
+  assembler_.set_redundant(e.redundant());
   factorization_->compute(assembler_.kkt());
   ++work_->factors;
-  if (!rested_.layout) return;
-  const Learned before = std::exchange(rested_, {});
-  if (!same(before.layout, e)) return;
-  SnapshotReader numbers(before.numbers);
-  factorization_->restore(numbers);
-  factorization_->compute(assembler_.kkt());  // sees this matrix by what it knew
 }
 
-void Factor::rest() {
-  if (!layout_) return;
-  keep(rested_);
+void Factor::forget() {
   layout_ = nullptr, factorization_ = nullptr;
   assembler_.forget();
   for (VecX* x : {&f_, &c_, &a_, &lambda_}) *x = VecX();
-}
-
-void Factor::save(const Evaluation& e, Snapshot& out) const {
-  Snapshot learned;
-  const bool any = factorization_ && fits(e), rests = !any && same(rested_.layout, e);
-  if (any) factorization_->save(learned);
-  out.put(any || rests ? 1 : 0), out.put_part(rests ? rested_.numbers : learned);
-}
-
-void Factor::restore(const Evaluation& e, SnapshotReader& in) {
-  const bool any = in.get_flag();
-  SnapshotReader learned = in.get_part();
-  layout_ = nullptr, rested_ = {};
-  if (!any) return;
-  compute(e);
-  factorization_->restore(learned);
-}
-
-void Factor::keep(Learned& out) const {
-  if (!layout_ && rested_.layout) {
-    out = rested_;
-    return;
-  }
-  out.layout = layout_;
-  out.numbers.clear();
-  if (layout_) factorization_->save(out.numbers);
-}
-
-// Where matrices of other links were factored in between, the next one is laid out anew. Where no memory is left, it is
-// too, and takes up what was learned then.
-void Factor::put_back(Learned in) noexcept {
-  if (rested_.layout) {
-    layout_ = nullptr, rested_ = std::move(in);
-    return;
-  }
-  if (!layout_) return;
-  if (!in.layout || (in.layout != layout_ && *in.layout != *layout_)) {
-    layout_ = nullptr;
-    return;
-  }
-  try {
-    SnapshotReader numbers(in.numbers);
-    factorization_->restore(numbers);
-  } catch (const std::exception&) {
-    layout_ = nullptr, rested_ = std::move(in);
-  }
 }
 
 SolveReport Factor::solve(const Evaluation& e, const VecX& f, const VecX& c, VecX& a, VecX& lambda) {
@@ -147,9 +87,9 @@ void Factor::check(const Evaluation& e, const VecX& a, const VecX& lambda, const
   throw SolveError(
       when() + e.system().row_name(e.rows(), report.worst_row) + " cannot hold together with the others (" +
           text::brief(100 * report.residual) + " % of its right side is left over); " +
-          (relative > kOn ? "this stage of a step is off the constraints by " + text::brief(off) +
-                                " m: take a smaller step; or two laws drive one coordinate"
-                          : std::string("two laws may drive one coordinate")) +
+          (relative > kOnConstraints ? "this stage of a step is off the constraints by " + text::brief(off) +
+                                           " m: take a smaller step; or two laws drive one coordinate"
+                                     : std::string("two laws may drive one coordinate")) +
           or_against_stops(e.system(), e.rows()) + ": look at the drives and masks of this link and its neighbours",
       {.thing = thing_of_row(e.system(), e.rows(), report.worst_row), .t = t});
 }

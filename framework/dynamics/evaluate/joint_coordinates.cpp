@@ -310,6 +310,8 @@ const VecX& Dynamics::accelerations(const State& state) {
 void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* report) {
   Tree& t = tree(state.modes).of(state);
   system_.check_size(state);
+  if (ClosureRows& rows = t.closures(); !rows.empty() && rows.redundant() == Kkt::kUnknown)
+    rows.set_redundant(redundancy(state).rows);
   t.outward_once(state, inputs_.get());
   const Inputs in = t.inputs(state);
   const bool driven = t.coordinates->n_v() == 0;

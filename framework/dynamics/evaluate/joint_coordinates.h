@@ -61,6 +61,10 @@ struct Dynamics::Tree {
   // Of all counted angles, and of one.
   void find_turns(const System&);
   void find_turn(const CountedAngle&, const CountedAngle::Turn&);
+  // What the pivots of the closures say at a state.
+  void pivots(System&, const State&, SolveReport&);
+  // Their rows, one a column, in the coordinates of the state.
+  MatX rows_transposed(System&, const State&);
   // |C| of the closures, as Evaluation::norm measures it; not finite where something is not.
   double violation(System&, const State&);
   // Brings a state onto C = 0 and J v = -Ct of the closures by the least move in the mass metric, as Projection does.

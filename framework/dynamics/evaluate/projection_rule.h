@@ -43,6 +43,9 @@ class PositionRounds {
   bool chord_ = false, converged_ = true;
 };
 
+/// Of the length of the mechanism: a state that is nearer than this is on the constraints.
+inline constexpr double kOnConstraints = 1e-7;
+
 /// Rounds onto the velocities in joint coordinates: at most this many; a round with a factor of this position that leaves
 /// more than the second number of the residual is the last; one that is this small against the first is met.
 inline constexpr int kTreeVelocityRounds = 8;

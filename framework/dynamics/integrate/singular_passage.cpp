@@ -1,4 +1,4 @@
-#include <lockstep/stepping.h>
+#include "framework/dynamics/integrate/singular_passage.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -14,62 +14,23 @@ namespace lockstep {
 
 namespace {
 
-constexpr double kTurn = 0.5;        // rad per step, with the stages on the constraints
-constexpr double kFirstTurn = 0.1;   // rad: a first step that leads out of a singular position
-constexpr double kSingular = 1e-2;   // indicator below which the stages go onto the constraints: this,
-constexpr double kUnusual = 0.1;     // or this part of the usual one, if that is less;
-constexpr double kRegular = 3;       // and times which they leave them again
-constexpr double kKnown = 0.5;       // rad: turn after which the largest indicator counts as the usual one
-constexpr double kNowhere = 1e-7;    // indicator below which it only reflects the proximal term
-constexpr double kRedundant = 1e-6;  // pivot of a row that others make redundant
-constexpr double kFell = 1e-2;       // part of the indicator that is left when a row was no usual redundant one
-constexpr double kBothSides = 1e-9;  // relative accuracy of rates from both sides
+constexpr double kTurn = 0.5;          // rad per step, with the stages on the constraints
+constexpr double kFirstTurn = 0.1;     // rad: a first step that leads out of a singular position
+constexpr double kSingular = 1e-2;     // indicator below which the stages go onto the constraints: this,
+constexpr double kUnusual = 0.1;       // or this part of the one in regular positions, if that is less;
+constexpr double kRegular = 3;         // and times which they leave them again
+constexpr double kNowhere = 1e-7;      // indicator below which it only reflects the proximal term,
+constexpr double kShareOfNear = 1e-3;  // or this part of the limit to what is near, if that is less
+constexpr double kBothSides = 1e-9;    // relative accuracy of rates from both sides
 constexpr double kShortTurn = 1e-3;  // rad: in a step that turns less, errors near a singular position are round-off's,
 constexpr double kNoiseOfSteps = 3e-12;  // if they are within this, relative, over the indicator
-constexpr double kUnmet = 1e-6;      // residual of rows that could not be met, where no position is near
-constexpr double kContradictRows = 1e-8;  // residual of rows that contradict one another
-constexpr double kOff = 0.3;          // rad: turn that leads far enough off the constraints to see whether it stays so
-constexpr double kRoundOff = 1e-17;  // relative round-off of the accelerations times the indicator
-constexpr double kUsualSpread = 1e4;  // of masses; where bodies differ more, small pivots may be due to them
-constexpr double kShrunk = 0.3;      // of the longest plain step
-constexpr double kShift = 0.93;      // a step that avoids an ill-conditioned end,
-constexpr int kShifts = 12;          // attempted this many times; then the best of them is taken,
-constexpr double kCross = 100;       // with an error up to this
-constexpr double kLeast = 0.1;       // of the step: one that only leads to where the next should begin
-
-// The part of the pivots' smallness that differences of mass may explain.
-double spread_of_masses(const System& system) {
-  double lightest = HUGE_VAL, heaviest = 0;
-  for (int k = 0; k < system.n_slots(); ++k) {
-    lightest = std::min(lightest, system.slot(k).mass);
-    heaviest = std::max(heaviest, system.slot(k).mass);
-  }
-  return std::min(1.0, kUsualSpread * lightest / heaviest);
-}
-
-// Whether the links leave nothing free: then there is one motion, however many rows are redundant. Loads in all directions
-// of the slots, which would give accelerations of 1 m/s^2, move nothing.
-bool held(Dynamics& dynamics, const State& y) {
-  constexpr double kMoves = 1e-6;
-  const System& system = dynamics.system();
-  const Evaluation& e = dynamics.gather(y);
-  Factor factor = dynamics.new_factor();
-  factor.compute(e);
-  VecX f = VecX::Zero(6 * system.n_slots()), a, lambda;
-  for (int k = 0; k < system.n_slots(); ++k) {
-    const Slot& slot = system.slot(k);
-    const double turn = 0.7 * k;
-    const Vec3 along(1, std::cos(1 + turn), std::sin(2 + turn));
-    f.segment<3>(6 * k) = slot.mass * along;
-    if (slot.freedoms != Freedoms::particle) f.segment<3>(6 * k + 3) = slot.J * along.reverse() / system.length();
-  }
-  factor.solve(e, f, VecX::Zero(e.rows().n_rows), a, lambda);
-  for (int k = 0; k < system.n_slots(); ++k) {
-    const double moved = a.segment<3>(6 * k).norm() + system.length() * a.segment<3>(6 * k + 3).norm();
-    if (!(moved < kMoves)) return false;
-  }
-  return true;
-}
+constexpr double kUnmet = 1e-6;          // residual of rows that could not be met, where no position is near
+constexpr double kRoundOff = 1e-17;      // relative round-off of the accelerations times the indicator
+constexpr double kShrunk = 0.3;          // of the longest plain step
+constexpr double kShift = 0.93;          // a step that avoids an ill-conditioned end,
+constexpr int kShifts = 12;              // attempted this many times; then the best of them is taken,
+constexpr double kCross = 100;           // with an error up to this
+constexpr double kLeast = 0.1;           // of the step: one that only leads to where the next should begin
 
 }  // namespace
 
@@ -86,29 +47,6 @@ double SingularPassage::time_to_turn(double angle) const {
   return rate_of_turn_ > 0 ? angle / rate_of_turn_ : HUGE_VAL;
 }
 
-namespace {
-
-// Beside a position the rows of closures learn which of their small pivots are usual: as SingularRate does it for all
-// rows. At rest it leads where the accelerations do. slots: y, in the bodies' own coordinates.
-void learn_beside(Dynamics& dynamics, const State& y, const State& slots) try {
-  constexpr double kBeside = 3e-2;  // rad
-  const double L = dynamics.system().length(), speed = speed_of(slots.v, L);
-  State off = y;
-  StateRate rate = sized_like(slots), own = sized_like(y);
-  if (speed > 0) {
-    dynamics.advance(off, kBeside / speed, y.v), off.t += kBeside / speed;
-  } else {
-    dynamics.rates(slots, rate), dynamics.read_rates(y, rate, own);
-    const double most = std::max(own.largest_a / L, own.largest_alpha);
-    if (!(most > 0)) return;
-    dynamics.advance(off, kBeside / most, own.v);
-  }
-  if (dynamics.project(off, 0).converged) dynamics.rates_with_report(off, own);
-} catch (const Error&) {  // what cannot be evaluated there teaches nothing
-}
-
-}  // namespace
-
 // Rates from both sides are found with the bodies' own coordinates.
 bool SingularPassage::find_both_sides(Dynamics& dynamics, const State& y) {
   if (!y.coordinates) return both_sides_.find(dynamics, y, rate_);
@@ -118,29 +56,19 @@ bool SingularPassage::find_both_sides(Dynamics& dynamics, const State& y) {
   StateRate rate = sized_like(slots);
   const bool found = both_sides_.find(dynamics, slots, rate);
   if (found) dynamics.read_rates(y, rate, rate_);
-  learn_beside(dynamics, y, slots);
   both_sides_ = SingularRate();  // nothing stays of a look at the slots
   return found;
 }
 
-double NearSingular::limit() const { return std::min(kSingular, turned_ > kKnown ? kUnusual * largest_ : HUGE_VAL); }
+double near_singular_below(double regular) { return std::min(kSingular, kUnusual * regular); }
 
-double NearSingular::limit_from(double now) const { return std::min(kSingular, kUnusual * std::max(largest_, now)); }
-
-void NearSingular::add(double indicator, double angle) {
-  largest_ = std::max(largest_, std::min(indicator, 1.0));
-  turned_ += angle;
-}
-
-void SingularPassage::begin(const Tableau& tableau, const State& state, const Dynamics& dynamics) {
+void SingularPassage::begin(const Tableau& tableau, const State& state, Dynamics& dynamics) {
   const bool projects = dynamics.options().stabilization.kind == Stabilization::Kind::project;
   const bool has_rows = !state.coordinates || state.coordinates->has_rows();
-  active_ = has_rows && (when_ == StagesWhen::manifold || (when_ == StagesWhen::automatic && projects &&
-                                                           has_loops(dynamics.system(), state.modes)));
-  spread_ = spread_of_masses(dynamics.system());
-  usual_ = {};
-  near_ = probed_ = entered_ = false;
-  redundant_ = Redundant::unknown;
+  active_ = has_rows && (when_ == StagesWhen::manifold ||
+                         (when_ == StagesWhen::automatic && projects && has_loops(dynamics.system(), state.modes)));
+  near_ = begun_ = entered_ = on_constraints_ = false;
+  below_ = 0;
   longest_plain_ = 0;
   ahead_ = HUGE_VAL;
   const double* c = tableau.c;
@@ -154,50 +82,27 @@ void SingularPassage::begin(const Tableau& tableau, const State& state, const Dy
   if (!active_) return;
   if (!state.coordinates) both_sides_.begin(state);  // else states in the slots' own coordinates are looked at
   rate_ = sized_like(state);
+  const Redundancy redundancy = dynamics.redundancy(state);
+  below_ = near_singular_below(redundancy.regular), on_constraints_ = redundancy.on_constraints;
 }
 
 void SingularPassage::start_step() {
-  const bool always = active_ && (when_ == StagesWhen::manifold || redundant_ == Redundant::on_constraints);
+  const bool always = active_ && (when_ == StagesWhen::manifold || on_constraints_);
   on_ = always || near_ ? StagesOn::manifold : StagesOn::plain;
   shifts_ = 0, limit_ = 1, unplaced_ = 0, best_ = {0, kCross}, entered_ = false;
 }
 
-// A start in a singular position looks like one with redundant rows until both sides have been probed.
 bool SingularPassage::first_stage(Dynamics& dynamics, const State& y, Stages& stages) {
   if (active()) rate_of_turn_ = fastest_turn(y);
   if (!stages.evaluate(dynamics, y, 0, 0, 1, on_)) return false;
-  if (!active()) return true;
-  const bool held_rows = dynamics.holds_rows(), had_probed = probed_;
-  const Redundant had_known = redundant_;
-  const bool done = look_around(dynamics, y, stages);
-  // What was asked once does not keep the rows of all links.
-  if (!held_rows && (probed_ != had_probed || redundant_ != had_known)) dynamics.forget_rows(y);
-  return done;
-}
-
-// After the first stage was evaluated: what else its position says of it.
-bool SingularPassage::look_around(Dynamics& dynamics, const State& y, Stages& stages) {
-  // In a regular position: where rows are redundant on the constraints only, the stages are evaluated there.
-  const auto stays_redundant = [&] {
-    if (when_ != StagesWhen::automatic || redundant_ != Redundant::unknown || !(rate_of_turn_ > 0)) return true;
-    redundant_ =
-        stages.conditioning(0).pivot < kRedundant ? where_redundant(dynamics, y, stages.k(0)) : Redundant::everywhere;
-    if (on_ == StagesOn::manifold || redundant_ != Redundant::on_constraints) return true;
-    on_ = StagesOn::manifold;
-    return stages.evaluate(dynamics, y, 0, 0, 1, on_);
-  };
-  const bool starts = !probed_ && stages.conditioning(0).pivot < kRedundant;
-  probed_ = true;
-  if (!starts && !ill_conditioned(stages, 0)) return stays_redundant();
-  const bool found = find_both_sides(dynamics, y);
-  if (starts && !stages.evaluate(dynamics, y, 0, 0, 1, on_)) return false;
-  if (!ill_conditioned(stages, 0)) return stays_redundant();
-  from_both_sides_ = found;
-  if (found) {
+  if (!active() || !ill_conditioned(stages, 0)) return true;
+  const bool held_rows = dynamics.holds_rows();
+  from_both_sides_ = find_both_sides(dynamics, y);
+  if (!held_rows) dynamics.forget_rows(y);  // what was asked once does not keep the rows of all links
+  if (from_both_sides_) {
     stages.put(0, rate_);
     limit_ = std::max(limit_, kBothSides / relative_);
-  }
-  if (!found && starts && !held(dynamics, y))
+  } else if (!begun_) {
     throw StepError(
         fmt::format("{}: at t = {:.9g} s the links do not determine how the motion continues (smallest relative pivot "
                     "{:.2g}): it is a singular position, from which several motions continue or none, or rows nearly "
@@ -205,39 +110,8 @@ bool SingularPassage::look_around(Dynamics& dynamics, const State& y, Stages& st
                     "repeats another (lockstep check names them), or take --solver dense",
                     method_, y.t, stages.conditioning(0).pivot),
         y.t);
-  return true;
-}
-
-// Looks at the position, at one off the constraints, as the present rates lead there, and at the first again. Rows are
-// redundant on the constraints only if off them they are independent (the indicator takes for redundant what was so in
-// all positions before), or contradict one another. A factor of its own, since positions off the constraints are no usual
-// ones. The time stays, since laws may end.
-SingularPassage::Redundant SingularPassage::where_redundant(Dynamics& dynamics, const State& y,
-                                                            const StateRate& rate) const {
-  Factor factor = dynamics.new_factor();
-  VecX asked, a, lambda;
-  const auto look_at = [&](const State& at) {
-    const Evaluation& e = dynamics.gather(at);
-    asked.resize(e.rows().n_rows);
-    for (const RowEntry& entry : e.rows().entries)
-      for (int k = 0; k < entry.m; ++k) asked[entry.first_row + k] = e.rows().block(entry).Qhat(k);
-    factor.compute(e);
-    SolveReport report = factor.solve_motion(e, e.force(), asked, a, lambda);
-    factor.complete(report);
-    return report;
-  };
-  State off = y;
-  off.q += kOff / rate_of_turn_ * rate.q;
-  dynamics.normalize(off);
-  try {
-    const SolveReport before = look_at(y), away = look_at(off), after = look_at(y);
-    const bool independent = after.detector < kRedundant && after.detector < kFell * before.detector;
-    const bool contradictory = (away.residual > kContradictRows && before.residual < kFell * kContradictRows) ||
-                               (away.corrections > kMaxCorrections && before.corrections <= kMaxCorrections);
-    return independent || contradictory ? Redundant::on_constraints : Redundant::everywhere;
-  } catch (const Error&) {  // what cannot be evaluated off the constraints answers nothing
-    return Redundant::everywhere;
   }
+  return true;
 }
 
 double SingularPassage::longest(double h) {
@@ -290,6 +164,7 @@ double SingularPassage::shift(const Stages& stages, double h, double error) {
 // The indicator falls as the square of the distance: its root is found along the last two nodes.
 void SingularPassage::finish_step(const Stages& stages, StepReport& report) {
   if (!active_) return;
+  begun_ = true;
   // Plain stages shorten the steps towards a singular position; on the constraints they may be as long as before.
   if (on_ == StagesOn::plain) longest_plain_ = std::max(longest_plain_, report.h);
   if (entered_ && report.h < kShrunk * longest_plain_) report.h_next = longest_plain_;
@@ -304,8 +179,8 @@ void SingularPassage::finish_step(const Stages& stages, StepReport& report) {
   const bool falls = s1 < s0 && std::isfinite(s0);
   ahead_ = falls ? report.h * (c[last_] - c[inner_]) * s1 / (s0 - s1) : HUGE_VAL;
   const double now = stages.indicator();
-  near_ = when_ == StagesWhen::automatic && now < (on_ == StagesOn::manifold ? kRegular : 1.0) * usual_.limit();
-  usual_.add(now, report.h * rate_of_turn_);
+  near_ = when_ == StagesWhen::automatic && now < (on_ == StagesOn::manifold ? kRegular : 1.0) * below_;
+  below_ = std::max(below_, near_singular_below(now));
 }
 
 double SingularPassage::first_step(Dynamics& dynamics, const State& y, Stages& stages, double guess, double largest) {
@@ -316,17 +191,17 @@ double SingularPassage::first_step(Dynamics& dynamics, const State& y, Stages& s
   return from_both_sides_ ? std::min(largest, std::max(guess, time_to_turn(kFirstTurn))) : guess;
 }
 
-bool SingularPassage::near(const Stages& stages) const { return stages.indicator() < usual_.limit(); }
+bool SingularPassage::near(const Stages& stages) const { return stages.indicator() < below_; }
 
 // Accelerations are uncertain where the rows could not be met, and by round-off divided by the indicator. Where that has
 // not fallen, no position is near: in large mechanisms round-off leaves more of the rows than their tolerance everywhere,
 // and beside slender rods all indicators are small.
 bool SingularPassage::ill_conditioned(const Stages& stages, int stage) const {
   const Conditioning& c = stages.conditioning(stage);
-  const bool faded = c.detector < usual_.limit_from(c.detector);
+  const bool faded = c.detector < below_;
   const double most = faded ? std::max(kRowTolerance, kBothSides * std::sqrt(c.detector)) : kUnmet;
-  return c.residual > most || c.detector < kNowhere * spread_ ||
-         (faded && c.detector * relative_ < kRoundOff * spread_);
+  const double share = std::min(1.0, kShareOfNear * below_ / kNowhere);  // if bodies differ much in inertia
+  return c.residual > most || c.detector < kNowhere * share || (faded && c.detector * relative_ < kRoundOff * share);
 }
 
 }  // namespace lockstep

@@ -1,4 +1,4 @@
-#include <lockstep/stepping.h>
+#include "framework/dynamics/integrate/singular_rate.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,10 +31,7 @@ void SingularRate::begin(const State& state) {
 
 bool SingularRate::find(Dynamics& dynamics, const State& state, StateRate& out) {
   const double L = dynamics.system().length(), speed = speed_of(state.v, L);
-  if (!(speed > 0)) {
-    probe_along_forces(dynamics, state);
-    return false;
-  }
+  if (!(speed > 0)) return false;
   for (std::size_t i = 0; i < 3; ++i) {
     const double delta = static_cast<double>(i + 1) * kDelta;
     if (!probe(dynamics, state, delta, delta / speed, mean_[i])) return false;
@@ -47,17 +44,6 @@ bool SingularRate::find(Dynamics& dynamics, const State& state, StateRate& out) 
   out.v = 1.5 * mean_[0].v - 0.6 * mean_[1].v + 0.1 * mean_[2].v;
   out.s = 1.5 * mean_[0].s - 0.6 * mean_[1].s + 0.1 * mean_[2].s;
   return true;
-}
-
-// At rest this finds no rate, but away from the position the solver learns which small pivots are usual.
-void SingularRate::probe_along_forces(Dynamics& dynamics, const State& state) {
-  dynamics.rate(state, ahead_);
-  const double speed = speed_of(ahead_.v, dynamics.system().length());
-  if (!(speed > 0)) return;
-  off_ = state;
-  dynamics.advance(off_, 3 * kDelta / speed, ahead_.v);
-  dynamics.project(off_, 0);
-  dynamics.rate(off_, behind_);
 }
 
 bool SingularRate::probe(Dynamics& dynamics, const State& state, double delta, double time, StateRate& mean) try {

@@ -13,8 +13,7 @@ class LOCKSTEP_API DetailObserver : public Observer {
   ~DetailObserver() override;
   /// How far apart the states inside of steps are, s; infinity: none are wanted.
   virtual double spacing() const = 0;
-  /// A state inside of a step; before step() of its end. What it asks the dynamics is counted nowhere and teaches its
-  /// solver nothing (Dynamics::Aside): the run is the same whether it looks or not.
+  /// A state inside of a step; before step() of its end. The run is the same whether it looks or not.
   virtual void between(const Sample&) = 0;
   /// The state just before something acts on it; jumped() follows, with the state after. The solution that it asks for
   /// is one of the run, as that of step().

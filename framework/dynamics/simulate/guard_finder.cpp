@@ -213,7 +213,6 @@ double GuardFinder::root(const Guard& g, const Sampled& a, const Sampled& b, dou
 // What is seen at an output before the first guard is met in this step, so that no row lies beyond one that is not.
 void GuardFinder::search_outputs() {
   if (!interval_.has_dense() || !(clock_.next_output() < first_before_end())) return;
-  const Dynamics::Aside aside(dynamics_);
   before_.clear();
   for (const Guard& g : guards_) before_.push_back(g.from);
   double last = interval_.from().t;

@@ -107,14 +107,12 @@ void StepLoop::output(Delivery& now, const Sample& sample) {
   parts_->clock.note_output(t);
 }
 
-// On the grid of its spacing. A state that cannot be made is left out: no result hangs on it, nor on what its solution
-// teaches the solver.
+// On the grid of its spacing. A state that cannot be made is left out: no result hangs on it.
 void StepLoop::Parts::show_inside(DetailObserver& to, Dynamics& dynamics, double t0, double t1) {
   const double h = to.spacing();
   if (!(h < t1 - t0 + h)) return;  // infinite
   double k = std::floor(t0 / h) + 1;
   if (!(k * h < t1)) return;
-  const Dynamics::Aside aside(dynamics);
   for (; k * h < t1; ++k) {
     try {
       if (!(k * h > t0)) continue;

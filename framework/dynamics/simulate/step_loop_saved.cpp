@@ -118,9 +118,9 @@ void StepLoop::save(Snapshot& out) {
   for (const ControlInput& input : system().control_inputs()) out.put(input.value());
   out.put(stale_ ? 1 : 0), out.put(warned_of_turns_ ? 1 : 0);
   parts.clock.save(out), parts.events.save(out), parts.contacts.save(out), parts.interval.save(out);
-  Snapshot learned;
-  dynamics_.save(state_, learned);
-  out.put_part(learned);
+  Snapshot work;
+  dynamics_.save(work);
+  out.put_part(work);
   out.put(static_cast<double>(observers_.size()));
   for (std::size_t i = 0; i < observers_.size(); ++i) {
     Snapshot own;
@@ -169,7 +169,7 @@ void StepLoop::load_parts(SnapshotReader& in) {
   constexpr double kMostBehind = 1000;  // outputs; what lies behind is past between two steps
   if (options_.output > 0 && !(state_.t - p.clock.next_output() < kMostBehind * options_.output))
     throw ModelError("the saved outputs do not belong to the time of the saved state: the checkpoint is damaged");
-  SnapshotReader learned = in.get_part();
+  SnapshotReader work = in.get_part();
   p.acted = false, p.cause.clear(), p.refusal.clear(), p.due.clear();
   p.started = 0;
   if (const long n = in.get_count(); n != static_cast<long>(observers_.size()))
@@ -187,8 +187,8 @@ void StepLoop::load_parts(SnapshotReader& in) {
   }
   if (!in.at_end())
     throw ModelError("the checkpoint holds more numbers than the run reads: it is of another run, or damaged");
-  dynamics_.restore(state_, learned);  // after all that evaluates
-  dynamics_.forget_rows(state_);       // steps that need them lay them out anew
+  dynamics_.restore(work);        // after all that evaluates: what was done to get here was counted before
+  dynamics_.forget_rows(state_);  // steps that need them lay them out anew
   begun_ = true;
 }
 

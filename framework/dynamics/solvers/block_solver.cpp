@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <limits>
 
+#include <lockstep/error.h>
+#include <lockstep/params.h>
 #include "framework/dynamics/solvers/block_factor.h"
 #include "framework/dynamics/solvers/products.h"
 #include "framework/dynamics/solvers/stop_rule.h"
-#include <lockstep/error.h>
-#include <lockstep/params.h>
 
 namespace lockstep {
 
@@ -34,15 +34,13 @@ class BlockFactorization final : public Factorization {
   explicit BlockFactorization(const KktPattern&);
   void compute(const Kkt&) override;
   SolveReport solve(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda) override;
-  void complete(SolveReport& report) override { report.detector = watch_.singularity_indicator(); }
-  void save(Snapshot& out) const override { watch_.save(out), out.put_all(pivot_floors_); }
-  void restore(SnapshotReader& in) override { watch_.restore(in), in.get_all(pivot_floors_); }
+  void complete(SolveReport& report) override { watch_.report(report); }
 
  private:
   BlockPlan plan_;
   BlockFactor<double> factor_;
   std::vector<BlockPlan::Place> mass_, jacobian_, proximal_;  // of slots; of links and their slots; of links
-  VecX rhs_, pivots_, S_diagonal_, pivot_floors_;
+  VecX rhs_, pivots_, S_diagonal_;
   StopRule rule_;
   PivotWatch watch_;
 
@@ -77,11 +75,14 @@ void BlockFactorization::fill(const Kkt& kkt) {
 
 void BlockFactorization::measure_pivots(const Kkt& kkt) {
   row_diagonal(kkt, S_diagonal_);
-  if (pivot_floors_.size() == 0) pivot_floors_ = pivot_floors(kkt, plan_.proximal());
-  watch_.see([&](auto&& row) {
-    for (int j = 0; j < kkt.pattern.m; ++j)
-      row(pivots_[kkt.pattern.n + j], S_diagonal_[j] + plan_.proximal() * kkt.E[j], pivot_floors_[j]);
-  });
+  watch_.see(
+      kkt.redundant,
+      [&](auto&& row) {
+        for_each_row(kkt.pattern, [&](int j, std::size_t kind) {
+          row(pivots_[kkt.pattern.n + j], S_diagonal_[j] + plan_.proximal() * kkt.E[j], kind);
+        });
+      },
+      [&] { return pivot_floors(kkt, plan_.proximal()); });
 }
 
 TypeInfo BlockSolver::info() {
@@ -123,7 +124,7 @@ SolveReport BlockFactorization::solve(const Kkt& kkt, const VecX& f, const VecX&
     da = rhs_.head(n);
     dl = rhs_.tail(m);
   });
-  report.smallest_pivot = watch_.smallest();
+  watch_.report(report);
   return report;
 }
 

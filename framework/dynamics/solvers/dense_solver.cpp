@@ -7,10 +7,10 @@
 #include <cmath>
 #include <limits>
 
-#include "framework/dynamics/solvers/products.h"
-#include "framework/dynamics/solvers/stop_rule.h"
 #include <lockstep/error.h>
 #include <lockstep/params.h>
+#include "framework/dynamics/solvers/products.h"
+#include "framework/dynamics/solvers/stop_rule.h"
 
 namespace lockstep {
 
@@ -72,9 +72,7 @@ class DenseFactorization final : public Factorization {
   explicit DenseFactorization(const KktPattern&);
   void compute(const Kkt&) override;
   SolveReport solve(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda) override;
-  void complete(SolveReport& report) override { report.detector = watch_.singularity_indicator(); }
-  void save(Snapshot& out) const override { watch_.save(out), out.put(usual_rank_); }
-  void restore(SnapshotReader& in) override { watch_.restore(in), usual_rank_ = static_cast<int>(in.get_count()); }
+  void complete(SolveReport& report) override { watch_.report(report); }
 
  private:
   std::vector<double> L_;  // blocks as in Kkt::M
@@ -85,12 +83,12 @@ class DenseFactorization final : public Factorization {
   VecX da_, dl_, a_before_, l_before_;
   StopRule rule_;
   PivotWatch watch_;
-  int rank_ = 0, usual_rank_ = 0;
+  int rank_ = 0;
 
   void invert_L(const KktPattern&, VecX& x) const;
   void invert_Lt(const KktPattern&, VecX& x) const;
   void fill_B(const Kkt&);
-  void measure_pivots();
+  void measure_pivots(int redundant);
   void solve_once(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda);
 };
 
@@ -120,15 +118,16 @@ void DenseFactorization::fill_B(const Kkt& kkt) {
 }
 
 // Pivots R_kk^2 against |b_k|^2: the fraction of a row that the rows before it do not span; zero for rows beyond the n-th.
-void DenseFactorization::measure_pivots() {
+void DenseFactorization::measure_pivots(int redundant) {
   square_ = Bt_.colwise().squaredNorm();
-  watch_.see([&](auto&& row) {
+  const auto each = [&](auto&& row) {
     for (Eigen::Index k = 0; k < Bt_.cols(); ++k) {
       const double own = square_[outer_.colsPermutation().indices()[k]];
       const double R = k < Rt_.cols() ? outer_.matrixQR()(k, k) : 0.0;
-      row(own > 0.0 ? R * R : 0.0, own > 0.0 ? own : 1.0, 0.0);
+      row(own > 0.0 ? R * R : 0.0, own > 0.0 ? own : 1.0, 0);
     }
-  });
+  };
+  watch_.see(redundant, each, [] { return std::array<double, 3>{}; });
 }
 
 // With t = P1^T c~:
@@ -182,7 +181,6 @@ DenseFactorization::DenseFactorization(const KktPattern& pattern) {
   for (VecX* v : {&root_E_, &square_, &z_, &t_, &dl_, &l_before_}) v->setZero(m);
   rule_.analyse(pattern);
   watch_.begin(m);
-  usual_rank_ = 0;
 }
 
 void DenseFactorization::compute(const Kkt& kkt) {
@@ -198,8 +196,7 @@ void DenseFactorization::compute(const Kkt& kkt) {
   fill_B(kkt);
   outer_.compute(Bt_);
   rank_ = static_cast<int>(outer_.rank());
-  usual_rank_ = std::max(usual_rank_, rank_);
-  measure_pivots();
+  measure_pivots(kkt.redundant);
   Rt_.setZero();
   for (int i = 0; i < rank_; ++i)
     for (Eigen::Index j = i; j < Rt_.rows(); ++j) Rt_(j, i) = outer_.matrixQR()(i, j);
@@ -228,9 +225,8 @@ SolveReport DenseFactorization::solve(const Kkt& kkt, const VecX& f, const VecX&
   report.residual = rule_.largest();
   report.worst_row = rule_.worst_row();
   report.rank = rank_;
-  report.smallest_pivot = watch_.smallest();
-  // A rank below the usual one is a singular position, which may be passed: no contradiction.
-  report.contradictory = rule_.largest() > kContradiction && rank_ < kkt.pattern.m && rank_ >= usual_rank_;
+  watch_.report(report);
+  report.contradictory = rank_ < kkt.pattern.m && watch_.contradictory(rule_.largest(), 0);
   return report;
 }
 

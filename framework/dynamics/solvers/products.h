@@ -31,6 +31,13 @@ void for_each_mass(const KktPattern& pattern, Visit&& visit) {
     visit(pattern.first[slot], pattern.width[slot], pattern.M[slot]);
 }
 
+/// visit(row, its RowKind as a number), row after row.
+template <class Visit>
+void for_each_row(const KktPattern& pattern, Visit&& visit) {
+  for (const KktLink& link : pattern.links)
+    for (int k = 0; k < link.m; ++k) visit(link.first_row + k, static_cast<std::size_t>(kind_of(link, k)));
+}
+
 /// y += B x with B the block-diagonal matrix kkt.M or kkt.Minv.
 void add_mass_times(const KktPattern&, const std::vector<double>& B, const VecX& x, VecX& y);
 /// y += J x, and y -= J^T lambda.

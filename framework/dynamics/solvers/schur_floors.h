@@ -26,7 +26,7 @@ std::array<double, 3> measure_pivot_floors(const Plan& plan, E&& e, J&& j) {
         floors.arm2 = std::max(floors.arm2, arm2);
       }
   }
-  return {floors.of(RowKind::translation), floors.of(RowKind::rotation), floors.of(RowKind::function)};
+  return floors.by_kind();
 }
 
 }  // namespace lockstep::schur

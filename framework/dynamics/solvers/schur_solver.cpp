@@ -26,16 +26,6 @@ class SchurFactorization final : public Factorization {
   void compute(const Kkt&) override;
   SolveReport solve(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda) override;
   void complete(SolveReport&) override;
-  void save(Snapshot& out) const override {
-    watch_.save(out), out.put(floors_known_ ? 1 : 0), out.put_all(pivot_floors_);
-  }
-  void restore(SnapshotReader& in) override {
-    watch_.restore(in), floors_known_ = in.get_flag();
-    std::vector<double> floors;
-    in.get_all(floors);
-    std::ranges::copy_n(floors.begin(), static_cast<long>(std::min(floors.size(), pivot_floors_.size())),
-                        pivot_floors_.begin());
-  }
 
  private:
   void size(const KktPattern&);
@@ -61,14 +51,14 @@ class SchurFactorization final : public Factorization {
   Aligned<double> A_, Y_, x_, c_, scale_, diagonal_, p_, E_, r_, lambda_, a_, inverse_, mass_, given_, kinds_;
   const RowTable* rows_ = nullptr;  // that the matrix was computed from, with their revision
   long revision_ = -1;
-  bool masses_known_ = false, floors_known_ = false;
-  std::array<double, 3> pivot_floors_{};        // of redundant rows, by kind; zero in trees
+  bool masses_known_ = false;
+  int redundant_ = Kkt::kUnknown;               // of the rows that the matrix was computed from
   double energy_f_ = 0;                         // largest f . M^-1 f of a slot
   std::array<double, 3> largest_{}, floors_{};  // scale and residual floor by kind
   PivotWatch watch_;
   ConjugateGradients gradients_;
   std::vector<std::size_t> places_;  // of the rows in x
-  double worst_ = 0, before_ = 0;  // relative residual, and that before the last correction
+  double worst_ = 0, before_ = 0;    // relative residual, and that before the last correction
   int worst_row_ = -1;
 };
 
@@ -134,34 +124,32 @@ void SchurFactorization::read_masses(const Kkt& kkt) {
 void SchurFactorization::compute(const Kkt& kkt) {
   if (!masses_known_) read_masses(kkt);
   rows_ = kkt.pattern.rows;
+  redundant_ = plan_.tree ? 0 : kkt.redundant;
   revision_ = rows_->revision();
   z_.rows = rows_->data();
   schur::fill(plan_, z_);
   schur::factor(plan_, z_);
-  if (!plan_.tree) see_pivots();
 }
 
 void SchurFactorization::see_pivots() {
-  if (!plan_.tree && !floors_known_) {  // measured once: the order of magnitude counts
-    pivot_floors_ = schur::measure_pivot_floors(
+  const auto each = [&](auto&& row) {
+    for_each_row(
+        [&](int, std::size_t at, int kind) { row(1.0 / p_[at], diagonal_[at], static_cast<std::size_t>(kind)); });
+  };
+  watch_.see(redundant_, each, [&] {
+    if (plan_.tree) return std::array<double, 3>{};
+    return schur::measure_pivot_floors(
         plan_, [&](std::size_t i) { return E_[i]; }, [&](std::size_t i) { return z_.rows[i]; });
-    floors_known_ = true;
-  }
-  watch_.see([&](auto&& row) {
-    for_each_row([&](int, std::size_t at, int kind) {
-      row(1.0 / p_[at], diagonal_[at], pivot_floors_[static_cast<std::size_t>(kind)]);
-    });
   });
 }
 
-/// Adds the residual of the last solution, the smallest relative pivot, and the smallest beyond the usual ones.
+/// Adds the residual of the last solution, and what the pivots say.
 void SchurFactorization::complete(SolveReport& report) {
   find_worst();
   report.residual = worst_;
   report.worst_row = worst_row_;
-  if (plan_.tree) see_pivots();
-  report.smallest_pivot = watch_.smallest();
-  report.detector = plan_.tree ? report.smallest_pivot : watch_.singularity_indicator();
+  see_pivots();
+  watch_.report(report);
 }
 
 // a_f = M^-1 f
@@ -306,7 +294,7 @@ SolveReport SchurFactorization::solve_with(const Kkt& kkt) {
   find_worst();
   report.residual = worst_;
   report.worst_row = worst_row_;
-  if (plan_.tree) watch_.begin(0), see_pivots();
+  see_pivots();
   report.contradictory = watch_.contradictory(worst_, before_);
   return report;
 }

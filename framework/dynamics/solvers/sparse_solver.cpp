@@ -7,11 +7,11 @@
 #include <algorithm>
 #include <limits>
 
+#include <lockstep/error.h>
+#include <lockstep/params.h>
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/dynamics/solvers/products.h"
 #include "framework/dynamics/solvers/stop_rule.h"
-#include <lockstep/error.h>
-#include <lockstep/params.h>
 
 namespace lockstep {
 
@@ -59,16 +59,14 @@ class SparseFactorization final : public Factorization {
   explicit SparseFactorization(const KktPattern&);
   void compute(const Kkt&) override;
   SolveReport solve(const Kkt&, const VecX& f, const VecX& c, VecX& a, VecX& lambda) override;
-  void complete(SolveReport& report) override { report.detector = watch_.singularity_indicator(); }
-  void save(Snapshot& out) const override { watch_.save(out), out.put_all(pivot_floors_); }
-  void restore(SnapshotReader& in) override { watch_.restore(in), in.get_all(pivot_floors_); }
+  void complete(SolveReport& report) override { watch_.report(report); }
 
  private:
   Sparse matrix_;  // upper triangle, already in the order of elimination
   Eigen::SimplicialLDLT<Sparse, Eigen::Upper, Eigen::NaturalOrdering<int>> ldlt_;
   std::vector<int> place_;               // of a row of the system in K; unknowns keep theirs
   std::vector<Eigen::Index> positions_;  // places in the values of K, in the order of for_each_number
-  VecX rhs_, solution_, S_diagonal_, pivot_floors_;
+  VecX rhs_, solution_, S_diagonal_;
   StopRule rule_;
   PivotWatch watch_;
 
@@ -106,11 +104,14 @@ Eigen::Index SparseFactorization::position(int row, int column) const {
 
 void SparseFactorization::measure_pivots(const Kkt& kkt) {
   row_diagonal(kkt, S_diagonal_);
-  if (pivot_floors_.size() == 0) pivot_floors_ = pivot_floors(kkt, kEps);
   const VecX D = ldlt_.vectorD();
-  watch_.see([&](auto&& row) {
-    for (int j = 0; j < kkt.pattern.m; ++j) row(-D[place_[j]], S_diagonal_[j] + kEps * kkt.E[j], pivot_floors_[j]);
-  });
+  watch_.see(
+      kkt.redundant,
+      [&](auto&& row) {
+        for_each_row(kkt.pattern,
+                     [&](int j, std::size_t kind) { row(-D[place_[j]], S_diagonal_[j] + kEps * kkt.E[j], kind); });
+      },
+      [&] { return pivot_floors(kkt, kEps); });
 }
 
 TypeInfo SparseSolver::info() {
@@ -155,7 +156,7 @@ SolveReport SparseFactorization::solve(const Kkt& kkt, const VecX& f, const VecX
     da = solution_.head(n);
     for (int j = 0; j < m; ++j) dl[j] = solution_[place_[j]];
   });
-  report.smallest_pivot = watch_.smallest();
+  watch_.report(report);
   return report;
 }
 

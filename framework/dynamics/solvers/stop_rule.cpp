@@ -10,12 +10,6 @@ namespace lockstep {
 
 namespace {
 
-template <class Visit>
-void for_each_row(const KktPattern& pattern, Visit&& visit) {
-  for (const KktLink& link : pattern.links)
-    for (int k = 0; k < link.m; ++k) visit(link.first_row + k, static_cast<std::size_t>(kind_of(link, k)));
-}
-
 // The unit of an unknown: 0 for the first three of a slot (m/s^2, N), 1 for the others.
 template <class Visit>
 void for_each_unknown(const KktPattern& pattern, Visit&& visit) {
@@ -26,7 +20,7 @@ void for_each_unknown(const KktPattern& pattern, Visit&& visit) {
 
 }  // namespace
 
-VecX pivot_floors(const Kkt& kkt, double eps) {
+std::array<double, 3> pivot_floors(const Kkt& kkt, double eps) {
   PivotFloors floors;
   for_each_row(kkt.pattern, [&](int j, std::size_t kind) { floors.add(static_cast<RowKind>(kind), eps * kkt.E[j]); });
   const int first = kkt.pattern.plane ? 2 : 3;  // of the turns among the unknowns of a slot
@@ -41,9 +35,7 @@ VecX pivot_floors(const Kkt& kkt, double eps) {
       floors.arm2 = std::max(floors.arm2, arm2);
     }
   });
-  VecX out(kkt.pattern.m);
-  for_each_row(kkt.pattern, [&](int j, std::size_t kind) { out[j] = floors.of(static_cast<RowKind>(kind)); });
-  return out;
+  return floors.by_kind();
 }
 
 void StopRule::analyse(const KktPattern& pattern, double eps) {

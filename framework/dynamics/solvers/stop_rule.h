@@ -63,10 +63,13 @@ struct PivotFloors {
       return kRedundantPivot * (r + (arm2 > 0 ? std::min(t / arm2, kRedundantPivot * r) : 0.0));
     return kRedundantPivot * E[static_cast<std::size_t>(RowKind::function)];
   }
+  std::array<double, 3> by_kind() const {
+    return {of(RowKind::translation), of(RowKind::rotation), of(RowKind::function)};
+  }
 };
 
-/// What proximal terms of eps s_j leave of the pivot of each row, were it redundant.
-VecX pivot_floors(const Kkt&, double eps);
+/// What proximal terms of eps s_j leave of the pivots of rows, were they redundant, by RowKind.
+std::array<double, 3> pivot_floors(const Kkt&, double eps);
 
 /// The residual floor of one kind of row: no scale is smaller. `largest`: the largest scale of that kind. Where all
 /// scales of a unit vanish (a mechanism driven in other directions only, or held at rest), r is rounding from other
@@ -89,55 +92,56 @@ bool refine(int& corrections, Measure&& measure, Within&& within, Raise&& raise,
   return done;
 }
 
-/// Counts small pivots of the rows. Some are usual: rows that are redundant everywhere. More than that indicate a
-/// singular position.
+/// Counts the small pivots of the rows of one matrix. As many as rows are redundant are usual (Kkt::redundant); more than
+/// that indicate a singular position.
 class PivotWatch {
  public:
-  void begin(int n_rows) { usual_ = n_rows, beyond_.reserve(static_cast<std::size_t>(n_rows)); }
-  /// Sees the rows of the present matrix: `each` calls its argument with the pivot of every row, its diagonal, and what
-  /// proximal terms would leave of it (as in is_small_pivot).
-  template <class Each>
-  void see(Each&& each) {
-    now_ = 0, smallest_ = regular_ = std::numeric_limits<double>::infinity();
-    each([&](double pivot, double diagonal, double left) {
-      const bool small = is_small_pivot(pivot, diagonal, left);
+  void begin(int n_rows) { pivots_.reserve(static_cast<std::size_t>(n_rows)); }
+  /// `each` calls its argument with the pivot of every row, its diagonal, and its RowKind. floors(): what proximal terms
+  /// would leave of a redundant row by kind, as in is_small_pivot; asked only if it matters.
+  template <class Each, class Floors>
+  void see(int redundant, Each&& each, Floors&& floors) {
+    int below = 0;
+    smallest_ = regular_ = std::numeric_limits<double>::infinity();
+    each([&](double pivot, double diagonal, std::size_t) {
       const double relative = pivot / diagonal;
-      now_ += small ? 1 : 0;
       smallest_ = std::min(smallest_, relative);
-      if (!small) regular_ = std::min(regular_, relative);
+      if (relative < kMostLeft)
+        ++below;
+      else
+        regular_ = std::min(regular_, relative);
     });
-    usual_ = std::min(usual_, now_);
-    beyond_.clear();
-    if (now_ == usual_) return;
-    each([&](double pivot, double diagonal, double left) {
-      beyond_.push_back({pivot / diagonal, pivot / what_counts_as_small(diagonal, left)});
+    small_ = redundant_ = below;
+    if (below == redundant || (below == 0 && redundant < 0)) return;
+    const std::array<double, 3> left = floors();
+    pivots_.clear();
+    each([&](double pivot, double diagonal, std::size_t kind) {
+      pivots_.push_back({pivot / diagonal, pivot / what_counts_as_small(diagonal, left[kind])});
     });
-    const auto at = beyond_.begin() + usual_;
-    std::ranges::nth_element(beyond_, at, {}, &Pivot::share);
-    for (auto p = at; p != beyond_.end(); ++p) regular_ = std::min(regular_, p->relative);
+    small_ = static_cast<int>(std::ranges::count_if(pivots_, [](const Pivot& p) { return p.share < 1; }));
+    redundant_ = std::min(redundant < 0 ? small_ : redundant, static_cast<int>(pivots_.size()));
+    const auto at = pivots_.begin() + redundant_;
+    std::ranges::nth_element(pivots_, at, {}, &Pivot::share);
+    regular_ = std::numeric_limits<double>::infinity();
+    for (auto p = at; p != pivots_.end(); ++p) regular_ = std::min(regular_, p->relative);
   }
-  void save(Snapshot& out) const { out.put(usual_); }  ///< how many small pivots are usual
-  void restore(SnapshotReader& in) { usual_ = static_cast<int>(in.get_count()); }
-  void take_usual(const PivotWatch& from) { usual_ = from.usual_; }
-  /// The smallest pivot relative to its diagonal.
-  double smallest() const { return smallest_; }
-  /// The smallest beyond the usual ones: falls as the square of the distance to a singular position.
-  double singularity_indicator() const { return regular_; }
-  /// Whether more are small than usual: near a singular position.
-  bool beyond_usual() const { return now_ > usual_; }
+  /// Writes what it saw.
+  void report(SolveReport& out) const {
+    out.smallest_pivot = smallest_, out.small_pivots = small_, out.detector = regular_;
+  }
   /// Whether rows contradict each other: their residual stalled at the order of its scale. Contradictory rows are
-  /// always dependent; small pivots beyond the usual ones indicate a singular position, which may be passed.
+  /// always dependent; more small pivots than usual indicate a singular position, which may be passed.
   bool contradictory(double residual, double before) const {
-    return residual > kContradiction && residual > 0.5 * before && !beyond_usual();
+    return residual > kContradiction && residual > 0.5 * before && small_ <= redundant_;
   }
 
  private:
   struct Pivot {
     double relative, share;  // of the diagonal, and of what counts as small
   };
-  std::vector<Pivot> beyond_;  // all of them, when more are small than usual
+  std::vector<Pivot> pivots_;  // if it is not plain which are small
   double smallest_ = std::numeric_limits<double>::infinity(), regular_ = smallest_;
-  int now_ = 0, usual_ = 0;
+  int small_ = 0, redundant_ = 0;
 };
 
 /// The rule for a matrix in blocks.
@@ -205,7 +209,7 @@ class StopRule {
   ConjugateGradients gradients_;
   std::array<double, 3> largest_scale_{}, floors_{};  // one per RowKind
   double eps_ = 0.0;
-  double energy_f_ = 0.0;                             // largest a_f . M a_f of a slot
+  double energy_f_ = 0.0;  // largest a_f . M a_f of a slot
   double largest_ = 0.0, before_ = 0.0;
   int worst_row_ = -1;
   bool forces_met_ = false;

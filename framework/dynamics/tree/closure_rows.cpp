@@ -11,13 +11,13 @@ namespace lockstep {
 
 namespace {
 
-constexpr double kUnchanged = 0.9;    // of a residual, and its inverse: a correction that leaves this could not help
+constexpr double kUnchanged = 0.9;  // of a residual, and its inverse: a correction that leaves this could not help
 
 }  // namespace
 
 void ClosureRows::begin(ClosureFronts fronts, double length) {
   fronts_ = std::move(fronts);
-  length_ = length, worst_ = 0, worst_row_ = -1, usually_small_ = kNone, floors_known_ = false;
+  length_ = length, worst_ = 0, worst_row_ = -1, redundant_ = Kkt::kUnknown;
   Lambda_.assign(static_cast<std::size_t>(fronts_.n_Lambda), 0.0);
   V_.assign(static_cast<std::size_t>(fronts_.n_V), 0.0);
   l_.assign(fronts_.rows.size(), 0.0);
@@ -30,14 +30,7 @@ void ClosureRows::measure_scales(const RowTable& table, double arm2) {
   scale_ = diagonal_;
   for (const RowEntry& e : table.entries) average_scales(scale_.data() + e.first_row, e.m, KindBits(e.kind, e.m));
   E_ = kClosureProximal * scale_;
-  if (floors_known_) return;
-  PivotFloors floors;
-  floors.arm2 = arm2;
-  for (std::size_t row = 0; row < fronts_.sources.size(); ++row)
-    floors.add(fronts_.sources[row].kind, E_[static_cast<Eigen::Index>(row)]);
-  for (const RowKind kind : {RowKind::translation, RowKind::rotation, RowKind::function})
-    pivot_floors_[static_cast<std::size_t>(kind)] = floors.of(kind);
-  floors_known_ = true;
+  arm2_ = arm2;
 }
 
 void ClosureRows::subtract(const VecX& x) {
@@ -88,14 +81,12 @@ bool ClosureRows::is_met() {
     if (worst_row_ >= 0 && (x <= worst_ || std::isnan(worst_))) continue;
     worst_ = x, worst_row_ = static_cast<int>(j);
   }
-  const bool met = worst_ <= kRowTolerance;
-  if (met && (usually_small_ == kNone || n_small_ < usually_small_)) usually_small_ = n_small_;
-  return met;
+  return worst_ <= kRowTolerance;
 }
 
 bool ClosureRows::is_left_by_redundant_rows(double before) const {
   const bool stays = worst_ > kUnchanged * before && kUnchanged * worst_ < before;
-  return stays && worst_ <= kContradiction && regular_met_ && n_small_ == usually_small_;
+  return stays && worst_ <= kContradiction && regular_met_ && n_small_ <= redundant_;
 }
 
 void ClosureRows::react(const RowTable& table, VecX& f) const {
@@ -109,41 +100,22 @@ void ClosureRows::react(const RowTable& table, VecX& f) const {
   }
 }
 
-void ClosureRows::save(Snapshot& out) const {
-  out.put(static_cast<double>(fronts_.sources.size()));
-  watch_.save(out);
-  out.put(floors_known_ ? 1 : 0), out.put(usually_small_), out.put_all(pivot_floors_);
-}
-
-// Without a request for memory: the end of a look aside (Dynamics::Aside) must not fail.
-void ClosureRows::restore(SnapshotReader& in) {
-  const bool ours = in.get_count() == static_cast<long>(fronts_.sources.size());
-  PivotWatch watch;
-  watch.restore(in);
-  const bool known = in.get_flag();
-  const double small = in.get();
-  std::array<double, 3> floors{};
-  const long n_floors = in.get_count();
-  for (long k = 0; k < n_floors; ++k) {
-    const double floor = in.get();
-    if (k < static_cast<long>(floors.size())) floors[static_cast<std::size_t>(k)] = floor;
-  }
-  if (!ours || n_floors != static_cast<long>(pivot_floors_.size())) return;
-  watch_.take_usual(watch), floors_known_ = known;
-  usually_small_ = small >= 0 && small <= static_cast<double>(fronts_.sources.size()) ? static_cast<int>(small) : kNone;
-  pivot_floors_ = floors;
-}
-
 void ClosureRows::complete(SolveReport& report) {
-  watch_.see([&](auto&& row) {
+  const auto each = [&](auto&& row) {
     for (std::size_t j = 0; j < fronts_.sources.size(); ++j) {
       const auto at = static_cast<Eigen::Index>(j);
-      row(d_[at], diagonal_[at], pivot_floors_[static_cast<std::size_t>(fronts_.sources[j].kind)]);
+      row(d_[at], diagonal_[at], static_cast<std::size_t>(fronts_.sources[j].kind));
     }
+  };
+  watch_.see(redundant_, each, [&] {
+    PivotFloors floors;
+    floors.arm2 = arm2_;
+    for (std::size_t j = 0; j < fronts_.sources.size(); ++j)
+      floors.add(fronts_.sources[j].kind, E_[static_cast<Eigen::Index>(j)]);
+    return floors.by_kind();
   });
   report.residual = worst_, report.worst_row = worst_row_;
-  report.smallest_pivot = watch_.smallest();
-  report.detector = watch_.singularity_indicator();
+  watch_.report(report);
 }
 
 }  // namespace lockstep

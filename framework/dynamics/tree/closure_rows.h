@@ -22,14 +22,13 @@ class LOCKSTEP_API ClosureRows {
   double norm(const VecX& c) const;
   double residual() const { return worst_; }  ///< the largest as found last, relative to its scale
   /// Whether the residual that a correction has changed from `before` is that of redundant rows off the constraints: it
-  /// stays as it is, is below a contradiction, regular rows are met, and no more pivots are small than where all were met.
+  /// stays as it is, is below a contradiction, regular rows are met, and no more pivots are small than rows are redundant.
   bool is_left_by_redundant_rows(double before) const;
   /// Fills in residual, worst row, pivots and detector.
   void complete(SolveReport&);
-
-  /// Writes what was learned of the pivots, and takes it back; of other rows nothing is taken.
-  void save(Snapshot&) const;
-  void restore(SnapshotReader&);
+  /// How many of the rows are redundant, as Kkt::redundant; unknown at first.
+  int redundant() const { return redundant_; }
+  void set_redundant(int n) { redundant_ = n; }
 
   const VecX& lambda() const { return lambda_; }  ///< one per row of the table
   /// Adds what the closures do to forces of the slots: f <- f - J' lambda.
@@ -47,11 +46,9 @@ class LOCKSTEP_API ClosureRows {
     return l_[static_cast<std::size_t>(fronts_.sides[static_cast<std::size_t>(fronts_.sources[row].first_side)].place)];
   }
   /// l of an open row of a front at its parent.
-  double& l_above(std::size_t front, int i) {
-    return l_[static_cast<std::size_t>(fronts_.place_above(front, i))];
-  }
+  double& l_above(std::size_t front, int i) { return l_[static_cast<std::size_t>(fronts_.place_above(front, i))]; }
   inline double multiplier(const ClosureFront&, int j, double with, const VecX& lambda) const;
-  /// From diagonal_; arm2: as in PivotFloors, read the first time.
+  /// From diagonal_; arm2: as in PivotFloors.
   void measure_scales(const RowTable&, double arm2);
   /// From r_ and size_: whether the residuals are small enough.
   bool is_met();
@@ -60,17 +57,13 @@ class LOCKSTEP_API ClosureRows {
   std::vector<double> Lambda_, V_, l_;                     // l by place
   VecX c_, E_, diagonal_, scale_, d_, lambda_, r_, size_;  // by row; scale_: s_j
   VecX dlambda_, du_;                                      // of a correction: by row, by coordinate
-  bool floors_known_ = false;
-  int n_small_ = 0;  // pivots of the last elimination that got a proximal term
+  int n_small_ = 0;                                        // pivots of the last elimination that got a proximal term
 
  private:
   PivotWatch watch_;
-  std::array<double, 3> pivot_floors_{};
-  double length_ = 1, worst_ = 0;
-  int worst_row_ = -1;
-  int usually_small_ = kNone;  // the least n_small_ where all rows were met; kNone: that was nowhere
+  double length_ = 1, arm2_ = 0, worst_ = 0;
+  int worst_row_ = -1, redundant_ = Kkt::kUnknown;
   bool regular_met_ = false;
-  static constexpr int kNone = -1;
 };
 
 // lambda_j = (K_j a + l_j - sum of Lambda_ij lambda_i) / d_j over the rows that were eliminated later; `with`: K_j a + l_j

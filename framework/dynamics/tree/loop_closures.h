@@ -119,7 +119,7 @@ LOCKSTEP_INLINE void LoopClosures<Wrench, Twist>::read(const Bodies& bodies, std
         const Motion& motion = motions[static_cast<std::size_t>(e.slots[i] + 1)];
         Wrench& J = J_[at];
         J = bodies.read_side(block, i, k, node, motion, diagonal_[row]);
-        if (!floors_known_ && source.kind == RowKind::translation) arm2 = std::max(arm2, moment2(J));
+        if (source.kind == RowKind::translation) arm2 = std::max(arm2, moment2(J));
         Wrench K = J;
         l += bodies.move_to_joint(node, K);
         K_[static_cast<std::size_t>(side.place)] += K;

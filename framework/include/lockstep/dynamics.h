@@ -1,6 +1,7 @@
 // Evaluation of a mechanism: what an integrator asks of it.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -88,6 +89,9 @@ class LOCKSTEP_API Evaluation {
   const std::shared_ptr<const Layout>& layout() const { return layout_; }  ///< the present one
   /// Whether at() would keep the layout at this state.
   bool covers(const State&) const;
+  /// Kkt::redundant of these rows; unknown whenever they are laid out anew.
+  int redundant() const { return redundant_; }
+  void set_redundant(int n) { redundant_ = n; }  ///< sets it, for factors of this evaluation
 
  private:
   void lay_out(const State&);
@@ -98,6 +102,7 @@ class LOCKSTEP_API Evaluation {
   RowTable rows_;
   VecX f_;
   std::vector<const Force*> reacting_;
+  int redundant_ = Kkt::kUnknown;
 };
 
 // Stabilisation and formulation: the choices that the equations of motion leave open.
@@ -153,9 +158,10 @@ class LOCKSTEP_API KktAssembler {
   void update(const RowTable& rows, std::span<const Motion> motions);
   /// For a solver that reads the rows: the table that it reads from now on.
   void read(const RowTable& rows);
-  const Kkt& kkt() const { return kkt_; }   ///< the matrix
-  int n() const { return kkt_.pattern.n; }  ///< number of unknowns of the formulation
-  int m() const { return kkt_.pattern.m; }  ///< number of its rows, those of unit length included
+  void set_redundant(int n) { kkt_.redundant = n; }  ///< sets Kkt::redundant
+  const Kkt& kkt() const { return kkt_; }            ///< the matrix
+  int n() const { return kkt_.pattern.n; }           ///< number of unknowns of the formulation
+  int m() const { return kkt_.pattern.m; }           ///< number of its rows, those of unit length included
 
   /// Writes f6 (6 per slot: N, world; N m, slot axes) and c6 (1 per row of the table) as the formulation's own right
   /// side, f (n) and c (m). `moving`: with the velocity-dependent terms that the formulation itself adds, for equations
@@ -214,24 +220,8 @@ class LOCKSTEP_API Factor {
   /// Throws NonFiniteError where this solution is not finite, SolveError where its rows contradict one another, with
   /// the name of the link or force.
   void check(const Evaluation&, const VecX& a, const VecX& lambda, const SolveReport&) const;
-  /// Writes what the solver has learned from matrices with the links in force of `e`; nothing where it has seen none.
-  void save(const Evaluation& e, Snapshot&) const;
-  /// Takes back what save() wrote at an evaluation of the same state.
-  void restore(const Evaluation& e, SnapshotReader&);
-
-  /// What the solver has learned, and from matrices of which layout; null: none.
-  struct Learned {
-    std::shared_ptr<const Evaluation::Layout> layout;  ///< of the matrices
-    Snapshot numbers;                                  ///< what Factorization::save wrote
-  };
-  /// Keeps what the solver has learned so far.
-  void keep(Learned&) const;
-  /// Forgets what it has learned since keep(). Nothing is factored: what was solved for last cannot be solved with again
-  /// before compute() where the links in force were others in between, or memory ran out.
-  void put_back(Learned) noexcept;
-  /// Gives back the memory of the matrix. Of what the solver has learned only what Factorization::save writes is kept, for
-  /// the next matrix, where that has the same links in force.
-  void rest();
+  /// Gives back the memory of the matrix.
+  void forget();
 
  private:
   void lay_out(const Evaluation&);
@@ -247,7 +237,6 @@ class LOCKSTEP_API Factor {
   std::unique_ptr<Factorization> factorization_;
   std::shared_ptr<const Evaluation::Layout> layout_;  // null: no matrix yet
   VecX f_, c_, a_, lambda_;                           // in the formulation's own unknowns
-  Learned rested_;                                    // while it rests: what it had learned; else without a layout
 };
 
 // Projection: brings a state onto the constraints by the least move in the mass metric, positions, then velocities.
@@ -310,6 +299,15 @@ class LOCKSTEP_API ReactionIteration {
 
   VecX added_, added_before_, change_, change_before_, loaded_;  // x, g(x) - x, the next x: 6 per slot
   VecX da_, dlambda_, no_rows_;                                  // what a change of x adds to a and lambda; zeros
+};
+
+// Redundancy: a function of the links in force and of the branch, found on assembled poses beside a state.
+
+/// How the rows of the links in force depend on one another in all assembled poses of a branch but singular ones.
+struct Redundancy {
+  int rows = Kkt::kUnknown;     ///< rows that depend on others (Kkt::redundant)
+  bool on_constraints = false;  ///< some do so in assembled poses only, as in the loops of Bennett and Bricard
+  double regular = 1;           ///< the largest SolveReport::detector that was seen
 };
 
 // Dynamics: what an integrator asks of a mechanism: rates, projections, and factors of its own.
@@ -383,7 +381,7 @@ class LOCKSTEP_API Dynamics {
   bool holds_rows() const { return evaluation_ != nullptr; }
   /// Gives back the memory of the last evaluation, gather() and evaluate(), and of its factor, where the formulation has
   /// joint coordinates for the links in force at this state: there steps need rows of closures only. What is asked next
-  /// is laid out anew; of what the solver has learned stays what Factorization::save writes.
+  /// is laid out anew.
   void forget_rows(const State&);
   /// |C| over the rows in force, m (Evaluation::norm). Throws NonFiniteError.
   double violation(const State&);
@@ -431,36 +429,22 @@ class LOCKSTEP_API Dynamics {
   /// the state, as inputs() does; null where there is nothing to update.
   const Inputs* accept(State&);
 
+  // -- redundant rows
+  /// How the rows of the links in force depend on one another on the branch of this state, in its coordinates. Found once
+  /// for these links, at the first state on the constraints; so no answer depends on who asked what before. Unknown
+  /// (rows < 0) before such a state.
+  Redundancy redundancy(const State&);
+
   // -- matrices
   /// The factored matrix of this evaluation; valid until the next evaluation or projection. Throws SolveError.
   Factor& factor(const Evaluation&);
   // -- checkpoints
-  /// Writes the counters of work, and what the solver has learned; `state`: the present one. In joint coordinates no
-  /// rows are held afterwards if none were before (holds_rows).
-  void save(const State&, Snapshot&);
-  /// Takes back what save() wrote, at the same state.
-  void restore(const State&, SnapshotReader&);
+  void save(Snapshot&) const;     ///< writes the counters of work
+  void restore(SnapshotReader&);  ///< takes back what save() wrote
   /// Writes a state in any coordinates; they must be current (has_current_coordinates).
   void save_state(const State&, Snapshot&) const;
   /// Reads what save_state() wrote. Throws ModelError where it does not fit the system.
   void load_state(State&, SnapshotReader&);
-
-  /// A look at states beside a run: while it lives the dynamics may be asked anything, and when it ends the counters of
-  /// work and what the solver has learned are as before. So a run does not depend on who looks at it.
-  class LOCKSTEP_API Aside {
-   public:
-    explicit Aside(Dynamics& dynamics);  ///< the look begins; the dynamics must outlive it
-    ~Aside();
-    Aside(const Aside&) = delete;
-    Aside& operator=(const Aside&) = delete;
-
-   private:
-    Dynamics& dynamics_;
-    WorkCount work_;
-    Factor::Learned learned_;
-    std::shared_ptr<const Coordinates> coordinates_;  // whose closures have learned something
-    Snapshot closures_;
-  };
 
   /// A factor for the caller to keep, without a matrix yet. This Dynamics must outlive it.
   Factor new_factor() { return {system_, *solver_, kkt_formulation(), work_}; }
@@ -474,6 +458,9 @@ class LOCKSTEP_API Dynamics {
   }
   Evaluation& own();
   Evaluation& gathered(const State&);
+  bool is_assembled(const State&);
+  SolveReport pivots(const State&);
+  Redundancy find_redundancy(const State&);
   Tree& tree(const std::vector<bool>& modes);
   void joint_rates(const State&, StateRate& out, SolveReport*);
   ProjectReport project_joint(State&, double goal);
@@ -498,6 +485,8 @@ class LOCKSTEP_API Dynamics {
   VecX a_, lambda_, c_, C_, Cd_;
   VecX asked_a_;  // by accelerations()
   std::optional<Solution> solution_;
+  std::map<std::vector<bool>, Redundancy> redundancies_;  // by the links in force, and whether in joint coordinates
+  long redundancies_of_ = -1;                             // revision of the system that they were found for
 };
 
 }  // namespace lockstep

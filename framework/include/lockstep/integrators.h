@@ -62,11 +62,14 @@ struct EmbeddedOptions {
   LOCKSTEP_API static EmbeddedOptions from(const Params&);  ///< from parameters checked against keys()
 };
 
+class SingularPassage;
+
 /// Explicit Runge-Kutta method by an EmbeddedScheme: base of rk4, dopri5 and dop853. The projection moves the end of a
 /// step, so that its last stage is not the first stage of the next one: every stage is evaluated. So it is where nothing
 /// is projected, since a host may change what acts between two steps.
 class LOCKSTEP_API EmbeddedRungeKutta : public AdaptiveStepper {
  public:
+  ~EmbeddedRungeKutta() override;
   void begin(Dynamics&, const State&) override;
   /// Nested polynomial in theta = (t - t0)/h. Stages that only it needs are evaluated at its first call in a step (by
   /// the Dynamics of begin(), which then holds the values of a stage). False for a scheme without an error estimate.
@@ -83,7 +86,7 @@ class LOCKSTEP_API EmbeddedRungeKutta : public AdaptiveStepper {
   /// `scheme` lives as long as the program. Steps are fixed where it has no error estimate.
   EmbeddedRungeKutta(const EmbeddedScheme& scheme, const EmbeddedOptions& options);
   /// Whether it goes onto the constraints near singular positions.
-  bool passes_singular() const { return passage_.when() != StagesWhen::plain; }
+  bool passes_singular() const;
 
  private:
   double start_step(Dynamics&, double h) override;
@@ -95,7 +98,7 @@ class LOCKSTEP_API EmbeddedRungeKutta : public AdaptiveStepper {
   void prepare_dense() const;
 
   const EmbeddedScheme& scheme_;
-  SingularPassage passage_;
+  std::unique_ptr<SingularPassage> passage_;
   StiffnessWatch watch_;
   Weights error_w_, second_w_, gap_w_;
   std::vector<Weights> dense_w_;
@@ -111,7 +114,6 @@ class LOCKSTEP_API EmbeddedRungeKutta : public AdaptiveStepper {
   mutable std::vector<StateRate> poly_;
 };
 
-
 // dop853: Dormand and Prince's method of order 8 with error estimates of orders 5 and 3, dense output of order 7. The
 // accurate choice.
 
@@ -126,7 +128,6 @@ class LOCKSTEP_API Dop853 final : public EmbeddedRungeKutta {
 
   IntegratorInfo info() const override;
 };
-
 
 // dopri5: Dormand and Prince's pair of orders 5(4), error-controlled, with dense output of order 4. The default.
 
@@ -163,7 +164,6 @@ class LOCKSTEP_API FreeRotation {
   Quat axes_;  // principal axes in the body
   Vec3 J_;     // principal moments
 };
-
 
 // QuinticOutput: the motion inside a step from positions, velocities and accelerations at its two ends.
 //
@@ -303,7 +303,6 @@ class LOCKSTEP_API LinearizedMotion {
   VecXc force_c_, rows_c_, al_c_, l_c_;
 };
 
-
 // Step control of implicit Runge-Kutta methods: Hairer & Wanner, Solving Ordinary Differential Equations II (1996),
 // IV.8; prediction by K. Gustafsson, ACM Trans. Math. Softw. 20 (1994) 496.
 
@@ -377,14 +376,12 @@ class LOCKSTEP_API Radau5 final : public AdaptiveStepper {
   bool careful_ = true;                 // so, or the first step of a run
 };
 
-
 // rattle2, rattle4: symplectic and reversible on the constraints, for the energy of long runs (Andersen 1983).
 //
 //   p' = p + h/2 f(q0) - J(q0)^T mu,   q1 = drift(h, q0, p') with C(q1) = 0
 //   p1 = p' + h/2 f(q1) - J(q1)^T nu   with J(q1) M^-1 p1 = -Ct
 //
 // Order 2; order 4 composed of five (Suzuki 1990). Bodies turn freely in the drift (FreeRotation).
-
 
 struct RattleScheme;
 
@@ -437,7 +434,6 @@ class LOCKSTEP_API Rattle final : public Integrator {
   bool restored_ = false;         // the matrix there is yet to be factored
 };
 
-
 // rk4: the classical Runge-Kutta method of order 4 with a fixed step, for teaching and comparison.
 
 /// rk4: explicit Runge-Kutta of order 4 with fixed steps. 4 evaluations and one projection per step. No error estimate,
@@ -449,7 +445,6 @@ class LOCKSTEP_API Rk4 final : public EmbeddedRungeKutta {
 
   IntegratorInfo info() const override;
 };
-
 
 // semi_implicit_euler: velocities first, then positions with the new velocities. The method of games and real time.
 //

@@ -56,7 +56,11 @@ struct KktPattern {
 
 /// Numbers of the matrix. All blocks are row-major.
 struct LOCKSTEP_API Kkt {
-  KktPattern pattern;            ///< where each block is
+  static constexpr int kUnknown = -1;
+  KktPattern pattern;  ///< where each block is
+  /// How many rows depend on others in all assembled poses of the present branch but singular ones
+  /// (Dynamics::redundancy). kUnknown: as many as have small pivots.
+  int redundant = kUnknown;
   std::vector<double> M,         ///< mass blocks, symmetric positive definite
       Minv;                      ///< their inverses
   std::vector<double> J;         ///< jacobians, link after link
@@ -69,7 +73,6 @@ struct LOCKSTEP_API Kkt {
   void update_scales();
 };
 
-
 // LinearSolver and Factorization: solve the saddle-point system of one evaluation, whatever the topology and however
 // redundant the rows.
 
@@ -80,15 +83,15 @@ struct SolveReport {
   int corrections = 0;  ///< proximal corrections made
   int rank = -1;        ///< rank of J where the solver reveals it, else -1
   double smallest_pivot = std::numeric_limits<double>::infinity();  ///< relative; small: redundant or singular
-  /// The smallest relative pivot beyond those of rows that are redundant everywhere: falls as the square of the
+  int small_pivots = 0;                                             ///< number of such pivots, when complete
+  /// The smallest relative pivot beyond those of redundant rows (Kkt::redundant): falls as the square of the
   /// distance to a singular position. Infinite where the solver does not report it.
   double detector = std::numeric_limits<double>::infinity();
   bool contradictory = false;  ///< the rows cannot all hold: the residual stays at the order of its scale
 };
 
 /// A factored matrix, and solutions by it. Nothing is allocated after LinearSolver::analyse() (except by Eigen's own
-/// sparse factorisation). From the matrices it has factored it learns which small pivots are usual, so that it can
-/// distinguish redundant rows from a singular position.
+/// sparse factorisation). Nothing is kept of matrices that were factored before.
 class LOCKSTEP_API Factorization {
  public:
   virtual ~Factorization();
@@ -102,11 +105,6 @@ class LOCKSTEP_API Factorization {
   /// Fills in what solve() left out of the report of the last solution because it costs time: residual, pivots,
   /// detector.
   virtual void complete(SolveReport&) {}
-  /// Writes what it has learned from the matrices that it factored. Default: nothing.
-  virtual void save(Snapshot&) const {}
-  /// Takes back what save() wrote, in another object for matrices of the same shape that has computed one. Default:
-  /// nothing.
-  virtual void restore(SnapshotReader&) {}
 };
 
 /// A method, without numbers: makes factorizations of matrices of one shape, as many as the caller wants to hold.

@@ -245,7 +245,7 @@ class LOCKSTEP_API StepLoop {
   std::vector<EventCourse> event_courses() const;
 
   /// Writes all that the run holds between two steps: state, report, step control, history of the method, events,
-  /// contacts, what the solver has learned, and what the observers write themselves (Observer::save). Throws ModelError
+  /// contacts, and what the observers write themselves (Observer::save). Throws ModelError
   /// where the run has not begun, where an error left a step unfinished, and where the method or an observer does not
   /// save all that it keeps (Integrator::saves_all, Observer::saves_all).
   void save(Snapshot&);

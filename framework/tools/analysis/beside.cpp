@@ -22,17 +22,21 @@ double Beside::indicator_along(const State& from, double time, State& out) try {
   return HUGE_VAL;
 }
 
-double Beside::indicator(const State& state) {
+void Beside::factor(const State& state) {
   evaluation_.at(state);
+  if (evaluation_.redundant() == Kkt::kUnknown) evaluation_.set_redundant(of_run_.redundancy(state).rows);
   factor_.compute(evaluation_);
+}
+
+double Beside::indicator(const State& state) {
+  factor(state);
   SolveReport report;
   factor_.complete(report);
   return std::max(report.detector, 0.0);
 }
 
 const VecX& Beside::multipliers(const State& state) {
-  evaluation_.at(state);
-  factor_.compute(evaluation_);
+  factor(state);
   c_.resize(evaluation_.rows().n_rows);
   for (const RowEntry& e : evaluation_.rows().entries)
     for (int k = 0; k < e.m; ++k) c_[e.first_row + k] = evaluation_.rows().block(e).Qhat(k);

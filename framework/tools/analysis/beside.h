@@ -10,8 +10,9 @@ namespace lockstep {
 /// An evaluation and a factor of its own, for states in the bodies' own coordinates.
 class Beside {
  public:
-  Beside(System& system, const State& state)
-      : evaluation_(system, state),
+  Beside(Dynamics& of_run, System& system, const State& state)
+      : of_run_(of_run),
+        evaluation_(system, state),
         factor_(system, solver_, Formulation::omega, work_),
         project_(1e-8 * system.length()) {}
 
@@ -24,13 +25,12 @@ class Beside {
   /// Multipliers at a state, without forces that depend on them.
   const VecX& multipliers(const State&);
 
-  /// Links in force at the last look, and what the solver has learned of them.
-  const std::vector<bool>& modes() const { return evaluation_.layout()->modes; }
-  void save(Snapshot& out) const { factor_.save(evaluation_, out); }
-  void load(SnapshotReader& in) { factor_.restore(evaluation_, in); }
   const Inputs& inputs() const { return evaluation_.inputs(); }  ///< of the last look
 
  private:
+  void factor(const State&);
+
+  Dynamics& of_run_;  // which says how many rows are redundant
   WorkCount work_;
   SchurSolver solver_;
   Evaluation evaluation_;

@@ -12,7 +12,7 @@
 #include "framework/tools/analysis/loop_rows.h"
 #include "framework/tools/analysis/mechanism_matrices.h"
 #include "framework/tools/analysis/motion_words.h"
-#include "framework/tools/analysis/row_space.h"
+#include "framework/dynamics/evaluate/row_space.h"
 
 namespace lockstep {
 

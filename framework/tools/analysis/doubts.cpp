@@ -56,7 +56,7 @@ bool Doubts::are_uncertain(const Sample& sample) try {
   if (!(solution.full_report().detector < kBeside * kBeside)) return false;  // which falls as the square
   const State here = in_slots(sample);
   const double rate = fastest(solution.in, system_.length());
-  Beside eye(system_, here);
+  Beside eye(sample.dynamics(), system_, here);
   State before, after;
   if (!(rate > 0) || !eye.along(here, -kAside / rate, before) || !eye.along(here, kAside / rate, after)) return false;
   const VecX first = eye.multipliers(before), mean = 0.5 * (first + eye.multipliers(after));

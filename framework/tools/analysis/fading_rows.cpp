@@ -1,7 +1,7 @@
 #include "framework/tools/analysis/fading_rows.h"
 
 #include "framework/tools/analysis/loop_rows.h"
-#include "framework/tools/analysis/row_space.h"
+#include "framework/dynamics/evaluate/row_space.h"
 
 namespace lockstep {
 

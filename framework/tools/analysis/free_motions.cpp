@@ -1,6 +1,6 @@
 #include "framework/tools/analysis/free_motions.h"
 
-#include "framework/tools/analysis/row_space.h"
+#include "framework/dynamics/evaluate/row_space.h"
 #include "framework/tools/analysis/unknowns.h"
 
 namespace lockstep {

@@ -5,7 +5,7 @@
 
 #include <lockstep/error.h>
 #include "framework/tools/analysis/motion_words.h"
-#include "framework/tools/analysis/row_space.h"
+#include "framework/dynamics/evaluate/row_space.h"
 
 namespace lockstep {
 namespace {

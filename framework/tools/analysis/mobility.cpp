@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "framework/tools/analysis/loop_rows.h"
-#include "framework/tools/analysis/row_space.h"
+#include "framework/dynamics/evaluate/row_space.h"
 
 namespace lockstep {
 

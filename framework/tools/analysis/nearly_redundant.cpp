@@ -10,7 +10,7 @@
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/tools/analysis/left_out_rows.h"
 #include "framework/tools/analysis/loop_rows.h"
-#include "framework/tools/analysis/row_space.h"
+#include "framework/dynamics/evaluate/row_space.h"
 
 namespace lockstep {
 namespace {

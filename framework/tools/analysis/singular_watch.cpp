@@ -34,7 +34,7 @@ void SingularWatch::start(const Sample& sample) {
   passed_.clear(), n_passed_ = 0;
   forget();
   if (!has_rows(sample)) return;
-  eye_ = std::make_unique<Beside>(system_, in_slots(sample));
+  eye_ = std::make_unique<Beside>(sample.dynamics(), system_, in_slots(sample));
   look({in_slots(sample), 0, fastest(sample.inputs(), system_.length()), 0});
 }
 
@@ -51,9 +51,6 @@ void SingularWatch::save(Snapshot& out) const {
     out.put(p.t), out.put(p.indicator), out.put(static_cast<double>(p.links.size()));
     for (const std::string& link : p.links) out.put_text(link);
   }
-  Snapshot learned;
-  if (eye_) eye_->save(learned);
-  out.put_all(eye_ ? eye_->modes() : std::vector<bool>()), out.put_part(learned);
 }
 
 void SingularWatch::load(SnapshotReader& in) {
@@ -69,15 +66,6 @@ void SingularWatch::load(SnapshotReader& in) {
     p.links.resize(static_cast<std::size_t>(in.get_count()));
     for (std::string& link : p.links) link = in.get_text();
   }
-  // What the solver knew of other links in force than the present ones was forgotten at the next look.
-  std::vector<bool> modes;
-  in.get_all(modes);
-  SnapshotReader learned = in.get_part();
-  if (!eye_) return;
-  if (modes == eye_->modes())
-    eye_->load(learned);
-  else
-    eye_.reset();
 }
 
 // What was seen of other links in force, or before an impact, says nothing of what follows.
@@ -88,7 +76,7 @@ void SingularWatch::forget() {
 
 void SingularWatch::step(const Sample& sample) {
   if (!has_rows(sample) || sample.report.manifold) return forget();
-  if (!eye_) eye_ = std::make_unique<Beside>(system_, in_slots(sample));
+  if (!eye_) eye_ = std::make_unique<Beside>(sample.dynamics(), system_, in_slots(sample));
   const double rate = fastest(sample.inputs(), system_.length()), turn = sample.report.h * rate;
   turned_ += turn;
   if (turned_ < kLook) return;

@@ -16,7 +16,7 @@
 #include <lockstep/error.h>
 #include "framework/tools/analysis/mechanism_matrices.h"
 #include "framework/tools/analysis/minimal_coordinates.h"
-#include "framework/tools/analysis/row_space.h"
+#include "framework/dynamics/evaluate/row_space.h"
 
 namespace lockstep {
 namespace {

@@ -76,8 +76,6 @@ class LOCKSTEP_API Batch {
   virtual void accept(int) {}
   /// Takes whole turns off the angles of a copy in the states y, as Coordinates::take_off_turns does.
   virtual void take_off_turns(int, double*) const {}
-  /// Angular velocity of the slot of a copy that turns fastest, at the start of the step y, rad/s.
-  virtual double fastest_turn(int lane, const double* y) const = 0;
   /// From now on evaluate() sees the pivots, in mechanisms with loops.
   virtual void watch_pivots() {}
   bool watches() const { return watches_; }
@@ -126,10 +124,10 @@ class LOCKSTEP_API Batch {
   bool watches_ = false, has_forces_ = false;
   bool reads_motions_ = false;  // forces, or rates of states
   Flags8 lost_{};               // lanes in which user code threw since this was cleared; alone they are told by name
-  Aligned<double> wrench_;  // 6 packs a slot
+  Aligned<double> wrench_;      // 6 packs a slot
 
  private:
-  std::vector<int> stateful_;            // numbers of links in force with states of their own
+  std::vector<int> stateful_;  // numbers of links in force with states of their own
   std::vector<std::size_t>
       integrated_;  // auxiliaries that are evaluated; the others read the power of laws, and there are none
   std::vector<Motion> motions_;

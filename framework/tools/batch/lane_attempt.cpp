@@ -55,10 +55,9 @@ void LaneRun::see_pivots(bool first) {
 
 // Whether a stage of the attempt is near a singular position: there more pivots are small than elsewhere.
 bool LaneRun::near_singular(int lane) {
-  Lane& the = lanes_[static_cast<std::size_t>(lane)];
-  the.usual = std::min({the.usual, the.first.fewest, the.stages.fewest});
+  const Lane& the = lanes_[static_cast<std::size_t>(lane)];
   return std::max(the.first.most, the.stages.most) > the.usual ||
-         std::min(the.first.smallest, the.stages.smallest) < the.singular.limit_from(the.first.smallest);
+         std::min(the.first.smallest, the.stages.smallest) < the.near_below;
 }
 
 double LaneRun::error_of(int lane) {

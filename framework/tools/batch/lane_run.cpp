@@ -52,6 +52,7 @@ void LaneRun::begin(std::span<const State> starts) {
     the.last.begin(start.t);
     reports_[l].t = start.t;
     if (the.schedule.reach() <= start.t) arrive(lane);
+    if (the.going && batch_.watches()) find_redundancy(lane, start);
     if (the.going) the.advised = task_.options.step > 0 ? task_.options.step : first_step(lane, start);
   }
   batch_.start_from(y_.data(), t_);
@@ -87,6 +88,18 @@ double LaneRun::first_step(int lane, const State& start) const {
   } catch (const Error&) {
     return largest;  // the run will hit and report the error
   }
+}
+
+// A copy whose rows are redundant on the constraints only leaves the lanes at once.
+void LaneRun::find_redundancy(int lane, const State& start) {
+  Lane& the = lanes_[static_cast<std::size_t>(lane)];
+  Dynamics dynamics = dynamics_of(lane);
+  State own = start;
+  batch_.to_slots(lane, own);
+  dynamics.to_formulation(own);
+  const Redundancy found = dynamics.redundancy(own);
+  the.usual = found.on_constraints ? -1 : std::max(found.rows, 0);
+  the.near_below = near_singular_below(found.regular);
 }
 
 // Ends a step at the schedule's next instant.
@@ -159,8 +172,6 @@ bool LaneRun::goes_on() {
 void LaneRun::accept(int lane, double error) {
   const auto l = static_cast<std::size_t>(lane);
   Lane& the = lanes_[l];
-  if (batch_.watches())
-    the.singular.add(std::min(the.first.smallest, the.stages.smallest), h_[l] * batch_.fastest_turn(lane, y_.data()));
   for (std::size_t i = l; i < y_.size(); i += kL) y_[i] = end_[i];
   batch_.take_off_turns(lane, y_.data());
   batch_.accept(lane);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <lockstep/stepping.h>
+#include "framework/dynamics/integrate/singular_passage.h"
 #include "framework/dynamics/simulate/step_rules.h"
 #include "framework/tools/batch/copy_run.h"
 
@@ -15,12 +16,9 @@ namespace lockstep::lanes {
 
 // What SingularPassage asks of the stages of an attempt.
 struct Pivots {
-  double fewest = HUGE_VAL, most = 0;  // small ones
-  double smallest = 1;                 // of the others, relative to its diagonal
-  void add(double n_small, double least) {
-    fewest = std::min(fewest, n_small), most = std::max(most, n_small);
-    smallest = std::min(smallest, least);
-  }
+  double most = 0;      // small ones
+  double smallest = 1;  // of the others, relative to its diagonal
+  void add(double n_small, double least) { most = std::max(most, n_small), smallest = std::min(smallest, least); }
 };
 
 struct Lane {
@@ -33,9 +31,9 @@ struct Lane {
   PiControl control;
   LastSteps last;
   ErrorNorm norm;
-  Pivots first, stages;     // of the first stage, and of all of them
-  double usual = HUGE_VAL;  // number of small pivots: those of rows that are redundant everywhere
-  NearSingular singular;
+  Pivots first, stages;   // of the first stage, and of all of them
+  double usual = 0;       // number of small pivots: those of redundant rows
+  double near_below = 0;  // a smaller one of the others is near a singular position
 };
 
 class LaneRun {
@@ -71,6 +69,7 @@ class LaneRun {
   void read(int lane, const double* y, double t, State& out) const;
   Dynamics dynamics_of(int lane) const;
   double first_step(int lane, const State&) const;
+  void find_redundancy(int lane, const State&);
   void cross_jump(int lane, double t);
   void arrive(int lane);
   void tell_step(int lane, bool jumped);

@@ -81,15 +81,6 @@ void RowBatch::read_motion(int lane, int slot, Motion& O) const {
   O.e = {at(body::e), at(body::e + 1), at(body::e + 2), at(body::e + 3)};
 }
 
-double RowBatch::fastest_turn(int lane, const double* y) const {
-  double most = 0;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(plan_.n_slots); ++k) {
-    const double* w = y + kL * (plan_.v_at() + 6 * k + 3) + static_cast<std::size_t>(lane);
-    most = std::max(most, w[0] * w[0] + w[kL] * w[kL] + w[2 * kL] * w[2 * kL]);
-  }
-  return std::sqrt(most);
-}
-
 // ------------------------------------------------------------------------------------------------------ evaluation
 
 Flags8 RowBatch::evaluate(const double* y, const Numbers8& t, double* rate) {

@@ -13,7 +13,6 @@ class LOCKSTEP_API RowBatch final : public Batch {
 
   const Plan& plan() const { return plan_; }
   Flags8 evaluate(const double* y, const Numbers8& t, double* rate) override;
-  double fastest_turn(int lane, const double* y) const override;
   void watch_pivots() override;
   double n_small(std::size_t lane) const override { return pivots_[lane]; }
   double smallest_pivot(std::size_t lane) const override { return pivots_[kL + lane]; }

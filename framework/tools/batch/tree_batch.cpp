@@ -227,16 +227,6 @@ void TreeBatch::follow_laws(double* rate) const {
 
 void TreeBatch::watch_pivots() { watches_ = !closures_.empty() && has_loops(*systems_[0], systems_[0]->start().modes); }
 
-// By the ends of steps as seen last.
-double TreeBatch::fastest_turn(int lane, const double*) const {
-  double most = 0;
-  for (std::size_t k = 0; k < plan_.nodes.size(); ++k) {
-    const double* w = start_.data() + kL * (end::size * k + end::w) + static_cast<std::size_t>(lane);
-    most = std::max(most, w[0] * w[0] + w[kL] * w[kL] + w[2 * kL] * w[2 * kL]);
-  }
-  return std::sqrt(most);
-}
-
 void TreeBatch::take_off_turns(int lane, double* y) const {
   for (const TreeNode& node : tree(lane).nodes())
     if (node.turn == TreeTurn::hinge)

@@ -26,7 +26,6 @@ class LOCKSTEP_API TreeBatch final : public Batch {
   Flags8 change_to(const double* y, const Numbers8& t, const Numbers8& h, std::array<Change, kLanes>& out) override;
   void weigh(const double* error, std::array<Change, kLanes>& out) override;
   void accept(int lane) override;
-  double fastest_turn(int lane, const double* y) const override;
   void watch_pivots() override;
   double n_small(std::size_t lane) const override { return closures_.n_small(lane); }
   double smallest_pivot(std::size_t lane) const override { return closures_.smallest_pivot(lane); }

@@ -63,7 +63,6 @@ void PictureRows::load(SnapshotReader& in) {
 // solved for here is not the run's, and its observers solve for themselves.
 bool PictureRows::add(const Sample& sample, bool of_jump) {
   if (of_jump_.size() == kMostKept) return false;
-  const Dynamics::Aside aside(sample.dynamics());
   Sample own(sample.dynamics(), sample.state, sample.report);
   own.cause = sample.cause;
   try {

@@ -118,7 +118,6 @@ void Frames::put(const Quat& q) {
 // depend on who looks at it.
 void Frames::put_loads(const Sample& of_run) {
   if (loads_.empty()) return;
-  const Dynamics::Aside aside(of_run.dynamics());
   const Sample sample(of_run.dynamics(), of_run.state, of_run.report);
   const std::size_t first = rows_.size();
   try {

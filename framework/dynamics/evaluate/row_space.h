@@ -10,6 +10,7 @@
 #include <Eigen/SparseCore>
 
 #include <lockstep/body.h>
+#include <lockstep/export.h>
 
 namespace lockstep {
 
@@ -35,7 +36,7 @@ struct DependentRows {
 /// Rows, scaled to length 1 and factored with the largest pivot first:
 ///
 ///     Jt P = Q (R1 R2; 0 0),   N = Q (0; 1),   Jt P (-R1^-1 R2; 1) = 0
-class RowSpace {
+class LOCKSTEP_API RowSpace {
  public:
   /// Jt: rows transposed, of any length. Throws NonFiniteError.
   explicit RowSpace(const Eigen::SparseMatrix<double>& Jt);
@@ -67,7 +68,7 @@ class RowSpace {
 
 /// The dependencies of the rows of a loop, of any number. Beyond kDenseRows singular values below 1e-6 are zero, all
 /// dependent rows are one set, and of their circuits there are some combinations at random.
-struct Dependencies {
+struct LOCKSTEP_API Dependencies {
   explicit Dependencies(const Eigen::SparseMatrix<double>& Jt, double limit = kDependent);
   int rank = 0;
   std::vector<DependentRows> sets;

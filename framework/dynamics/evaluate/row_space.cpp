@@ -1,4 +1,4 @@
-#include "framework/tools/analysis/row_space.h"
+#include "framework/dynamics/evaluate/row_space.h"
 
 #include <algorithm>
 #include <cmath>

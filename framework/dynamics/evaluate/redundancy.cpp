@@ -1,0 +1,168 @@
+// Which rows are redundant: a function of the links in force and of the branch.
+#include <lockstep/dynamics.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <lockstep/error.h>
+#include "framework/dynamics/evaluate/joint_coordinates.h"
+#include "framework/dynamics/evaluate/projection_rule.h"
+#include "framework/dynamics/evaluate/row_space.h"
+#include "framework/dynamics/solvers/graph.h"
+
+namespace lockstep {
+
+namespace {
+
+constexpr double kBeside = 0.1;      // rad, or parts of the length: to the nearest pose that is looked at
+constexpr double kStill = 1e-9;      // rad/s: a slower motion is round-off
+constexpr double kRounding = 1e-12;  // of the length: what a pose on the constraints violates them by at most
+constexpr double kAgree = 1e-6;      // of C: more contradicts it
+constexpr int kMostRows = 300;       // more are not factored by QR
+
+// Turns are measured as lengths of the whole mechanism.
+MatX rows_transposed(const Evaluation& e) {
+  const double per_turn = 1 / e.system().length();
+  MatX Jt = MatX::Zero(e.force().size(), e.rows().n_rows);
+  for (const RowEntry& entry : e.rows().entries) {
+    const RowView block = e.rows().block(entry);
+    for (int i = 0; i < entry.slots.n; ++i)
+      for (int k = 0; k < entry.m; ++k) {
+        const std::array<double, 6> J = block.J(i, k);
+        for (int c = 0; c < 6; ++c)
+          Jt(6 * entry.slots[i] + c, entry.first_row + k) += (c < 3 ? 1 : per_turn) * J[static_cast<std::size_t>(c)];
+      }
+  }
+  return Jt;
+}
+
+}  // namespace
+
+bool Dynamics::is_assembled(const State& state) {
+  const double limit = kOnConstraints * system_.length();
+  if (state.coordinates) return tree(state.modes).of(state).violation(system_, state) <= limit;
+  own().rows_at(state);
+  own().residuals(C_, Cd_);
+  return own().norm(C_) <= limit;
+}
+
+// Pivots of the rows at this state.
+SolveReport Dynamics::pivots(const State& state) {
+  SolveReport report;
+  if (state.coordinates) {
+    tree(state.modes).of(state).pivots(system_, state, report);
+    return report;
+  }
+  Evaluation& e = own();
+  e.rows_at(state);
+  e.check();
+  factor_.compute(e);
+  factor_.complete(report);
+  return report;
+}
+
+Redundancy Dynamics::redundancy(const State& state) {
+  check_state(system_, state);
+  if (redundancies_of_ != system_.revision()) redundancies_.clear(), redundancies_of_ = system_.revision();
+  std::vector<bool> key = state.modes;
+  key.push_back(state.coordinates != nullptr);
+  if (const auto known = redundancies_.find(key); known != redundancies_.end()) return known->second;
+  Redundancy found;
+  if (!has_loops(system_, state.modes) || (state.coordinates && !state.coordinates->has_rows())) {
+    found.rows = 0;
+  } else {
+    const WorkCount before = work_;
+    found = find_redundancy(state);
+    work_ = before;
+  }
+  if (found.rows >= 0) redundancies_.emplace(std::move(key), found);
+  return found;
+}
+
+// The least number of small pivots in poses on both sides: along the motion itself, at rest along the accelerations,
+// which stay on its branch; and if this is no singular position also along a free motion of all parts. If fewer
+// rows depend on others before these poses are projected, or their C contradict one another, some do so on the
+// constraints only.
+Redundancy Dynamics::find_redundancy(const State& state) try {
+  if (!is_assembled(state)) return {};
+  const auto know = [&](int n) {
+    state.coordinates ? tree(state.modes).closures().set_redundant(n) : own().set_redundant(n);
+  };
+  const auto small = [&](const State& at) {
+    know(Kkt::kUnknown);
+    return pivots(at).small_pivots;
+  };
+  struct Look {
+    int dependent;
+    bool agrees;  // J d = -C has a solution
+  };
+  const auto look_off = [&](const State& at) {
+    MatX Jt = at.coordinates ? tree(at.modes).rows_transposed(system_, at) : rows_transposed(gather_rows(at));
+    const double least = kRounding * Jt.norm();  // a row that vanishes is one of round-off
+    for (Eigen::Index row = 0; row < Jt.cols(); ++row)
+      if (!(Jt.col(row).norm() > least)) Jt.col(row).setZero();
+    const Eigen::Index n_rows = Jt.cols();
+    const RowSpace space(Jt.sparseView());
+    Look look{static_cast<int>(n_rows) - space.rank(), true};
+    if (is_assembled(at)) return look;
+    const VecX& C = at.coordinates ? tree(at.modes).C : C_;
+    const MatX circuits = space.circuits();
+    for (Eigen::Index k = 0; k < circuits.cols(); ++k)
+      look.agrees = look.agrees && std::abs(circuits.col(k).dot(C)) <= kAgree * circuits.col(k).norm() * C.norm();
+    return look;
+  };
+  State here = state;
+  project(here, 0);
+  const int of_here = small(here);
+  Redundancy found;
+  found.rows = of_here;
+  std::vector<State> poses = {here};
+  // time(angle / speed): in which the fastest body turns by an angle
+  const auto look_along = [&](const State& moving, auto&& time) {
+    std::vector<Motion> motions;
+    system_.motions(moving, motions);
+    double speed = 0;
+    for (const Motion& O : motions) speed = std::max({speed, O.v.norm() / system_.length(), O.w.norm()});
+    if (!(speed > kStill)) return false;
+    for (const double angle : {kBeside, -kBeside, 2 * kBeside, -2 * kBeside, 4 * kBeside, -4 * kBeside}) try {
+        State beside = here;
+        advance(beside, angle / speed, moving.v);
+        normalize(beside);
+        beside.t += std::copysign(time(std::abs(angle) / speed), angle);
+        const bool few = (state.coordinates ? tree(state.modes).closure_rows : own().rows()).n_rows <= kMostRows;
+        const Look off = few ? look_off(beside) : Look{0, true};
+        if (!(project(beside, 0).after <= kRounding * system_.length())) continue;
+        found.rows = std::min(found.rows, small(beside));
+        if (few && (off.dependent < look_off(beside).dependent || !off.agrees)) found.on_constraints = true;
+        poses.push_back(std::move(beside));
+      } catch (const Error&) {  // what cannot be evaluated there answers nothing
+      }
+    return true;
+  };
+  const auto moves = [](double t) { return t; };
+  State moving = here;
+  if (!look_along(here, moves)) try {
+      know(found.rows);
+      StateRate rate;
+      rate.q = VecX::Zero(here.q.size()), rate.v = VecX::Zero(here.v.size()), rate.s = VecX::Zero(here.s.size());
+      rates(here, rate);
+      moving.v = rate.v;
+      look_along(moving, [](double t2) { return std::sqrt(2 * t2); });  // x = a t^2/2
+    } catch (const Error&) {
+    }
+  if (found.rows == of_here) {
+    for (Eigen::Index i = 0; i < moving.v.size(); ++i) moving.v[i] = std::cos(1.0 + 2.3 * static_cast<double>(i));
+    project_velocity(moving);
+    look_along(moving, moves);
+  }
+  found.regular = 0;
+  know(found.rows);
+  for (const State& pose : poses) found.regular = std::max(found.regular, std::min(1.0, pivots(pose).detector));
+  return found;
+} catch (const Error&) {
+  return {};
+}
+
+}  // namespace lockstep
