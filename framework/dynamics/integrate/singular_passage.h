@@ -9,12 +9,12 @@
 
 namespace lockstep {
 
-/// The SolveReport::detector below which a position counts as near a singular one; `regular`: Redundancy::regular, small
-/// in all positions if bodies differ much in inertia.
+/// The SolveReport::detector below which a position counts as near a singular one; `regular`: Redundancy::regular,
+/// small in all positions if bodies differ much in inertia.
 LOCKSTEP_API double near_singular_below(double regular);
 
-// Near one its stages are evaluated on the constraints; and always where rows are redundant only there, as in a spherical
-// loop of hinges: a little off the constraints they are nearly dependent, and their multipliers grow without limit.
+// Near one its stages are evaluated on the constraints; and always if rows are redundant only there, as in a
+// spherical loop of hinges: a little off the constraints they are nearly dependent, and their multipliers grow without limit.
 // Where the indicator of the last stages says when the position will be reached, the steps are placed so that it falls
 // into the widest gap between the nodes of the method: round-off in the accelerations grows with a high power of the
 // nearness. A step whose late stage is ill-conditioned all the same, or whose estimate is spoilt by such a stage, is
