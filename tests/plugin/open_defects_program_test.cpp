@@ -80,15 +80,14 @@ TEST_CASE("a homokinetic joint that is folded back is refused or named", "[defec
   expect_defect("homokinetic_folded", kOneIdea, ran.exit == 0 && !named && behind < 1e-4, named);
 }
 
-// The same joint as its output spins up freely: nothing is damped. At these tolerances dopri5 says so from 1 s on.
-TEST_CASE("a folded homokinetic joint has no damped fast modes", "[defect][one idea]") {
-  int stiff = 0;
+// The same joint as its output spins up freely: nothing is damped.
+TEST_CASE("a folded homokinetic joint has no damped fast modes", "[one idea]") {
   for (const std::string method : {"dopri5 --tolerance 3e-9", "dopri5:stages=manifold --tolerance 1e-8"}) {
     const Called ran = run(defect("homokinetic_folded"), "no_damping", "--until 1.02 --integrator " + method);
     INFO(ran.text);
-    stiff += contains(ran.text, "damped fast modes") ? 1 : 0;
+    CHECK(ran.exit == 0);
+    CHECK_FALSE(contains(ran.text, "damped fast modes"));
   }
-  expect_defect("damped fast modes of a folded joint", kOneIdea, stiff > 0, stiff == 0);
 }
 
 // Two chains or two slides guide the same body, and their directions differ by 0.1 rad or by 0.001 rad: what one allows

@@ -74,10 +74,23 @@ Redundancy Dynamics::redundancy(const State& state) {
     found.rows = 0;
   } else {
     const WorkCount before = work_;
-    found = find_redundancy(state);
+    try {
+      found = find_redundancy(state);
+    } catch (...) {  // nothing stays of what was not found to the end
+      state.coordinates ? tree(state.modes).closures().set_redundant(Kkt::kUnknown)
+                        : own().set_redundant(Kkt::kUnknown);
+      work_ = before;
+      throw;
+    }
     work_ = before;
   }
-  if (found.rows >= 0) redundancies_.emplace(std::move(key), found);
+  if (found.rows < 0) return found;
+  redundancies_.emplace(std::move(key), found);
+  if (state.coordinates) {  // of all rows in the same poses, before a singular one asks for it
+    State slots = state;
+    to_slots(slots);
+    redundancy(slots);
+  }
   return found;
 }
 
@@ -131,12 +144,16 @@ Redundancy Dynamics::find_redundancy(const State& state) try {
         advance(beside, angle / speed, moving.v);
         normalize(beside);
         beside.t += std::copysign(time(std::abs(angle) / speed), angle);
-        const bool few = (state.coordinates ? tree(state.modes).closure_rows : own().rows()).n_rows <= kMostRows;
+        const bool nearest = std::abs(angle) == kBeside;
+        const bool few =
+            nearest && (state.coordinates ? tree(state.modes).closure_rows : own().rows()).n_rows <= kMostRows;
         const Look off = few ? look_off(beside) : Look{0, true};
         if (!(project(beside, 0).after <= kRounding * system_.length())) continue;
         found.rows = std::min(found.rows, small(beside));
         if (few && (off.dependent < look_off(beside).dependent || !off.agrees)) found.on_constraints = true;
         poses.push_back(std::move(beside));
+      } catch (const UserCodeError&) {
+        throw;
       } catch (const Error&) {  // what cannot be evaluated there answers nothing
       }
     return true;
@@ -150,6 +167,8 @@ Redundancy Dynamics::find_redundancy(const State& state) try {
       rates(here, rate);
       moving.v = rate.v;
       look_along(moving, [](double t2) { return std::sqrt(2 * t2); });  // x = a t^2/2
+    } catch (const UserCodeError&) {
+      throw;
     } catch (const Error&) {
     }
   if (found.rows == of_here) {
@@ -161,6 +180,8 @@ Redundancy Dynamics::find_redundancy(const State& state) try {
   know(found.rows);
   for (const State& pose : poses) found.regular = std::max(found.regular, std::min(1.0, pivots(pose).detector));
   return found;
+} catch (const UserCodeError&) {
+  throw;
 } catch (const Error&) {
   return {};
 }

@@ -7,6 +7,7 @@
 #include <lockstep/error.h>
 #include "framework/dynamics/integrate/speed_of.h"
 #include "framework/dynamics/simulate/keep_state.h"
+#include "framework/dynamics/simulate/uncounted.h"
 
 namespace lockstep {
 
@@ -213,6 +214,7 @@ double GuardFinder::root(const Guard& g, const Sampled& a, const Sampled& b, dou
 // What is seen at an output before the first guard is met in this step, so that no row lies beyond one that is not.
 void GuardFinder::search_outputs() {
   if (!interval_.has_dense() || !(clock_.next_output() < first_before_end())) return;
+  const Uncounted uncounted(dynamics_);
   before_.clear();
   for (const Guard& g : guards_) before_.push_back(g.from);
   double last = interval_.from().t;

@@ -12,6 +12,7 @@
 #include "framework/dynamics/simulate/detail_observer.h"
 #include "framework/dynamics/simulate/step_loop_parts.h"
 #include "framework/dynamics/simulate/step_rules.h"
+#include "framework/dynamics/simulate/uncounted.h"
 #include "framework/dynamics/tree/joint_tree.h"
 #include "framework/dynamics/tree/slender_bodies.h"
 
@@ -113,6 +114,7 @@ void StepLoop::Parts::show_inside(DetailObserver& to, Dynamics& dynamics, double
   if (!(h < t1 - t0 + h)) return;  // infinite
   double k = std::floor(t0 / h) + 1;
   if (!(k * h < t1)) return;
+  const Uncounted uncounted(dynamics);
   for (; k * h < t1; ++k) {
     try {
       if (!(k * h > t0)) continue;

@@ -56,7 +56,7 @@ struct KktPattern {
 
 /// Numbers of the matrix. All blocks are row-major.
 struct LOCKSTEP_API Kkt {
-  static constexpr int kUnknown = -1;
+  static constexpr int kUnknown = -1;  ///< see redundant
   KktPattern pattern;  ///< where each block is
   /// How many rows depend on others in all assembled poses of the present branch but singular ones
   /// (Dynamics::redundancy). kUnknown: as many as have small pivots.

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include <lockstep/error.h>
+#include "framework/dynamics/simulate/uncounted.h"
 
 namespace lockstep {
 namespace {
@@ -63,6 +64,7 @@ void PictureRows::load(SnapshotReader& in) {
 // solved for here is not the run's, and its observers solve for themselves.
 bool PictureRows::add(const Sample& sample, bool of_jump) {
   if (of_jump_.size() == kMostKept) return false;
+  const Uncounted uncounted(sample.dynamics());
   Sample own(sample.dynamics(), sample.state, sample.report);
   own.cause = sample.cause;
   try {
