@@ -116,6 +116,7 @@ void Dynamics::forget_rows(const State& state) {
   solution_.reset();
   evaluation_ = nullptr;
   factor_.forget();
+  projection_ = Projection(options_.stabilization.tolerance);
   for (VecX* x : {&a_, &lambda_, &c_, &C_, &Cd_}) *x = VecX();
 }
 

@@ -86,10 +86,12 @@ Redundancy Dynamics::redundancy(const State& state) {
   }
   if (found.rows < 0) return found;
   redundancies_.emplace(std::move(key), found);
-  if (state.coordinates) {  // of all rows in the same poses, before a singular one asks for it
+  if (state.coordinates && state.coordinates->has_rows()) {  // of all rows, before a singular pose asks for it
     State slots = state;
     to_slots(slots);
+    const bool held = holds_rows();
     redundancy(slots);
+    if (!held) forget_rows(state);
   }
   return found;
 }
