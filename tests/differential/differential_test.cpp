@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "tests/differential/design.h"
+#include "tests/differential/seeds.h"
 #include "tests/differential/shrink.h"
 #include "tests/differential/trial.h"
 #include "tests/support/catch.h"
@@ -23,15 +24,7 @@ namespace {
 // m and rad. The motions last 0.4 s, of bodies a metre or less apart; steps are made to 1e-10.
 constexpr double kAgree = 2e-7;
 
-struct Seeds {
-  unsigned from = 1, to = 25;
-};
-Seeds seeds() {
-  Seeds s;
-  if (const char* given = std::getenv("LOCKSTEP_SEEDS"); given && std::sscanf(given, "%u:%u", &s.from, &s.to) != 2)
-    FAIL("LOCKSTEP_SEEDS is \"FROM:TO\", not \"" << given << '"');
-  return s;
-}
+Seeds seeds() { return seeds_up_to(25); }
 
 // A motion and how far it may be off: what a looser tolerance changes, times a thousand, is what a mechanism makes of
 // small errors.

@@ -20,6 +20,7 @@
 
 #include <lockstep/recorder.h>
 #include "tests/differential/design.h"
+#include "tests/differential/seeds.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/program.h"
@@ -187,15 +188,7 @@ std::string recorded(json scene) {
   return file;
 }
 
-struct Seeds {
-  unsigned from = 1, to = 13;
-};
-Seeds seeds() {
-  Seeds s;
-  if (const char* given = std::getenv("LOCKSTEP_SEEDS"); given && std::sscanf(given, "%u:%u", &s.from, &s.to) != 2)
-    FAIL("LOCKSTEP_SEEDS is \"FROM:TO\", not \"" << given << '"');
-  return s;
-}
+Seeds seeds() { return seeds_up_to(13); }
 
 void check(const Counts& n) {
   if (std::getenv("LOCKSTEP_SEEDS")) print(n);

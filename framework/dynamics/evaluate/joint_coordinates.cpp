@@ -291,7 +291,7 @@ SolveReport Dynamics::rates_with_report(const State& state, StateRate& out) {
   return report;
 }
 
-// Not with closures: what their rows teach them must not depend on who looks.
+// A tree without closures has no multipliers, so that its recursion is enough.
 const VecX& Dynamics::accelerations(const State& state) {
   if (!state.coordinates || state.coordinates->has_rows()) return asked_a_ = evaluate(state).a;
   Tree& t = tree(state.modes).of(state);

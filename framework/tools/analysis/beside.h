@@ -25,8 +25,6 @@ class Beside {
   /// Multipliers at a state, without forces that depend on them.
   const VecX& multipliers(const State&);
 
-  const Inputs& inputs() const { return evaluation_.inputs(); }  ///< of the last look
-
  private:
   void factor(const State&);
 
