@@ -53,8 +53,8 @@ bool is_of_model(const std::string& warning) {
 }
 
 // With a method that chooses its own steps, where the scene has none.
-std::optional<Run> run(const std::string& scene, double tolerance) {
-  const std::string csv = testing::kRunnerFolder + "/warned.csv", out = testing::kRunnerFolder + "/warned.txt";
+std::optional<Run> run(const std::string& scene, double tolerance, const std::string& files) {
+  const std::string csv = files + ".csv", out = files + ".txt";
   std::filesystem::remove(csv);
   std::ostringstream words;
   const json settings = json::parse(std::ifstream(scene))["run"];
@@ -119,14 +119,15 @@ std::string kind(const std::string& sentence) {
 }
 
 struct Counts {
+  std::string files;  // what its runs write, without extension: the cases may run side by side
   long scenes = 0, refused = 0, amplified = 0, right = 0, wrong = 0, between = 0, warned_wrong = 0, ended = 0;
   std::vector<std::string> false_alarms, silent_wrongs;
 };
 
 void judge(const std::string& name, const std::string& scene, Counts& n) {
   ++n.scenes;
-  const std::optional<Run> exact = run(scene, 1e-11);
-  const std::optional<Run> near = exact ? run(scene, 1e-10) : std::nullopt;
+  const std::optional<Run> exact = run(scene, 1e-11, n.files);
+  const std::optional<Run> near = exact ? run(scene, 1e-10, n.files) : std::nullopt;
   if (!near) {
     ++n.refused;
     return;
@@ -136,7 +137,7 @@ void judge(const std::string& name, const std::string& scene, Counts& n) {
     return;
   }
   for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10}) {
-    const std::optional<Run> own = tolerance == 1e-10 ? near : run(scene, tolerance);
+    const std::optional<Run> own = tolerance == 1e-10 ? near : run(scene, tolerance, n.files);
     if (!own) {
       ++n.ended;
       continue;
@@ -172,7 +173,7 @@ void print(const Counts& n) {
 }
 
 // Records the motion of all bodies and the forces of all links, at 21 instants; the file.
-std::string recorded(json scene) {
+std::string recorded(json scene, const std::string& files) {
   json record = json::array();
   for (const json& body : scene["bodies"])
     for (const char* of : {".x", ".y", ".z", ".vx", ".vy", ".vz", ".omega_world_x", ".omega_world_y", ".omega_world_z"})
@@ -182,10 +183,13 @@ std::string recorded(json scene) {
       record.push_back(link["name"].get<std::string>() + of);
   scene["run"]["record"] = record;
   scene["run"]["output"] = 0.05 * scene["run"]["until"].get<double>();
+  std::ofstream(files + ".json") << scene.dump(1);
+  return files + ".json";
+}
+
+Counts counts(const std::string& of) {
   std::filesystem::create_directories(testing::kRunnerFolder);
-  std::string file = testing::kRunnerFolder + "/warned.json";
-  std::ofstream(file) << scene.dump(1);
-  return file;
+  return {.files = testing::kRunnerFolder + "/warned_" + of};
 }
 
 Seeds seeds() { return seeds_up_to(13); }
@@ -201,14 +205,14 @@ void check(const Counts& n) {
 }  // namespace
 
 TEST_CASE("warnings are believed: random mechanisms", "[differential][warnings]") {
-  Counts n;
+  Counts n = counts("random");
   for (unsigned seed = seeds().from; seed < seeds().to; ++seed)
-    judge("seed " + std::to_string(seed), recorded(json::parse(scene_text(random_design(seed)))), n);
+    judge("seed " + std::to_string(seed), recorded(json::parse(scene_text(random_design(seed))), n.files), n);
   check(n);
 }
 
 TEST_CASE("warnings are believed: samples and overconstrained mechanisms", "[differential][warnings]") {
-  Counts n;
+  Counts n = counts("samples");
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(paths::kScenes))
     if (entry.path().extension() == ".json") files.push_back(entry.path());
@@ -219,7 +223,7 @@ TEST_CASE("warnings are believed: samples and overconstrained mechanisms", "[dif
     if (!scene.is_object() || !scene.contains("run") || !scene["run"].contains("until")) continue;
     if (!std::getenv("LOCKSTEP_SEEDS") && scene["run"].value("until", 0.0) > 1) continue;  // the long ones take minutes
     const bool records = scene["run"].contains("record");
-    judge(file.stem().string(), records ? file.string() : recorded(scene), n);
+    judge(file.stem().string(), records ? file.string() : recorded(scene, n.files), n);
   }
   check(n);
 }
