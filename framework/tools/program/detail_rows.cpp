@@ -82,11 +82,13 @@ bool PictureRows::add(const Sample& sample, bool of_jump) {
 Table PictureRows::together(const Table& main) const {
   const Table& more = own_->table();
   Table all;
-  for (const Column& c : main.columns()) all.add_column(c.name, c.unit);
+  std::vector<const std::vector<double>*> of_main, of_more;
+  for (const Column& c : more.columns())
+    all.add_column(c.name, c.unit), of_main.push_back(&main[c.name]), of_more.push_back(&c.values);
   all.reserve(main.n_rows() + more.n_rows());
-  std::vector<double> row(main.n_columns());
-  const auto take = [&](const Table& from, std::size_t i) {
-    for (std::size_t k = 0; k < row.size(); ++k) row[k] = from.columns()[k].values[i];
+  std::vector<double> row(more.n_columns());
+  const auto take = [&](const std::vector<const std::vector<double>*>& from, std::size_t i) {
+    for (std::size_t k = 0; k < row.size(); ++k) row[k] = (*from[k])[i];
     all.add_row(row);
   };
   const std::vector<double>& own = times(main);
@@ -97,8 +99,8 @@ Table PictureRows::together(const Table& main) const {
   std::size_t j = 0;
   for (std::size_t i = 0; i <= own.size(); ++i) {
     for (; j < more.n_rows() && (i == own.size() || times(more)[j] < own[i]); ++j)
-      if (of_jump_[j] || !meets(times(more)[j], i)) take(more, j);
-    if (i < own.size()) take(main, i);
+      if (of_jump_[j] || !meets(times(more)[j], i)) take(of_more, j);
+    if (i < own.size()) take(of_main, i);
   }
   return all;
 }

@@ -14,7 +14,7 @@ namespace lockstep {
 /// steps of a method without it; before and after jumps.
 class PictureRows final : public DetailObserver {
  public:
-  /// `own`: a recorder of the same columns as `rows`. `spacing`: of the rows, s; infinity: none but at jumps.
+  /// `own`: a recorder of the columns that are drawn, which `rows` has, too. `spacing`: of the rows, s; infinity: none but at jumps.
   PictureRows(std::unique_ptr<Recorder> own, const Recorder& rows, double spacing);
   double spacing() const override { return spacing_; }
   void start(const Sample&) override;
@@ -25,7 +25,7 @@ class PictureRows final : public DetailObserver {
   void save(Snapshot&) const override;
   void load(SnapshotReader&) override;
 
-  /// With the rows of the run, `main`, in the order of time.
+  /// With the rows of the run, `main`, in the order of time: the columns that are drawn.
   Table together(const Table& main) const;
   /// Whether rows within steps were asked for and the method has no dense output: curves join the ends of its steps.
   bool joins_steps() const { return std::isfinite(spacing_) && n_between_ == 0 && n_steps_ > 0; }

@@ -229,7 +229,7 @@ std::vector<Panel> panels_by_unit(const Table& table, const std::vector<std::str
 }
 
 // The panels that are asked for, each split by unit; of none, as many columns as a picture can hold.
-std::vector<Panel> panels_of(const Table& table, const std::vector<std::vector<std::string>>& draw) {
+std::vector<Panel> panels_of(const Table& table, const Panels& draw) {
   constexpr std::size_t kMostPanels = 4, kMostCurves = 6;
   std::vector<std::string> names;
   for (const Column& c : table.columns()) names.push_back(c.name);
@@ -238,6 +238,13 @@ std::vector<Panel> panels_of(const Table& table, const std::vector<std::vector<s
   for (const std::vector<std::string>& panel : draw)
     for (Panel& of_unit : panels_by_unit(table, panel)) panels.push_back(std::move(of_unit));
   return panels;
+}
+
+std::set<std::string> names_in(const std::vector<Panel>& panels) {
+  std::set<std::string> names;
+  for (const Panel& panel : panels)
+    for (const Series& series : panel.series) names.insert(series.label);
+  return names;
 }
 
 }  // namespace
@@ -293,9 +300,15 @@ void draw_path(const std::string& base, const std::string& title, const Table& t
 
 }  // namespace
 
-Drawing draw_columns(const std::string& csv, const std::string& title, const Table& table,
-                     const std::vector<std::vector<std::string>>& draw, const std::vector<PictureRequest>& pictures,
-                     const Table& paths) {
+std::set<std::string> drawn_columns(const Table& columns, const Panels& draw,
+                                    const std::vector<PictureRequest>& pictures) {
+  std::set<std::string> names = names_in(panels_of(columns, draw));
+  for (const PictureRequest& picture : pictures) names.insert({picture.x, picture.y});
+  return names;
+}
+
+Drawing draw_columns(const std::string& csv, const std::string& title, const Table& table, const Panels& draw,
+                     const std::vector<PictureRequest>& pictures, const Table& paths) {
   Drawing drawing;
   if (std::error_code none; !fs::is_regular_file(csv, none))
     drawing.reason = "nothing to draw beside '" + csv + "', which is no file";
@@ -306,13 +319,10 @@ Drawing draw_columns(const std::string& csv, const std::string& title, const Tab
   if (!drawing.reason.empty()) return drawing;
   try {
     const ChartSpec chart{title, "t [s]", panels_of(table, draw)};
-    std::set<std::string> names;
-    for (const Panel& panel : chart.panels)
-      for (const Series& series : panel.series) names.insert(series.label);
     const std::string base = fs::path(csv).replace_extension().string();
     write_chart(base, chart);
     drawing.files = {base + ".svg", base + ".png"};
-    drawing.n_drawn = names.size();
+    drawing.n_drawn = names_in(chart.panels).size();
     for (const PictureRequest& picture : pictures) {
       const std::string own = picture_base(csv, picture);
       draw_path(own, title, paths, picture);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -65,11 +66,16 @@ struct Drawing {
   std::size_t n_drawn = 0;           ///< columns in the picture
 };
 
+/// Names of the columns of each panel of a picture.
+using Panels = std::vector<std::vector<std::string>>;
+
+/// The columns that draw_columns() takes of a table with these.
+std::set<std::string> drawn_columns(const Table& columns, const Panels& draw, const std::vector<PictureRequest>&);
+
 /// Draws columns over time as SVG and PNG next to the CSV: the panels of `draw`, or the first columns, one panel per
 /// unit; and `pictures` of one column against another, of the rows `paths`, each of one instant. Does not throw if drawing
 /// fails: the results are worth more than their picture.
-Drawing draw_columns(const std::string& csv, const std::string& title, const Table&,
-                     const std::vector<std::vector<std::string>>& draw, const std::vector<PictureRequest>& pictures,
-                     const Table& paths);
+Drawing draw_columns(const std::string& csv, const std::string& title, const Table&, const Panels& draw,
+                     const std::vector<PictureRequest>& pictures, const Table& paths);
 
 }  // namespace lockstep

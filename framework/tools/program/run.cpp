@@ -117,13 +117,15 @@ RunOutputs outputs_of(const Loaded& loaded, const Arguments& args, const Table& 
 // The rows that pictures need beside the table's; null where none is drawn. A run with checkpoints may go on where there
 // is a gnuplot, whether there is one here or not.
 std::unique_ptr<PictureRows> picture_rows(Mechanism& m, const std::string& csv, const Recorder& rows,
-                                          const Arguments& args) {
+                                          const RunOutputs& outputs, const Arguments& args) {
   std::error_code error;
   const bool can_draw = !args.checkpoint.empty() || !find_gnuplot().empty();
   const bool draws = !args.no_picture && csv != "-" && !m.run.record.empty() && can_draw &&
                      (!std::filesystem::exists(csv, error) || std::filesystem::is_regular_file(csv, error));
   if (!draws) return nullptr;
-  return std::make_unique<PictureRows>(make_recorder(m), rows, picture_spacing(loop_options(m.run), m.run.until));
+  const std::set<std::string> drawn = drawn_columns(rows.table(), m.run.draw, outputs.pictures);
+  return std::make_unique<PictureRows>(make_recorder(m, &drawn), rows,
+                                       picture_spacing(loop_options(m.run), m.run.until));
 }
 
 // A failure is said: the results are worth more than their picture.
@@ -246,7 +248,7 @@ class ProgramRun {
         events_(make_events(m_, *recorder_)),
         report_(args, loaded_, m_, *recorder_, csv_),
         rows_(file_, *recorder_, report_ || args.certify, outputs_.units),  // both read the rows afterwards
-        details_(picture_rows(m_, csv_, *recorder_, args)),
+        details_(picture_rows(m_, csv_, *recorder_, outputs_, args)),
         at_jumps_([this](const Sample& s) { recorder_->output(s); }, *recorder_),
         singular_(system_of(m_)),
         audit_(args.quiet ? nullptr : std::make_unique<EnergyAudit>(system_of(m_), m_.run.limits)),

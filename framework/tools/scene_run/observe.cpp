@@ -24,11 +24,11 @@ Channel channel_of(Mechanism& m, const EventRequest& request) {
 
 }  // namespace
 
-std::unique_ptr<Recorder> make_recorder(Mechanism& m) {
+std::unique_ptr<Recorder> make_recorder(Mechanism& m, const std::set<std::string>* only) {
   auto recorder = std::make_unique<Recorder>(system_of(m));
   Refusals wrong;
   for (const ChannelRequest& request : m.run.record)
-    wrong.attempt([&] {
+    if (only == nullptr || only->contains(request.name.empty() ? request.channel : request.name)) wrong.attempt([&] {
       placed(request.where, "run.record", [&] {
         Channel channel = channel_of(m, request.channel);
         if (!request.name.empty()) channel.name = request.name;

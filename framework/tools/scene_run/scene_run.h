@@ -1,6 +1,8 @@
 // What every run of a scene begins with.
 #pragma once
 
+#include <set>
+
 #include <lockstep/analysis.h>
 #include <lockstep/log.h>
 #include <lockstep/recorder.h>
@@ -12,9 +14,9 @@
 namespace lockstep {
 
 /// Makes a recorder with the channels that the scene asks for. Make it before the StepLoop; the mechanism must stay
-/// where it is in memory. Throws SceneError with the places in the file of channels that do not exist, also of those of
-/// events.
-LOCKSTEP_API std::unique_ptr<Recorder> make_recorder(Mechanism&);
+/// where it is in memory. `only`: columns of these names alone; null: all. Throws SceneError with the places in the file of
+/// channels that do not exist, also of those of events.
+LOCKSTEP_API std::unique_ptr<Recorder> make_recorder(Mechanism&, const std::set<std::string>* only = nullptr);
 
 /// Makes a channel of the scene's system; an angle that the start asks for begins in the turn that is asked for. Throws
 /// ModelError for an unknown name.
