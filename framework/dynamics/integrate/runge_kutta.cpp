@@ -88,15 +88,17 @@ void Stages::begin(const Tableau& tableau, const State& y, bool watch) {
 bool Stages::evaluate(Dynamics& dynamics, const State& y, double h, int first, int last, StagesOn on) {
   if (y.z.size() > 0) stage_.z = y.z;
   for (int i = first; i < last; ++i) {
-    combine(y, h, a_[static_cast<std::size_t>(i)], stage_);
-    stage_.t = y.t + tableau_.c[i] * h;
+    const Weights& a = a_[static_cast<std::size_t>(i)];
+    const bool is_start = a.n == 0 && on == StagesOn::plain;  // Y_1 = y
+    if (!is_start) combine(y, h, a, stage_), stage_.t = y.t + tableau_.c[i] * h;
     if (on == StagesOn::manifold && !dynamics.project(stage_, 0).converged) return false;
+    const State& at = is_start ? y : stage_;
     StateRate& k = k_[static_cast<std::size_t>(i)];
     if (!watch_) {
-      dynamics.rates(stage_, k);
+      dynamics.rates(at, k);
       continue;
     }
-    const SolveReport solved = dynamics.rates_with_report(stage_, k);
+    const SolveReport solved = dynamics.rates_with_report(at, k);
     conditioning_[static_cast<std::size_t>(i)] = {solved.detector, solved.smallest_pivot, solved.residual};
   }
   return true;

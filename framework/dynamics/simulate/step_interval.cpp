@@ -27,9 +27,9 @@ void StepInterval::begin(const State& state) {
   has_dense_ = named(method_, state.t, [&] { return method_.dense(state.t, inside_); });
 }
 
-void StepInterval::make(State& state, double h) {
+void StepInterval::make(State& state, double h, bool has_guards) {
   keep_state(state, from_);
-  if (!has_dense_) before_.clear(), method_.save(before_);
+  if (!has_dense_ && has_guards) before_.clear(), method_.save(before_);
   try {
     report_ = named(method_, from_.t, [&] { return method_.step(dynamics_, state, h); });
     watch_.check(from_, state, h, report_);

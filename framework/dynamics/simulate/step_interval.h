@@ -16,8 +16,8 @@ class StepInterval {
   /// Restarts the method at this state.
   void begin(const State&);
   /// One step of the method, at most h, from `state`, which becomes its end; checked. What it throws leaves the state as
-  /// it was.
-  void make(State& state, double h);
+  /// it was. Without guards nobody asks for states inside it but of dense output.
+  void make(State& state, double h, bool has_guards);
 
   /// After n steps: see StepWatch::check_again().
   void check_again(const State& at, long n, double& largest) { watch_.check_again(at, n, largest); }

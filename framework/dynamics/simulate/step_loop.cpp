@@ -13,6 +13,7 @@
 #include "framework/dynamics/simulate/keep_state.h"
 #include "framework/dynamics/simulate/start_positions.h"
 #include "framework/dynamics/simulate/step_loop_parts.h"
+#include "framework/dynamics/simulate/step_rules.h"
 
 namespace lockstep {
 
@@ -150,10 +151,9 @@ StepReport StepLoop::step(double h) {
   if (!std::isfinite(h) || h < 0)
     throw ModelError(fmt::format("a step of {} s must be > 0, or 0 for the method's own", h));
   exclusively("step", [&] {
-    constexpr double kOpen = std::numeric_limits<double>::infinity();
-    aim_at(kOpen);
+    aim_at(kNever);
     start();
-    if (!report_.stopped) make_step(kOpen, h);
+    if (!report_.stopped) make_step(kNever, h);
     parts_->interval.note_acting(state_);
   });
   return parts_->interval.report();
@@ -227,7 +227,7 @@ void StepLoop::warn_at_start() {
         "nothing to stabilise: in joint coordinates the links hold by themselves; take the formulation omega to see "
         "drift");
   if (const double between = parts_->clock.shortest_output();
-      !method.adaptive && !parts_->interval.has_dense() && options_.step > (1 + 1e-9) * between)
+      !method.adaptive && !parts_->interval.has_dense() && options_.step > (1 + kSameStep) * between)
     warn(
         fmt::format("{} steps of {:g} s end at the outputs, {:g} s apart, since it cannot interpolate: ask for outputs "
                     "less often, or for smaller steps",
@@ -260,7 +260,7 @@ void StepLoop::make_step(double limit, double largest) {
   const double t0 = state_.t;
   p.target = p.clock.next_target(t0, limit, p.events.next_instant(t0), largest, interval.has_dense());
   const double wanted = explained([&] { return p.clock.step_towards(t0, p.target, largest); });
-  interval.make(state_, wanted);
+  interval.make(state_, wanted, !p.events.empty() || !p.contacts.empty());
   p.clock.count_step(wanted, interval.report());
   const Sample sample(dynamics_, state_, interval.report(), end_step(wanted));
   ++report_.steps, p.clock.last().add(state_.t);
@@ -286,7 +286,8 @@ const Inputs* StepLoop::end_step(double wanted) {
     const Inputs* const seen = dynamics_.accept(state_);
     if (landed || met || touched) p.clock.set_anchor(state_.t);
     p.acted = touched || met || jump;
-    p.cause = touched ? "an impact" : jump ? "the jump of a law" : "";
+    p.cause.clear();
+    if (touched || jump) p.cause = touched ? "an impact" : "the jump of a law";
     if (jump)
       p.fall_due({Due::rows, Due::step, Due::row, Due::progress, Due::before_jump, Due::jump, Due::events,
                   Due::contacts, Due::jumped});

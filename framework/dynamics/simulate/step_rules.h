@@ -6,6 +6,8 @@
 
 namespace lockstep {
 
+/// Relative, of lengths of steps: what differs by less is the same step.
+inline constexpr double kSameStep = 1e-9;
 inline constexpr double kLongTurn = 1;  ///< rad in a step: the run warns of more
 
 /// The shortest step, s, at t that is no round-off beside t and the length of the run.

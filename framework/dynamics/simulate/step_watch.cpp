@@ -6,17 +6,15 @@
 #include <cmath>
 #include <cstring>
 #include <string>
-#include <string_view>
 
 #include <lockstep/error.h>
+#include "framework/dynamics/simulate/step_rules.h"
 
 namespace lockstep {
 
 namespace {
 
-constexpr double kLonger = 1e-9;  // by which a step may differ from what was asked for, or is reported, relative
 constexpr double kUnit = 1e-6;    // of |e|^2 - 1
-constexpr std::string_view kBuiltIn = "built in";
 constexpr long kApart = 16;  // steps between two looks at |C|
 
 bool same_sizes(const State& a, const State& b) {
@@ -24,14 +22,23 @@ bool same_sizes(const State& a, const State& b) {
          a.coordinates == b.coordinates;
 }
 
+// What a method must not touch.
+std::string wrong_parts(const State& from, const State& to) {
+  if (!same_sizes(from, to)) return "changed the sizes of the state";
+  if (to.modes != from.modes || to.watched != from.watched) return "switched links, which only events do";
+  if (to.z.size() > 0 && std::memcmp(to.z.data(), from.z.data(), sizeof(double) * to.z.size()) != 0)
+    return "changed the memory of links and forces, which only an accepted step does";
+  return {};
+}
+
 std::string wrong_time(double t0, double t1, double h, const StepReport& report) {
   if (!std::isfinite(t1) || !std::isfinite(report.h))
     return fmt::format("ended at t = {} s after h = {} s", t1, report.h);
   const double rounding = 1e-14 * std::max(std::abs(t0), std::abs(t1));
   if (!(t1 > t0) || !(report.h > 0)) return fmt::format("ended at t = {:.17g} s and did not advance", t1);
-  if (t1 - t0 > (1 + kLonger) * h + rounding)
+  if (t1 - t0 > (1 + kSameStep) * h + rounding)
     return fmt::format("made {:.9g} s, more than the {:.9g} s asked for", t1 - t0, h);
-  if (std::abs(t1 - t0 - report.h) > kLonger * report.h + rounding)
+  if (std::abs(t1 - t0 - report.h) > kSameStep * report.h + rounding)
     return fmt::format("made {:.9g} s and reports {:.9g} s", t1 - t0, report.h);
   return {};
 }
@@ -63,24 +70,19 @@ bool is_due(long n) { return n % kApart == 0 || (n < kApart && (n & (n - 1)) == 
 
 void StepWatch::check(const State& from, const State& to, double h, StepReport& report) {
   std::string wrong;
-  if (!same_sizes(from, to))
-    wrong = "changed the sizes of the state";
-  else if (to.modes != from.modes || to.watched != from.watched)
-    wrong = "switched links, which only events do";
-  else if (to.z.size() > 0 && std::memcmp(to.z.data(), from.z.data(), sizeof(double) * to.z.size()) != 0)
-    wrong = "changed the memory of links and forces, which only an accepted step does";
+  if (!is_built_in_) wrong = wrong_parts(from, to);
   if (wrong.empty()) wrong = wrong_time(from.t, to.t, h, report);
   if (wrong.empty()) wrong = wrong_numbers(to);
   if (wrong.empty()) wrong = wrong_quaternion(to, dynamics_.system());
   if (!wrong.empty())
     throw StepError(fmt::format("{}: the step from t = {:.9g} s {}", method_.info().name, from.t, wrong), from.t);
-  if (method_.origin() != kBuiltIn && has_closures(to))
+  if (!is_built_in_ && has_closures(to))
     if (const double found = dynamics_.violation_of_closures(to); !(report.violation_after >= found))
       report.violation_after = found;
 }
 
 void StepWatch::check_again(const State& at, long n, double& largest) {
-  if (method_.origin() != kBuiltIn || !is_due(n) || !has_closures(at)) return;
+  if (!is_built_in_ || !is_due(n) || !has_closures(at)) return;
   const double found = dynamics_.violation_of_closures(at);
   if (!(found <= largest)) largest = found;
 }

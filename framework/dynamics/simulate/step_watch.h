@@ -7,11 +7,12 @@ namespace lockstep {
 
 class StepWatch {
  public:
-  StepWatch(Dynamics& dynamics, const Integrator& method) : dynamics_(dynamics), method_(method) {}
+  StepWatch(Dynamics& dynamics, const Integrator& method)
+      : dynamics_(dynamics), method_(method), is_built_in_(method.origin() == "built in") {}
 
-  /// Checks the step of at most h, s, from `from` to `to`: time, sizes, finite numbers, unit quaternions;
-  /// what a method must not touch. Of a method that is not built in it measures |C| of the new state, too, and
-  /// reports the larger one. Throws StepError that names the method.
+  /// Checks the step of at most h, s, from `from` to `to`: time, finite numbers, unit quaternions. Of a method that is not
+  /// built in also what it must not touch, and |C| of the new state, of which the larger one is reported. Throws StepError
+  /// that names the method.
   void check(const State& from, const State& to, double h, StepReport& report);
   /// After n steps of the run, which depend on nothing else: |C| of a built-in method is measured again in steps 1, 2, 4
   /// and 8 and in every 16th, at less than the cost of an evaluation. `largest`, of the run as reported, is raised where it
@@ -23,6 +24,7 @@ class StepWatch {
 
   Dynamics& dynamics_;
   const Integrator& method_;
+  const bool is_built_in_;
 };
 
 }  // namespace lockstep
