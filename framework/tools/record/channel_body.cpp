@@ -84,23 +84,24 @@ void add_sequences(Entries& out, const std::function<Quat(const Sample&)>& q) {
 
 }  // namespace
 
+void add_origin(Entries& out, const Frame& m, const Frame& n, const std::array<const char*, 3>& help) {
+  add_vector(out, "", "m", help[0], [m, n](const Sample& s) { return relative(m, n, s).x; });
+  add_vector(out, "v", "m/s", help[1], [m, n](const Sample& s) { return relative(m, n, s).v; });
+  add_vector(out, "a", "m/s^2", help[2], [m, n](const Sample& s) { return relative_with_second(m, n, s).a; });
+}
+
 void of_frame(const Frame& f, Entries& out) {
-  add_vector(out, "", "m", "origin in the world", [f](const Sample& s) { return motion_of(f, s).x; });
-  add_vector(out, "v", "m/s", "velocity of the origin, world", [f](const Sample& s) { return motion_of(f, s).v; });
-  add_vector(out, "a", "m/s^2", "acceleration of the origin, world",
-             [f](const Sample& s) { return acceleration_of(f, s).a; });
-  const auto q = [f](const Sample& s) { return motion_of(f, s).q; };
+  const auto y = [f](const Sample& s) { return relative(f, {}, s); };
+  const auto y2 = [f](const Sample& s) { return relative_with_second(f, {}, s); };
+  add_origin(out, f, {}, {"origin in the world", "velocity of the origin, world", "acceleration of the origin, world"});
+  const auto q = [y](const Sample& s) { return y(s).e; };
   add_quaternion(out, "quaternion to world axes", q);
-  add_vector(out, "omega_world_", "rad/s", "angular velocity, world axes",
-             [f](const Sample& s) { return motion_of(f, s).w; });
-  add_vector(out, "omega_body_", "rad/s", "angular velocity, own axes", [f](const Sample& s) {
-    const FrameMotion m = motion_of(f, s);
-    return Vec3(m.A.transpose() * m.w);
-  });
+  add_vector(out, "omega_world_", "rad/s", "angular velocity, world axes", [y](const Sample& s) { return y(s).w(); });
+  add_vector(out, "omega_body_", "rad/s", "angular velocity, own axes", [y](const Sample& s) { return y(s).w_in_m(); });
   add_vector(out, "alpha_world_", "rad/s^2", "angular acceleration, world axes",
-             [f](const Sample& s) { return acceleration_of(f, s).alpha; });
+             [y2](const Sample& s) { return y2(s).alpha(); });
   add_vector(out, "alpha_body_", "rad/s^2", "angular acceleration, own axes",
-             [f](const Sample& s) { return Vec3(motion_of(f, s).A.transpose() * acceleration_of(f, s).alpha); });
+             [y2](const Sample& s) { return y2(s).alpha_in_m(); });
   add_directions(out, f, {}, "turn about the world's {}, of the own {} axis, counted past full turns");
   add_sequences(out, q);
 }
@@ -119,14 +120,11 @@ void of_body(const Body& body, Entries& out) {
 
 void of_pair(const Frame& m, const Frame& n, Entries& out) {
   const auto y = [m, n](const Sample& s) { return relative(m, n, s); };
-  add_vector(out, "", "m", "origin, in the other's axes", [y](const Sample& s) { return y(s).x; });
-  add_vector(out, "v", "m/s", "rate of that", [y](const Sample& s) { return y(s).v; });
-  add_vector(out, "a", "m/s^2", "second rate of that",
-             [m, n](const Sample& s) { return relative_with_second(m, n, s).a; });
-  const auto q = [y](const Sample& s) { return y(s).q; };
+  add_origin(out, m, n, {"origin, in the other's axes", "rate of that", "second rate of that"});
+  const auto q = [y](const Sample& s) { return y(s).e; };
   add_quaternion(out, "quaternion to the other's axes", q);
   add_vector(out, "omega_", "rad/s", "angular velocity against the other, its axes",
-             [y](const Sample& s) { return y(s).w; });
+             [y](const Sample& s) { return y(s).w(); });
   add_directions(out, m, n, "turn about the other's axis, counted past full turns");
   add_sequences(out, q);
   add(out, "distance", "m", "distance of the two origins", [y](const Sample& s) { return y(s).x.norm(); });

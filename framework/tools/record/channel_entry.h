@@ -1,6 +1,7 @@
 // What the channel_*.cpp files provide for the lookup by name. Private to the room.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <span>
 #include <string>
@@ -34,6 +35,9 @@ void add_angle(Entries&, std::string name, std::string help, std::function<const
 /// The time integral of `rate` along the motion: the system's quadrature `id`, which all channels of that id share.
 void add_integral(Entries&, std::string name, std::string unit, std::string help, std::string id,
                   std::function<double(const Evaluated&)> rate, Integrand of = Integrand::motion);
+
+/// Three vectors: the origin of m relative to n, n's axes, its rate and second rate.
+void add_origin(Entries&, const Frame& m, const Frame& n, const std::array<const char*, 3>& help);
 
 /// The quantities of one object each.
 void of_frame(const Frame&, Entries&);

@@ -9,15 +9,12 @@
 namespace lockstep::channels {
 namespace {
 
-// Rates of theta = 2 atan2(e_k, e0), by e' = (1/2) w e; not finite where both are 0, where the angle has no value.
+// Rates of theta = 2 atan2(e_k, e0); not finite where both are 0, where the angle has no value.
 struct Turn {
   double d, dd;
 };
 Turn turn(int k, const Relative& r) {
-  const auto times = [](const Vec3& w, const Quat& e) { return Quat{0, w[0], w[1], w[2]} * e; };
-  const Quat &e = r.q, ed = times(0.5 * r.w, e), by_alpha = times(0.5 * r.alpha, e), by_w = times(0.5 * r.w, ed);
-  const double c = e.w, s = e.vec()[k], cd = ed.w, sd = ed.vec()[k], cdd = by_alpha.w + by_w.w,
-               sdd = by_alpha.vec()[k] + by_w.vec()[k];
+  const double c = r.e.w, s = r.e.vec()[k], cd = r.ed.w, sd = r.ed.vec()[k], cdd = r.edd.w, sdd = r.edd.vec()[k];
   const double n = c * c + s * s, d = 2.0 * (c * sd - s * cd) / n;
   return {d, (2.0 * (c * sdd - s * cdd) - 2.0 * d * (c * cd + s * sd)) / n};
 }
@@ -25,11 +22,9 @@ Turn turn(int k, const Relative& r) {
 void add_coordinates(const Frame& p, const Frame& s, Entries& out) {
   const auto y = [p, s](const Sample& x) { return relative(p, s, x); };
   const auto y2 = [p, s](const Sample& x) { return relative_with_second(p, s, x); };
-  add_vector(out, "", "m", "origin of P, S axes", [y](const Sample& x) { return y(x).x; });
-  add_vector(out, "v", "m/s", "rate of that", [y](const Sample& x) { return y(x).v; });
-  add_vector(out, "a", "m/s^2", "second rate of that", [y2](const Sample& x) { return y2(x).a; });
+  add_origin(out, p, s, {"origin of P, S axes", "rate of that", "second rate of that"});
   add_vector(out, "omega_", "rad/s", "angular velocity of P against S, S axes",
-             [y](const Sample& x) { return y(x).w; });
+             [y](const Sample& x) { return y(x).w(); });
   for (int k = 0; k < 3; ++k) {
     const std::string axis = kAxisName[k];
     add(out, axis + "_d", "m/s", "rate of " + axis, [y, k](const Sample& x) { return y(x).v[k]; });

@@ -1,4 +1,4 @@
-// Frame: a body's frame or a marker, and its motion in the world or relative to another one.
+// Frame: a body's frame, a marker or the world, and its coordinates relative to another one.
 #pragma once
 
 #include <lockstep/relative.h>
@@ -8,7 +8,7 @@ namespace lockstep::channels {
 
 /// Stays valid through a new set-up of the system: it is folded into its slot anew after each.
 struct Frame {
-  const Body* body = nullptr;
+  const Body* body = nullptr;      ///< null: the world
   const Marker* marker = nullptr;  ///< null: the body's own frame
   MarkerFrame folded() const;
   /// The same, folded once for each set-up.
@@ -18,27 +18,18 @@ struct Frame {
   mutable long revision = -1;
 };
 
-/// World axes; alpha is the rate of w.
-struct FrameMotion {
-  Vec3 x, v, w;
-  Quat q;
-  Mat3 A;
-};
-struct FrameAcceleration {
-  Vec3 a, alpha;
-};
-
-FrameMotion motion_of(const Frame&, const Sample&);
-FrameAcceleration acceleration_of(const Frame&, const Sample&);
-
-/// Frame m relative to frame n, in n's axes: its origin and its angular velocity with their rates, and its quaternion.
+/// The coordinates of frame m relative to frame n, as rows of locks have them (7.1), and their rates: the origin, n's
+/// axes, and the quaternion e = q_n' q_m.
 struct Relative {
-  Vec3 x, v, w;
-  Quat q;
-  Vec3 a = Vec3::Zero(), alpha = Vec3::Zero();  ///< the second rate of x, the rate of w
+  Vec3 x, v, a = Vec3::Zero();  ///< m, m/s, m/s^2
+  Quat e, ed, edd{0, 0, 0, 0};
+  Vec3 w() const { return 2.0 * (ed * conjugate(e)).vec(); }       ///< angular velocity, n's axes, rad/s
+  Vec3 alpha() const { return 2.0 * (edd * conjugate(e)).vec(); }  ///< its rate, rad/s^2
+  Vec3 w_in_m() const { return 2.0 * (conjugate(e) * ed).vec(); }  ///< the same in m's axes
+  Vec3 alpha_in_m() const { return 2.0 * (conjugate(e) * edd).vec(); }
 };
 Relative relative(const Frame& m, const Frame& n, const Sample&);
-/// With a and alpha, which need the accelerations.
+/// With a and edd, which need the accelerations.
 Relative relative_with_second(const Frame& m, const Frame& n, const Sample&);
 
 }  // namespace lockstep::channels
