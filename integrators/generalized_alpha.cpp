@@ -83,7 +83,7 @@ void GeneralizedAlpha::begin(Dynamics& dynamics, const State& state) {
   y_.setZero(n_increments(state));
   size_like(state, rate_), size_like(state, difference_);
   output_.begin(state);
-  matrix_.set_residual(1e-6);  // Newton does the rest
+  matrix_.set_residual(kReactions);  // Newton does the rest
   h_ = 0;
 }
 

@@ -8,8 +8,8 @@ namespace lockstep {
 namespace {
 
 double safety(int iterations) {
-  constexpr double kMost = PredictiveControl::kMostIterations;
-  return 0.9 * (2 * kMost + 1) / (2 * kMost + iterations);
+  const int twice = 2 * PredictiveControl::kMostIterations;
+  return 0.9 * (twice + 1) / (twice + iterations);
 }
 
 }  // namespace

@@ -24,14 +24,14 @@ struct RattleScheme {
 
 namespace {
 
-constexpr double kSuzuki = 0.41449077179437573714;  // 1/(4 - 4^(1/3))
-constexpr RattleScheme kSchemes[] = {
+const double suzuki = 1 / (4 - std::cbrt(4.0));
+const RattleScheme kSchemes[] = {
     {"rattle2", "symplectic, order 2, fixed step: energy over long runs, no dampers", 2, 1, {1, 0, 0, 0, 0}},
     {"rattle4",
      "symplectic, order 4, fixed step: energy over long runs, no dampers",
      4,
      5,
-     {kSuzuki, kSuzuki, 1 - 4 * kSuzuki, kSuzuki, kSuzuki}}};
+     {suzuki, suzuki, 1 - 4 * suzuki, suzuki, suzuki}}};
 constexpr int kRounds = 50;  // of the multipliers; a handful is usual
 
 const RattleScheme& scheme_of(int order) { return kSchemes[order == 4 ? 1 : 0]; }

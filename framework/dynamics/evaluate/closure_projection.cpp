@@ -4,6 +4,7 @@
 
 #include "framework/dynamics/evaluate/joint_coordinates.h"
 #include "framework/dynamics/evaluate/projection_rule.h"
+#include "framework/dynamics/tree/closure_rule.h"
 
 namespace lockstep {
 
@@ -99,7 +100,7 @@ double Dynamics::Tree::velocities(State& state, bool factored, double goal) {
     left = closures().norm(Cd);
     if (old && !(left <= 0.1 * last))
       factored = old = false;
-    else if (!(left < kVelocitiesFall * last))
+    else if (!(left < kStalledRows * last))
       break;
   }
   velocities_met = left <= goal || left <= kVelocitiesMet * first;

@@ -191,7 +191,7 @@ double Dynamics::violation_v(const State& state) {
   return e.norm(Cd_);
 }
 
-ProjectReport Dynamics::project(State& state) { return project(state, 1e-2 * options_.stabilization.tolerance); }
+ProjectReport Dynamics::project(State& state) { return project(state, position_goal_of(options_.stabilization.tolerance)); }
 
 ProjectReport Dynamics::project(State& state, double goal) {
   check_state(system_, state);
@@ -224,7 +224,7 @@ ProjectReport Dynamics::project_joint(State& state, double goal) {
 
 double Dynamics::project_velocity(State& state) {
   check_state(system_, state);
-  const double goal = 1e-3 * options_.stabilization.tolerance;
+  const double goal = velocity_goal_of(options_.stabilization.tolerance);
   if (!state.coordinates) return projection_.project_velocity(own(), factor_, state, goal);
   if (!state.coordinates->has_rows()) return 0;
   Tree& t = tree(state.modes).of(state);

@@ -3,8 +3,8 @@
 #include <array>
 #include <limits>
 
-#include "framework/dynamics/solvers/block_kernels.h"
 #include <lockstep/error.h>
+#include "framework/dynamics/solvers/block_kernels.h"
 
 namespace lockstep {
 
@@ -124,23 +124,21 @@ void for_each_unknown(const NewtonNumbers& N, Visit&& visit) {
 }
 
 /// d = b - A x without the proximal term, and its largest component relative to the terms of its equation. An equation
-/// whose terms happen to be small (directions in which a flat mechanism does not move) is measured by 1e-3 of what they
+/// whose terms happen to be small (directions in which a flat mechanism does not move) is measured by kScaleFloor of what they
 /// would be with the largest unknown of each unit.
 template <class T>
 typename NewtonFactor<T>::Residual NewtonFactor<T>::measure(const NewtonNumbers& N) {
-  constexpr double kFloor = 1e-3;
   using block_detail::size_of, block_detail::times;
   std::array<double, 5> most{};
   for_each_unknown(N, [&](int i, unsigned unit) { most[unit] = std::max(most[unit], size_of(x_[i])); });
-  for_each_unknown(N, [&](int i, unsigned unit) { size_x_[i] = std::max(size_of(x_[i]), kFloor * most[unit]); });
+  for_each_unknown(N, [&](int i, unsigned unit) { size_x_[i] = std::max(size_of(x_[i]), kScaleFloor * most[unit]); });
   d_ = b_;
   size_ = b_.cwiseAbs();
   for (std::size_t p = 0; p < A_.size(); ++p) {
     const auto row = static_cast<std::size_t>(N.tangents.pairs()[p].row),
                column = static_cast<std::size_t>(N.tangents.pairs()[p].column);
     const int i = N.first[row], j = N.first[column];
-    for_size(N.width[row], [&](auto width) {
-      constexpr int kI = decltype(width)::value;
+    for_size(N.width[row], [&]<int kI>(std::integral_constant<int, kI>) {
       T sum[kI] = {};
       double sizes[kI] = {};
       for (int c = 0; c < N.width[column]; ++c) {
@@ -177,7 +175,6 @@ typename NewtonFactor<T>::Residual NewtonFactor<T>::measure(const NewtonNumbers&
 
 template <class T>
 SolveReport NewtonFactor<T>::solve(const NewtonNumbers& N, const Vec& f, const Vec& r, Vec& x, Vec& l) {
-  constexpr int kCorrections = 3;
   SolveReport report;
   const auto for_each_velocity = [&](auto&& visit) {  // visit(unknown, its index among six per slot)
     for (std::size_t k = 0; k < N.width.size(); ++k)
@@ -193,10 +190,10 @@ SolveReport NewtonFactor<T>::solve(const NewtonNumbers& N, const Vec& f, const V
     add_correction(N);
     const Residual now = measure(N);
     report.residual = now.largest, report.worst_row = now.worst_row, report.corrections = round;
-    if (now.largest <= N.enough || round == kCorrections || !(now.largest <= 0.5 * before)) break;
+    if (now.largest <= N.enough || round == kMaxCorrections || !(now.largest <= kFalling * before)) break;
     before = now.largest;
   }
-  report.contradictory = report.residual > 1e-2;
+  report.contradictory = report.residual > kContradiction;
   x.setZero(6 * static_cast<int>(N.width.size()));
   for_each_velocity([&](int i, int at) { x[at] = x_[i]; });
   l = x_.tail(N.m);

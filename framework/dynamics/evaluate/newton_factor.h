@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "framework/dynamics/solvers/block_factor.h"
+#include "framework/dynamics/solvers/stop_rule.h"
 #include <lockstep/solver.h>
 #include <lockstep/body.h>
 #include <lockstep/rows.h>
@@ -22,7 +23,7 @@ struct NewtonNumbers {
   std::vector<RowEntry> entries;               // as laid out
   std::vector<double> J;                       // 6 per slot and row, entry by entry
   VecX s;                                      // scale of each row, for the proximal term
-  double enough = 1e-12;                       // relative residual that needs no correction
+  double enough = kRowTolerance;               // relative residual that needs no correction
   std::array<int, 6> velocity{};  // which of a slot's six velocities each unknown is; in a plane there are three
   int n = 0, m = 0;
   BlockPlan plan;

@@ -15,7 +15,7 @@ class PositionRounds {
   /// Ends at |C| <= goal, m, but not below the round-off of a mechanism of this length and largest coordinate x_max. It
   /// has converged if |C| is within the tolerance.
   PositionRounds(double goal, double tolerance, double length, double x_max)
-      : goal_(std::max(goal, 1e-14 * length + 4 * kUlp * x_max)), tolerance_(tolerance) {}
+      : goal_(std::max(goal, 1e-14 * length + 4 * std::numeric_limits<double>::epsilon() * x_max)), tolerance_(tolerance) {}
 
   /// Takes the residual |C| before the next round; true when no further round is needed.
   bool ends(double residual) {
@@ -37,7 +37,6 @@ class PositionRounds {
 
  private:
   static constexpr int kMost = 6;
-  static constexpr double kUlp = std::numeric_limits<double>::epsilon();
   double goal_ = 0, tolerance_ = 0, residual_ = 0;
   int round_ = -1;
   bool chord_ = false, converged_ = true;
@@ -46,12 +45,15 @@ class PositionRounds {
 /// Of the length of the mechanism: a state that is nearer than this is on the constraints.
 inline constexpr double kOnConstraints = 1e-7;
 
-/// Rounds onto the velocities in joint coordinates: at most this many; a round with a factor of this position that leaves
-/// more than the second number of the residual is the last; one that is this small against the first is met.
+/// Rounds onto the velocities in joint coordinates: at most this many; a residual that is this small against the first is
+/// met. A round with a factor of this position that leaves more than kStalledRows of the residual is the last.
 inline constexpr int kTreeVelocityRounds = 8;
-inline constexpr double kVelocitiesFall = 0.3, kVelocitiesMet = 1e-3;
+inline constexpr double kVelocitiesMet = 1e-3;
 /// Rounds onto the velocities J v = -Ct, with one factor.
 inline constexpr int kVelocityRounds = 3;
+/// The goals of both for a tolerance of the violation, m and m/s.
+inline double position_goal_of(double tolerance) { return 1e-2 * tolerance; }
+inline double velocity_goal_of(double tolerance) { return 0.1 * position_goal_of(tolerance); }
 inline double velocity_goal(double goal, double v_max) {
   return std::max(goal, 8 * std::numeric_limits<double>::epsilon() * v_max);
 }

@@ -13,7 +13,6 @@ namespace {
 constexpr int kMostSolutions = 50;
 constexpr double kSettled = 1e-12;        // relative to the friction: the change that ends the iteration
 constexpr double kForceRoundOff = 1e-15;  // relative to all other forces: changes below it do not count
-constexpr double kStalled = 1e-9;  // relative to the friction: a change below it that no longer shrinks is round-off
 
 // The largest force on a slot, N; moments are divided by the length.
 double largest_force(const VecX& f, double length) {
@@ -37,11 +36,11 @@ double dot(const VecX& a, const VecX& b, double length) {
 // (Anderson's method of depth one; for one number, Aitken's), so friction that is stiff to its own reaction costs few
 // more solutions. The equations are linear: what a change of x adds to a and lambda is solved for by itself. If rows are
 // redundant, the rounding of their split then shrinks with the change.
-void ReactionIteration::solve(const Evaluation& e, Factor& factor, const VecX& c, VecX& a, VecX& lambda, SolveReport& report) {
+void ReactionIteration::solve(const Evaluation& e, Factor& factor, const VecX& c, VecX& a, VecX& lambda,
+                              SolveReport& report) {
   const double length = e.system().length(), applied = largest_force(e.force(), length);
   const Unsettled all{e, factor, c, a, lambda, report};
   added_.setZero(e.force().size());
-  double before = HUGE_VAL;
   for (int n = 1;; ++n) {
     change_ = -added_;
     e.react(lambda, change_);
@@ -49,9 +48,7 @@ void ReactionIteration::solve(const Evaluation& e, Factor& factor, const VecX& c
     const double left = largest_force(change_, length), size = std::max(largest_force(added_, length), left);
     if (left <= kSettled * size + kForceRoundOff * applied && n > 1) return;
     if (left == 0) return;
-    if (n > 2 && left > 0.5 * before && left <= kStalled * size) return;
     if (n > kMostSolutions) diagnose(all, left / size);
-    before = left;
     loaded_ = added_ + change_;
     if (n > 1) {
       change_before_ -= change_;

@@ -1,7 +1,7 @@
 #include "framework/dynamics/solvers/block_factor.h"
 
-#include "framework/dynamics/solvers/block_kernels.h"
 #include <lockstep/export.h>
+#include "framework/dynamics/solvers/block_kernels.h"
 
 namespace lockstep {
 namespace block_detail {
@@ -27,8 +27,7 @@ struct Passes {
     T X[kMaxBlock * kMaxBlock];  // sign W_b
     for (int b = 0; b < pivot.n_later; ++b)
       for_size(
-          s[b].width, [&](auto width) __attribute__((always_inline)) {
-            constexpr int kJ = decltype(width)::value;
+          s[b].width, [&]<int kJ>(std::integral_constant<int, kJ>) __attribute__((always_inline)) {
             T* W = A + s[b].U;
             solve_lower<kJ, false>(A + pivot.D, W, n);
             for (int i = 0; i < n * kJ; ++i) X[i] = pivot.sign * W[i];
@@ -43,8 +42,7 @@ struct Passes {
     const int n = pivot.width;
     for (int b = 0; b < pivot.n_later; ++b)
       for_size(
-          s[b].width, [&](auto width) __attribute__((always_inline)) {
-            constexpr int kJ = decltype(width)::value;
+          s[b].width, [&]<int kJ>(std::integral_constant<int, kJ>) __attribute__((always_inline)) {
             T *W_b = A + s[b].U, *Z_b = W_b + n * kJ;
             exchange_rows(W_b, n, kJ, order);
             solve_lower<kJ, true>(A + pivot.D, W_b, n);
@@ -86,8 +84,7 @@ struct Passes {
       const T* W = A + s[l].U;
       const T* x_s = b + s[l].first;
       for_size(
-          s[l].width, [&](auto width) __attribute__((always_inline)) {
-            constexpr int kJ = decltype(width)::value;
+          s[l].width, [&]<int kJ>(std::integral_constant<int, kJ>) __attribute__((always_inline)) {
             for (int i = 0; i < n; ++i) {
               T sum(0);
               for (int j = 0; j < kJ; ++j) sum += times(W[i * kJ + j], x_s[j]);
@@ -137,7 +134,8 @@ LOCKSTEP_FLAT_CLONES bool factor_complex(const BlockPlan& plan, Complex* A, unsi
 LOCKSTEP_FLAT_CLONES void solve_real(const BlockPlan& plan, const double* A, const unsigned char* order, double* b) {
   Passes<const double>{plan, A}.solve(order, b);
 }
-LOCKSTEP_FLAT_CLONES void solve_complex(const BlockPlan& plan, const Complex* A, const unsigned char* order, Complex* b) {
+LOCKSTEP_FLAT_CLONES void solve_complex(const BlockPlan& plan, const Complex* A, const unsigned char* order,
+                                        Complex* b) {
   Passes<const Complex>{plan, A}.solve(order, b);
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <lockstep/export.h>
+#include "framework/dynamics/solvers/stop_rule.h"
 
 namespace lockstep {
 
@@ -60,7 +61,7 @@ struct LOCKSTEP_API BlockPlan {
   /// The proximal term relative to a row's scale. The rows of a closed loop may be dependent, and then share their
   /// force in its metric; on a tree it only keeps the pivot of a link whose own rows are dependent, and is small enough
   /// to cost a long chain no digits.
-  double proximal() const { return tree ? 1e-13 : 1e-8; }
+  double proximal() const { return tree ? 1e-13 : kProximalOfMatrix; }
   /// For nodes that are coupled in the graph, or equal. A symmetric plan stores one of the two.
   Place find(int row, int column) const;
   /// The one of A(row, column) and A(column, row) that is above the diagonal; `transposed`: it is A(column, row).

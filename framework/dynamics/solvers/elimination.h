@@ -74,7 +74,6 @@ struct Numbers {
   double eps = 0;                  ///< of the proximal term; 0: none
 };
 
-inline constexpr double kProximal = 1e-9;     ///< eps of loops; trees have none
 inline constexpr double kPivotFloor = 1e-14;  ///< relative to the diagonal before elimination
 
 #define LOCKSTEP_KERNEL [[gnu::always_inline]] inline

@@ -101,7 +101,7 @@ void SchurFactorization::size(const KktPattern& pattern) {
   z_.A = A_.data(), z_.Y = Y_.data(), z_.x = x_.data(), z_.c = c_.data(), z_.scale = scale_.data();
   z_.diagonal = diagonal_.data(), z_.p = p_.data(), z_.E = E_.data(), z_.r = r_.data(), z_.a = a_.data();
   z_.inverse = inverse_.data(), z_.mass = mass_.data(), z_.kind = kinds_.data(), z_.floors = floors_.data();
-  z_.eps = plan_.tree ? 0.0 : schur::kProximal;
+  z_.eps = plan_.tree ? 0.0 : kClosureProximal;
 }
 
 void SchurFactorization::read_masses(const Kkt& kkt) {

@@ -20,8 +20,6 @@ namespace {
 using Sparse = Eigen::SparseMatrix<double>;
 using Triplet = Eigen::Triplet<double>;
 
-constexpr double kEps = 1e-8;  // proximal term, relative
-
 // Order of elimination of the links; those that share a slot are coupled.
 std::vector<int> order_of_links(const KktPattern& pattern) {
   LinkGraph graph;
@@ -109,9 +107,9 @@ void SparseFactorization::measure_pivots(const Kkt& kkt) {
       kkt.redundant,
       [&](auto&& row) {
         for_each_row(kkt.pattern,
-                     [&](int j, std::size_t kind) { row(-D[place_[j]], S_diagonal_[j] + kEps * kkt.E[j], kind); });
+                     [&](int j, std::size_t kind) { row(-D[place_[j]], S_diagonal_[j] + kProximalOfMatrix * kkt.E[j], kind); });
       },
-      [&] { return pivot_floors(kkt, kEps); });
+      [&] { return pivot_floors(kkt, kProximalOfMatrix); });
 }
 
 TypeInfo SparseSolver::info() {
@@ -125,7 +123,7 @@ SparseFactorization::SparseFactorization(const KktPattern& pattern) {
   ldlt_.analyzePattern(matrix_);
   for (VecX* v : {&rhs_, &solution_}) v->setZero(pattern.n + pattern.m);
   S_diagonal_.setZero(pattern.m);
-  rule_.analyse(pattern, kEps);
+  rule_.analyse(pattern, kProximalOfMatrix);
   watch_.begin(pattern.m);
 }
 
@@ -139,7 +137,7 @@ void SparseFactorization::compute(const Kkt& kkt) {
   for_each_jacobian(kkt.pattern, [&](const KktLink& link, int, int width, std::size_t block) {
     for (int i = 0; i < link.m * width; ++i) K[*at++] = kkt.J[block + i];
   });
-  for (int j = 0; j < kkt.pattern.m; ++j) K[*at++] = -kEps * kkt.E[j];
+  for (int j = 0; j < kkt.pattern.m; ++j) K[*at++] = -kProximalOfMatrix * kkt.E[j];
   ldlt_.factorize(matrix_);
   if (ldlt_.info() != Eigen::Success)
     throw SolveError("solver sparse: a pivot is zero; give every body a mass and an inertia above zero");

@@ -24,6 +24,9 @@ inline constexpr double kContradiction = 1e-2;
 /// length of the mechanism, what is left over is none of the laws' doing.
 inline constexpr double kLeftPerViolation = 200;
 inline constexpr int kMaxCorrections = 3;
+/// Proximal terms, of the scales of rows: of rows that are eliminated among themselves, and of matrices that are factored
+/// as a whole.
+inline constexpr double kClosureProximal = 1e-9, kProximalOfMatrix = 1e-8;
 /// What kMaxCorrections leave is solved for by conjugate gradients where the last correction left less than this of the
 /// residual. A correction leaves E/(S + E): so a direction whose S is not below E is solved for, as in a long lift, and one
 /// whose S is smaller is redundant, or would be on the constraints.
@@ -132,7 +135,7 @@ class PivotWatch {
   /// Whether rows contradict each other: their residual stalled at the order of its scale. Contradictory rows are
   /// always dependent; more small pivots than usual indicate a singular position, which may be passed.
   bool contradictory(double residual, double before) const {
-    return residual > kContradiction && residual > 0.5 * before && small_ <= redundant_;
+    return residual > kContradiction && residual > kFalling * before && small_ <= redundant_;
   }
 
  private:

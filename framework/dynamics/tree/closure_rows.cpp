@@ -77,7 +77,7 @@ bool ClosureRows::is_met() {
     const auto row = static_cast<Eigen::Index>(j);
     const double least = residual_floor(largest[static_cast<std::size_t>(fronts_.sources[j].kind)]);
     const double x = r_[row] == 0 ? 0.0 : std::abs(r_[row]) / std::max(size_[row], least);
-    if (!(x <= kRowTolerance) && !(d_[row] <= kRedundantRow * E_[row])) regular_met_ = false;
+    if (!(x <= kRowTolerance) && !(d_[row] <= kRedundantPivot * E_[row])) regular_met_ = false;
     if (worst_row_ >= 0 && (x <= worst_ || std::isnan(worst_))) continue;
     worst_ = x, worst_row_ = static_cast<int>(j);
   }

@@ -4,8 +4,6 @@
 
 namespace lockstep {
 
-inline constexpr double kClosureProximal = 1e-9;  ///< of the scale s_j, as in the solver schur
-inline constexpr double kStalledRows = 0.3;       ///< of a residual: a correction that leaves more is the last one
-inline constexpr double kRedundantRow = 10;       ///< in proximal terms: the pivot of a redundant row is at most this
+inline constexpr double kStalledRows = 0.3;  ///< of a residual: a correction that leaves more is the last one
 
 }  // namespace lockstep

@@ -17,7 +17,6 @@ namespace lockstep {
 
 namespace {
 
-constexpr double kInPlane = 1e-9;  // sine of the angle by which an axis may lie beside the plane: see System::setup
 
 // The part of a mask that a joint of the tree holds: any translations, and none, two or all of the turns. One turn alone
 // has no closed form and stays a row; in a plane it holds the angle or nothing.

@@ -404,7 +404,7 @@ LOCKSTEP_LANE void closure_residuals(const ClosurePlan& plan, const TreeNumbers&
     const V r = load(c.r, j), most = largest[static_cast<std::size_t>(plan.fronts.sources[j].kind)];
     const V scale = larger(load(c.size, j), kScaleFloor * most);
     const V x = r == 0.0 ? V{} : size_of(r) / scale;
-    const V of_regular = load(c.d, j) <= kRedundantRow * load(c.E, j) ? V{} : x;
+    const V of_regular = load(c.d, j) <= kRedundantPivot * load(c.E, j) ? V{} : x;
     worst = largest_or_nan(worst, x), regular = largest_or_nan(regular, of_regular);
   }
   store(out, 0, worst), store(out, 1, regular);

@@ -27,7 +27,7 @@ RowBatch::RowBatch(std::span<System* const> systems, int first, const CopiesOpti
   z_.p = size(p_, x), z_.E = size(E_, x), z_.r = size(r_, x), z_.C = size(C_, x), z_.Ct = size(Ct_, x);
   size(Cd_, x), size(length_, 1);
   z_.floors = floors_.data();
-  z_.eps = plan_.tree ? 0.0 : schur::kProximal;
+  z_.eps = plan_.tree ? 0.0 : kClosureProximal;
   for (std::size_t l = 0; l < kL; ++l) length_[l] = systems_[l]->length();
   if (has_forces_) z_.wrench = wrench_.data();
   fill_masses();

@@ -86,7 +86,7 @@ bool RowBatch::project_positions(double* y, const Numbers8& t, const Flags8& wan
   const Numbers8 x_max = largest(y, 0, 7, 3, plan_.n_slots);
   const double tolerance = stabilization_.tolerance;
   std::array<PositionRounds, kLanes> rounds;
-  for (std::size_t l = 0; l < kL; ++l) rounds[l] = {1e-2 * tolerance, tolerance, length_[l], x_max[l]};
+  for (std::size_t l = 0; l < kL; ++l) rounds[l] = {position_goal_of(tolerance), tolerance, length_[l], x_max[l]};
   Flags8 going = wanted;
   for (;;) {
     gather_rows(y, t);
@@ -107,7 +107,7 @@ void RowBatch::project_velocities(double* y, const Flags8& wanted, bool factored
     pass_.norm(plan_, Cd_.data(), length_.data(), scratch_.data());
     Flags8 going{};
     for (std::size_t l = 0; l < kL; ++l)
-      going[l] = wanted[l] && !(scratch_[l] <= velocity_goal(1e-3 * stabilization_.tolerance, v_max[l]));
+      going[l] = wanted[l] && !(scratch_[l] <= velocity_goal(velocity_goal_of(stabilization_.tolerance), v_max[l]));
     if (!any(going)) return;
     solve_for(Cd_.data(), going, !factored);
     factored = true;

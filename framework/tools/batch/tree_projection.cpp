@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "framework/dynamics/evaluate/projection_rule.h"
+#include "framework/dynamics/tree/closure_rule.h"
 #include "framework/tools/batch/tree_batch.h"
 
 namespace lockstep::lanes {
@@ -76,7 +77,7 @@ bool TreeBatch::project_positions(double* y, const Numbers8& t, const Flags8& wa
   const Numbers8 x_max = largest_of(moving::x);
   std::array<PositionRounds, kLanes> rounds;
   for (std::size_t l = 0; l < kL; ++l)
-    rounds[l] = {1e-2 * tolerance, tolerance, system(static_cast<int>(l)).length(), x_max[l]};
+    rounds[l] = {position_goal_of(tolerance), tolerance, system(static_cast<int>(l)).length(), x_max[l]};
   Flags8 going = wanted;
   for (;; gather(y, t)) {
     const bool chord = next_round(closures_.norm_C(), rounds, going, landed);
@@ -95,7 +96,7 @@ void TreeBatch::project_velocities(double* y, const Numbers8& t, const Flags8& w
   Numbers8 left = first, goal;
   Flags8 going = wanted;
   for (std::size_t l = 0; l < kL; ++l) {
-    goal[l] = velocity_goal(1e-3 * stabilization_.tolerance, std::max(v_max[l], w_max[l]));
+    goal[l] = velocity_goal(velocity_goal_of(stabilization_.tolerance), std::max(v_max[l], w_max[l]));
     going[l] = wanted[l] && !(left[l] <= goal[l]);
   }
   bool old = factored;
@@ -113,7 +114,7 @@ void TreeBatch::project_velocities(double* y, const Numbers8& t, const Flags8& w
     for (std::size_t l = 0; l < kL; ++l) {
       if (!going[l]) continue;
       const bool slow = old && !(left[l] <= 0.1 * last[l]);
-      going[l] = !(left[l] <= goal[l]) && (old || left[l] < kVelocitiesFall * last[l]);
+      going[l] = !(left[l] <= goal[l]) && (old || left[l] < kStalledRows * last[l]);
       again = again || (going[l] && slow);
     }
     if (again) factored = old = false;
