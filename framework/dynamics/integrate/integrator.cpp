@@ -24,19 +24,17 @@ void check_tolerance(const Tolerance& t) {
   if (t.relative > 100)
     throw ModelError("the tolerance of " + text::brief(t.relative) +
                      " allows errors many times larger than the motion; take 1 or less, as 1e-6");
-  constexpr double kRounding = std::numeric_limits<double>::epsilon();
-  if (t.relative > 0 && t.relative < kRounding)
+  if (const double rounding = std::numeric_limits<double>::epsilon(); t.relative > 0 && t.relative < rounding)
     throw ModelError("the tolerance of " + text::brief(t.relative) +
                      " is less than rounding leaves of numbers of 16 "
                      "digits (" +
-                     text::brief(kRounding) + "), and no step meets it; take 1e-13 or more");
+                     text::brief(rounding) + "), and no step meets it; take 1e-13 or more");
 }
 
 void UnmetTolerance::count(const StepReport& step, double t) {
-  constexpr double kJust = 1 + 1e-6;  // an error of 1 is met
-  if (!(step.error > kJust)) return;
+  if (!(step.error > 1)) return;
   if (steps++ == 0) first = t;
-  largest = std::max(largest, step.error), lost += step.h * (step.error - 1);
+  largest = std::max(largest, step.error), lost = std::hypot(lost, step.h * (step.error - 1));
 }
 
 Tolerance tolerance_of(double relative) {

@@ -54,7 +54,8 @@ struct UnmetTolerance {
   long steps = 0;    ///< how many
   double first = 0,  ///< end of the first of them, s
       largest = 0,   ///< the largest of their errors, in tolerances
-      lost = 0;      ///< sum of their lengths times what their errors exceed the tolerance by, in tolerances, s
+      lost = 0;      ///< their lengths times what their errors exceed the tolerance by, in tolerances, s: the root of
+                     ///< the sum of squares, since what rounding leaves in one step is independent of the others
   /// Counts a step that ended at t if its error is such a one.
   LOCKSTEP_API void count(const StepReport&, double t);
 };
