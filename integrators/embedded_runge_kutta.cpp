@@ -73,7 +73,7 @@ void EmbeddedRungeKutta::begin(Dynamics& dynamics, const State& state) {
   dynamics_ = &dynamics;
   passage_->begin(scheme_.tableau, state, dynamics);
   stages_.begin(scheme_.tableau, state, passage_->active());
-  watch_.begin(state.v.size());
+  watch_.begin();
   h_ = h_followed_ = 0;
   dense_ready_ = false;
   if (!scheme_.error) return;

@@ -21,23 +21,20 @@ namespace lockstep {
 // Solving Ordinary Differential Equations II (1996), IV.2.
 //
 // Two states of nearly one instant, the end of a step and a stage at c = 1, differ most in the fastest mode, so
-// |da|/|dv| is the rate |lambda| of that mode, and -da . dv / |dv|^2 the damped part of it. The motion is stiff where a
-// damped mode is faster than two steps although the accelerations hardly change over fifteen: the mode decayed long ago
-// and still limits the step. An undamped oscillation, or a mode that is decaying now, must be followed by any method.
+// |da|/|dv| is the rate |lambda| of that mode, and -da . dv / |dv|^2 the damped part of it. The motion is stiff if a
+// damped mode keeps the steps at the limit of stability. An undamped oscillation must be followed by any method.
 
 /// Detects that damped fast modes limit the steps of an explicit method.
 class LOCKSTEP_API StiffnessWatch {
  public:
   /// `limit`: h |lambda| at the end of the method's interval of stability on the negative axis.
   explicit StiffnessWatch(double limit) : limit_(limit) {}
-  /// Forgets all steps; sizes its scratch for so many velocities, 6 per slot.
-  void begin(Eigen::Index n_velocities = 0);
+  void begin();  ///< forgets all steps
   /// Observes one accepted step of h, s. dv: the velocities at its end less those of a stage at c = 1; a_stage, a_end:
   /// the accelerations of that stage and of the end; all 6 per slot. Rotations count as lengths, times `length`, m.
   void observe(double h, const VecX& dv, const VecX& a_stage, const VecX& a_end, double length);
-  /// The same by the sums |dv|^2, |da|^2 and da . dv over all bodies. `change`: relative change of the accelerations
-  /// since the window began.
-  void add(double h, double dv2, double da2, double da_dv, double change);
+  /// The same by the sums |dv|^2, |da|^2 and da . dv over all bodies.
+  void add(double h, double dv2, double da2, double da_dv);
   /// Whether damped fast modes limited the last window of 15 steps.
   bool stiff() const { return stiff_; }
   void save(Snapshot& out) const;    ///< saves the sums of the present window and stiff()
@@ -47,7 +44,6 @@ class LOCKSTEP_API StiffnessWatch {
   double limit_;
   double n_ = 0, rate2_ = 0, damped_ = 0;  // steps, and sums over them: (h |lambda|)^2, h times the damped part
   bool stiff_ = false;
-  VecX a_before_;  // at the beginning of the window
 };
 
 // Embedded explicit Runge-Kutta: two results of different order from the same stages estimate the error, which chooses
