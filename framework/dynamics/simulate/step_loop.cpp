@@ -291,6 +291,8 @@ const Inputs* StepLoop::end_step(double wanted) {
     if (jump)
       p.fall_due({Due::rows, Due::step, Due::row, Due::progress, Due::before_jump, Due::jump, Due::events,
                   Due::contacts, Due::jumped});
+    else if (p.events.empty() && p.contacts.empty())
+      p.fall_due({Due::rows, Due::step, Due::row, Due::progress});
     else
       p.fall_due(
           {Due::rows, Due::step, Due::row, Due::progress, Due::before_jump, Due::events, Due::contacts, Due::jumped});
