@@ -20,7 +20,7 @@
 #include <lockstep/sweep.h>
 #include <lockstep/uniqueness.h>
 #include "framework/description/scene/system_of.h"
-#include "framework/tools/analysis/free_motions.h"
+#include "framework/tools/analysis/unknowns.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/worst.h"
@@ -291,12 +291,12 @@ TEST_CASE("rows of overconstrained mechanisms depend on one another alike along 
     State state = m.system.start();
     assemble(dynamics, state, m.start_speeds);
     MobilityReport first;  // a start in line with the axes of the world hides which rows depend
-    VecX way = VecX::Zero(static_cast<Eigen::Index>(unknowns_of(system).size()));
+    VecX way = VecX::Zero(Unknowns(system).n());
     for (int pose = 1; pose <= 10; ++pose) {
       const MatX N = free_motions(dynamics.gather_rows(state));
       way = way.isZero(0) ? VecX(N.col(0)) : VecX(N * (N.transpose() * way));
       way.normalize();
-      dynamics.advance(state, 0.05 * system.length(), motion_of(system, unknowns_of(system), way));
+      dynamics.advance(state, 0.05 * system.length(), Unknowns(system).motion_of(way));
       dynamics.project(state);
       const MobilityReport there = mobility(dynamics, state);
       CAPTURE(c.name, pose);

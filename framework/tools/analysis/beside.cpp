@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <lockstep/error.h>
+#include "framework/tools/analysis/limits.h"
 
 namespace lockstep {
 
@@ -11,7 +12,7 @@ bool Beside::along(const State& from, double time, State& out) try {
   out = from;
   advance_state(out, time, from.v);
   out.t = from.t + time;
-  return project_.project(evaluation_, factor_, out, 1e-12 * evaluation_.system().length()).converged;
+  return project_.project(evaluation_, factor_, out, kRoundOff * evaluation_.system().length()).converged;
 } catch (const Error&) {
   return false;
 }

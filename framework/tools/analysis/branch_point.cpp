@@ -8,19 +8,19 @@
 #include <random>
 
 #include <lockstep/error.h>
+#include "framework/dynamics/evaluate/row_space.h"
 #include "framework/dynamics/solvers/graph.h"
+#include "framework/tools/analysis/limits.h"
 #include "framework/tools/analysis/loop_rows.h"
 #include "framework/tools/analysis/mechanism_matrices.h"
 #include "framework/tools/analysis/motion_words.h"
-#include "framework/dynamics/evaluate/row_space.h"
 
 namespace lockstep {
 
 namespace {
 
-constexpr int kMostMotions = 3;      // with more of them branches are no lines
-constexpr double kIn = 1e-5;         // pivot of rows of length 1: in the position
-constexpr double kStillRows = 1e-9;  // m/s: laws move the rows no faster
+constexpr int kMostMotions = 3;  // with more of them branches are no lines
+constexpr double kIn = 1e-5;     // pivot of rows of length 1: in the position
 constexpr double kSameLine = 1e-3;
 
 /// Entries on loops. Rows elsewhere depend on no others, and move along with any motion of the loops.
@@ -39,7 +39,7 @@ bool is_driven(const Evaluation& e, const std::vector<int>& rows) {
   VecX Ct = VecX::Zero(e.rows().n_rows), of_part = Ct;
   e.velocity_residual(VecX::Zero(6 * e.system().n_slots()), Ct);
   of_part(rows) = Ct(rows);
-  return !(e.norm(of_part) <= kStillRows);
+  return !(e.norm(of_part) <= kNone);
 }
 
 // Forms that stop motions. Combinations at random span what all combinations do: as many as there are different forms.
@@ -75,11 +75,11 @@ std::vector<VecX> common_zeros(const std::vector<MatX>& forms, Eigen::Index p) {
       }
       slopes.bottomRows(1) = c.transpose(), values[values.size() - 1] = 0;
       size = values.lpNorm<Eigen::Infinity>();
-      if (size <= kSameLine * kFlat) break;
+      if (size <= kNone) break;
       c -= Eigen::CompleteOrthogonalDecomposition<MatX>(slopes).solve(values);
       c.normalize();
     }
-    if (!(size <= kFlat)) continue;
+    if (!(size <= kSlight)) continue;
     const bool known =
         std::ranges::any_of(found, [&](const VecX& other) { return 1 - std::abs(c.dot(other)) < kSameLine; });
     if (!known) found.push_back(c);
@@ -110,7 +110,7 @@ BranchPoint looked_at(Dynamics& dynamics, const State& given) {
   out.all = lines.size() <= (out.motions == 2 ? 2u : 4u);  // more are a surface of them
   for (const VecX& c : lines) {
     if (!out.all) break;
-    VecX motion = rows.at.to_slots((N * c).cwiseQuotient(rows.at.lengths()));
+    VecX motion = rows.at.motion_of(N * c);
     motion /= motion_size(system, motion);
     out.tangents.push_back(std::move(motion));
   }

@@ -13,14 +13,12 @@
 #include <lockstep/lock.h>
 #include <lockstep/relative.h>
 #include <lockstep/text.h>
-#include "framework/tools/analysis/free_motions.h"
+#include "framework/tools/analysis/limits.h"
 #include "framework/tools/analysis/motion_words.h"
+#include "framework/tools/analysis/unknowns.h"
 
 namespace lockstep {
 namespace {
-
-constexpr int kMostCounted = 1200;  // unknowns
-constexpr double kMoves = 1e-6;     // m, of free motions of size 1 m: less is the rounding of their basis
 
 /// A coordinate of a link that its mask leaves free.
 struct FreeCoordinate {
@@ -56,7 +54,7 @@ double rate_of(const FreeCoordinate& c, const Inputs& in, double length) {
 
 /// Rates of these coordinates in each free motion, less those at rest, which the markers' own laws give.
 MatX rates_in(const std::vector<FreeCoordinate>& coordinates, Dynamics& dynamics, const State& state,
-              const std::vector<int>& unknowns, const MatX& motions) {
+              const Unknowns& unknowns, const MatX& motions) {
   const System& system = dynamics.system();
   State moving = state;
   const auto rates = [&](const VecX& v) {
@@ -69,8 +67,7 @@ MatX rates_in(const std::vector<FreeCoordinate>& coordinates, Dynamics& dynamics
   };
   const VecX at_rest = rates(VecX::Zero(6 * system.n_slots()));
   MatX out(at_rest.size(), motions.cols());
-  for (Eigen::Index k = 0; k < motions.cols(); ++k)
-    out.col(k) = rates(motion_of(system, unknowns, motions.col(k))) - at_rest;
+  for (Eigen::Index k = 0; k < motions.cols(); ++k) out.col(k) = rates(unknowns.motion_of(motions.col(k))) - at_rest;
   return out;
 }
 
@@ -116,9 +113,9 @@ DriveReport driven_by(Dynamics& dynamics, const State& state) {
       if (const auto drive = drives.find(row); drive != drives.end()) set.push_back(drive->second);
     if (!set.empty()) report.too_many.push_back(std::move(set));
   }
-  if (report.freedoms == 0 || system.n_velocities() > kMostCounted) return report;
+  if (report.freedoms == 0 || system.n_velocities() > kDenseUnknowns) return report;
 
-  const std::vector<int> unknowns = unknowns_of(system);
+  const Unknowns unknowns(system);
   const Evaluation& e = dynamics.gather_rows(state);
   const MatX N = free_motions(e);
   const std::vector<FreeCoordinate> coordinates = free_coordinates(system, state);
@@ -128,10 +125,10 @@ DriveReport driven_by(Dynamics& dynamics, const State& state) {
   MatX chosen(0, N.cols());
   std::vector<int> leaders;
   for (std::size_t i = 0; i < coordinates.size() && chosen.rows() < N.cols(); ++i) {
-    if (!(rates.row(static_cast<Eigen::Index>(i)).norm() > kMoves)) continue;
+    if (!(rates.row(static_cast<Eigen::Index>(i)).norm() > kSlight)) continue;
     MatX more(chosen.rows() + 1, N.cols());
     more << chosen, rates.row(static_cast<Eigen::Index>(i));
-    if (Eigen::ColPivHouseholderQR<MatX>(more.transpose()).setThreshold(1e-6).rank() < more.rows()) continue;
+    if (Eigen::ColPivHouseholderQR<MatX>(more.transpose()).setThreshold(kSlight).rank() < more.rows()) continue;
     chosen = more;
     report.to_drive.push_back(coordinates[i].name());
     leaders.push_back(coordinates[i].slot());
@@ -139,7 +136,7 @@ DriveReport driven_by(Dynamics& dynamics, const State& state) {
   const MatX motions = chosen.rows() == N.cols() ? MatX(N * chosen.inverse()) : N;
   const Inputs& in = dynamics.inputs(state);
   for (Eigen::Index k = 0; k < motions.cols(); ++k) {
-    const VecX motion = motion_of(system, unknowns, motions.col(k));
+    const VecX motion = unknowns.motion_of(motions.col(k));
     const int leader = chosen.rows() == N.cols() ? leaders[static_cast<std::size_t>(k)] : kGround;
     report.free.push_back(leader == kGround ? motion_words(system, in, motion)
                                             : led_motion_words(system, in, motion, leader));

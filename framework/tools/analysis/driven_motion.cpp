@@ -11,14 +11,13 @@
 #include <lockstep/lock.h>
 #include <lockstep/stepping.h>
 #include <lockstep/text.h>
+#include "framework/tools/analysis/limits.h"
 #include "framework/tools/analysis/wild_starts.h"
 
 namespace lockstep {
 namespace {
 
-constexpr double kBranch = 0.05;         // lengths: a pose farther from the predicted one may lie on another branch
-constexpr double kContradiction = 1e-6;  // m/s, relative to the speeds beyond 1 m/s
-constexpr double kShortestShare = 1e-6;  // of the way to an instant
+constexpr double kBranch = 0.05;  // lengths: a pose farther from the predicted one may lie on another branch
 
 // Nodes and weights of Gauss and Legendre on [-1, 1].
 constexpr std::array<double, 5> kNode = {-0.906179845938663992797626878299, -0.538469310105683091036314420700, 0,
@@ -103,7 +102,7 @@ bool DrivenMotion::step(double t) {
     why_ = "no position near the one before fits there";
     return false;
   }
-  if (!(moved.after_v <= kContradiction * std::max(1.0, trial_.v.lpNorm<Eigen::Infinity>()))) {
+  if (!(moved.after_v <= kSlight * std::max(1.0, trial_.v.lpNorm<Eigen::Infinity>()))) {
     why_ = fmt::format("the mechanism cannot move as its laws ask there: {:.2g} m/s are left (a dead centre)",
                        moved.after_v);
     return false;
@@ -128,13 +127,13 @@ const Solution& DrivenMotion::to(double t) {
   double h = whole;
   while (state_.t != t) {
     const double left = t - state_.t;
-    const bool last = std::abs(h) >= std::abs(left) * (1 - 1e-12);
+    const bool last = std::abs(h) >= std::abs(left) * (1 - kRoundOff);
     if (step(last ? t : state_.t + h)) {
       h *= 2;
       continue;
     }
     h = 0.5 * (last ? left : h);
-    if (std::abs(h) < kShortestShare * std::abs(whole)) refuse(state_.t + h);
+    if (std::abs(h) < kSlight * std::abs(whole)) refuse(state_.t + h);
   }
   if (solution_ == nullptr || whole == 0) solution_ = &dynamics_.evaluate(state_);
   return *solution_;
@@ -145,7 +144,7 @@ void DrivenMotion::refuse(double t) const {
   VecX C, Cd;
   e.residuals(C, Cd);
   Eigen::Index worst = 0;
-  const bool off = C.size() > 0 && e.norm(C) > 1e-6 * e.system().length();
+  const bool off = C.size() > 0 && e.norm(C) > kSlight * e.system().length();
   if (C.size() > 0) (off ? C : Cd).cwiseAbs().maxCoeff(&worst);
   throw AssemblyError(fmt::format(
       "kinematics stopped at t = {:.9g} s: {}; worst: {}. A law may jump in position, or ask for more than the "

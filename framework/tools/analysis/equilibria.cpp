@@ -6,6 +6,7 @@
 
 #include <lockstep/error.h>
 #include "framework/tools/analysis/equilibrium_search.h"
+#include "framework/tools/analysis/limits.h"
 #include "framework/tools/analysis/wild_starts.h"
 
 namespace lockstep {
@@ -19,18 +20,17 @@ struct Unheld {
 };
 
 Unheld unheld_of(const Stability& s, const System& system, int slot) {
-  constexpr double kNone = 1e-6;  // of the size of a motion
   Unheld out;
   Vec3 move = Vec3::Zero();
   for (const FreeMotion& m : s.neutral) {
     const Vec3 turn = system.length() * m.motion.segment<3>(6 * slot + 3);
     move = move.cwiseMax(Vec3(m.motion.segment<3>(6 * slot).cwiseAbs()));
-    if (turn.norm() <= kNone) continue;
-    const bool same = out.turns == 0 || cross(out.axis, turn).norm() <= kNone;
+    if (turn.norm() <= kSlight) continue;
+    const bool same = out.turns == 0 || cross(out.axis, turn).norm() <= kSlight;
     out.turns = same ? std::max(out.turns, 1) : 2;
     if (out.axis.isZero(0)) out.axis = turn.normalized();
   }
-  out.moves = move.norm() > kNone;
+  out.moves = move.norm() > kSlight;
   return out;
 }
 
@@ -45,9 +45,8 @@ bool same_pose(const Pose& p, const Pose& q, const Unheld& unheld, double length
 /// stiff, under the same forces, and the same in all that is held.
 bool same_equilibrium(const System& system, const Equilibrium& a, const Equilibrium& b, double same) {
   if (apart(system, a.state, b.state) <= same * system.length()) return true;
-  constexpr double kAlike = 1e-6;
   const Stability &s = a.report.stability, &o = b.report.stability;
-  const auto alike = [](double x, double y) { return std::abs(x - y) <= kAlike * std::max(std::abs(x), std::abs(y)); };
+  const auto alike = [](double x, double y) { return std::abs(x - y) <= kSlight * std::max(std::abs(x), std::abs(y)); };
   if (s.neutral.empty() || s.neutral.size() != o.neutral.size() || s.unstable.size() != o.unstable.size() ||
       !alike(s.softest, o.softest) || !alike(a.report.largest_force, b.report.largest_force))
     return false;

@@ -12,17 +12,15 @@
 #include <lockstep/text.h>
 #include "framework/dynamics/simulate/line_search.h"
 #include "framework/tools/analysis/equilibrium_search.h"
-#include "framework/tools/analysis/free_motions.h"
+#include "framework/tools/analysis/limits.h"
 #include "framework/tools/analysis/motion_words.h"
 #include "framework/tools/analysis/rest_motions.h"
 
 namespace lockstep {
 namespace {
 
-constexpr double kLongest = 0.5;       // rad, and of the extent of the mechanism: a step of Newton's method
-constexpr double kLeastShift = 1e-10;  // s, relative to force/(mass length): more than rounding in a free motion
-constexpr int kMostDense = 400;        // unknowns
-constexpr double kOnTheRows = 1e-14;   // |C| after a step, m
+constexpr double kLongest = 0.5;  // rad, and of the extent of the mechanism: a step of Newton's method
+constexpr int kMostDense = 400;   // unknowns
 constexpr double kStillDownhill = 0.9;
 constexpr std::size_t kLeaves = 10;  // unstable positions that are left
 
@@ -57,7 +55,7 @@ void EquilibriumSearch::run() {
     return;
   }
   for (;;) {
-    if (!newton(options_.iterations)) relax();
+    if (!newton(report_.iterations, options_.iterations)) relax();
     if (release()) continue;
     if (releases_ > most_releases())
       throw SolveError(
@@ -74,7 +72,7 @@ void EquilibriumSearch::run() {
 bool EquilibriumSearch::settle(State& state) {
   bool fits = false;
   try {
-    fits = dynamics_.project(state, kOnTheRows).converged;
+    fits = dynamics_.project(state, kRoundOff * length_).converged;
   } catch (const SolveError&) {
   } catch (const NonFiniteError&) {
   }
@@ -82,17 +80,18 @@ bool EquilibriumSearch::settle(State& state) {
   return fits;
 }
 
-double EquilibriumSearch::least_shift() const { return kLeastShift * now_.force / (heaviest_ * length_); }
+// More than rounding in a free motion.
+double EquilibriumSearch::least_shift() const { return kNone * now_.force / (heaviest_ * length_); }
 
 bool EquilibriumSearch::find_step(bool either_way) {
-  return system_.n_velocities() <= kMostDense ? find_dense_step(either_way) : find_sparse_step(either_way);
+  return !report_.relaxed && system_.n_velocities() <= kMostDense ? find_dense_step(either_way)
+                                                                  : find_sparse_step(either_way);
 }
 
 bool EquilibriumSearch::find_dense_step(bool either_way) {
-  constexpr double kNone = 1e-11, kNearlyZero = 10;
   const RestMatrices A(*now_.e, now_.lambda);
   if (A.N.cols() == 0) return false;
-  const VecX g = forces_in(system_, A.at, now_.r);
+  const VecX g = A.at.forces_in(now_.r);
   const RestMotions motions = rest_motions(A);
   const bool potential = has_potential(A, motions);
   VecX share = motions.U.transpose() * g, y;
@@ -101,17 +100,17 @@ bool EquilibriumSearch::find_dense_step(bool either_way) {
     y = MatX(K + shift_ * MatX::Identity(K.rows(), K.cols())).partialPivLu().solve(share);
   }
   if (potential || !y.allFinite() || (!either_way && y.dot(share) < 0)) {
-    const double rounding = kNone * now_.force / std::sqrt(heaviest_);
+    const double rounding = kRoundOff * now_.force / std::sqrt(heaviest_);
     for (Eigen::Index i = 0; i < share.size(); ++i) {
       const double mu = motions.stiffness[i];
-      if (std::abs(mu) <= kNearlyZero * motions.bound[i])
+      if (std::abs(mu) <= 10 * motions.bound[i])
         share[i] = std::abs(share[i]) <= rounding ? 0.0 : share[i] / std::max(shift_, now_.speed_up / length_);
       else
         share[i] /= either_way ? mu : std::abs(mu) + shift_;
     }
     y = share;
   }
-  step_ = motion_of(system_, A.at, motions.U * y);
+  step_ = A.at.motion_of(motions.U * y);
   if (!step_.allFinite()) return false;
   if (const double size = size_of(step_); size > kLongest) step_ *= kLongest / size;
   slope_ = now_.r.dot(step_);
@@ -119,31 +118,25 @@ bool EquilibriumSearch::find_dense_step(bool either_way) {
 }
 
 bool EquilibriumSearch::find_sparse_step(bool either_way) {
-  constexpr int kMost = 40;
   matrix_.gather(*now_.e, now_.lambda);
   const VecX c = -now_.C;
-  for (int k = 0; k < kMost; ++k) {
-    bool solved = true;
+  const double rate = now_.speed_up / length_;
+  for (; shift_ * kRoundOff <= rate; shift_ = std::max(4 * shift_, 0.25 * rate)) {
     try {
       matrix_.factor(std::max(shift_, least_shift()), 0, 1);
       matrix_.solve(now_.r, c, step_, turned_);
-    } catch (const SolveError&) {
-      solved = false;
+      slope_ = now_.r.dot(step_);
+      if (size_of(step_) <= kLongest && (slope_ >= 0 || either_way)) return step_.allFinite();
+    } catch (const SolveError&) {  // a larger shift has a factor
     }
-    slope_ = solved && step_.allFinite() ? now_.r.dot(step_) : -1;
-    const double size = solved && step_.allFinite() ? size_of(step_) : 2 * kLongest;
-    const bool shortens = size > kLongest;
-    if (solved && !shortens && (slope_ >= 0 || either_way)) return true;
-    shift_ = std::max(4 * shift_, 0.25 * now_.speed_up / length_);
-    if (shift_ == 0) return false;
+    if (rate == 0) break;
   }
   return false;
 }
 
-bool EquilibriumSearch::accepts(double share, double slope_before, double unbalanced_before,
-                                double power_before) const {
+bool EquilibriumSearch::accepts(double slope_before, double unbalanced_before, double power_before) const {
   if (now_.unbalanced <= options_.tolerance && now_.unbalanced < unbalanced_before) return true;
-  if (options_.nearest) return now_.power() <= (1 - 1e-4 * share) * power_before;
+  if (options_.nearest) return now_.power() < power_before;
   return now_.r.dot(step_) >= -kStillDownhill * slope_before;
 }
 
@@ -169,7 +162,7 @@ bool EquilibriumSearch::take_step() {
     advance_state(state_, share, step_);
     if (!settle(state_)) return false;
     if (touch(state_)) return settle(state_) && look();  // the next step knows of the link
-    if (!look() || !accepts(share, slope, unbalanced, power)) return false;
+    if (!look() || !accepts(slope, unbalanced, power)) return false;
     if (share < 1)
       shift_ = std::max(2 * shift_, least_shift());
     else
@@ -180,26 +173,22 @@ bool EquilibriumSearch::take_step() {
   return taken;
 }
 
-bool EquilibriumSearch::newton(int most) {
-  constexpr int kFailures = 6, kPolish = 4;
-  int failures = 0, polish = 0;
+bool EquilibriumSearch::newton(int& made, int most) {
   now_.look(state_);
-  for (int made = 0;; ++made) {
+  for (most += made;;) {
     const bool done = now_.unbalanced <= options_.tolerance;
-    if (done && (++polish > kPolish || now_.unbalanced == 0)) return true;
+    if (done && now_.unbalanced == 0) return true;
     if (made >= most && !done) return false;
     if (done) shift_ = 0;
     const double before = now_.unbalanced;
     const State from = state_;
     if (!find_step(done || options_.nearest)) return done;  // at rest rounding has no direction
-    ++report_.iterations;
+    ++made;
     if (!take_step()) {
-      if (done) return true;
-      if (++failures > kFailures) return false;
+      if (done || size_of(step_) <= kRoundOff) return done;
       shift_ = std::max(16 * shift_, now_.speed_up / length_);
       continue;
     }
-    failures = 0;
     if (done && !(now_.unbalanced < 0.5 * before)) {  // rounding: the better of the two
       if (now_.unbalanced > before) state_ = from, now_.look(state_);
       return true;
@@ -245,20 +234,19 @@ void EquilibriumSearch::finish() {
 std::string EquilibriumReport::method() const {
   if (by_friction) return "the start, where friction holds it";
   const std::string newton = fmt::format("Newton's method, {} iteration{}", iterations, iterations == 1 ? "" : "s");
-  return relaxed ? fmt::format("dynamic relaxation, {} steps, then {}", relaxation_steps, newton) : newton;
+  return relaxed ? fmt::format("dynamic relaxation, {} steps, after {}", relaxation_steps, newton) : newton;
 }
 
 namespace {
 
 // Moves a state that lies in the plane but for rounding exactly into it. `from`: in the plane. False: it lies outside.
 bool put_into(Plane plane, const System& system, const State& from, State& state) {
-  constexpr double kRounding = 1e-9;
   for (int k = 0; k < system.n_slots(); ++k) {
     Pose pose = state.slot_pose(k);
     const double height = from.slot_pose(k).x[plane.n];
     const Vec3 turn = 2 * pose.q.vec();
-    if (std::abs(pose.x[plane.n] - height) > kRounding * system.length() || std::abs(turn[plane.i()]) > kRounding ||
-        std::abs(turn[plane.j()]) > kRounding)
+    if (std::abs(pose.x[plane.n] - height) > kNone * system.length() || std::abs(turn[plane.i()]) > kNone ||
+        std::abs(turn[plane.j()]) > kNone)
       return false;
     pose.x[plane.n] = height;
     pose.q = normalized(Quat::from(pose.q.w, Vec3(pose.q.vec()[plane.n] * Vec3::Unit(plane.n))));

@@ -24,9 +24,8 @@ double EquilibriumSearch::push(std::size_t i) const {
 
 bool EquilibriumSearch::release() {
   std::size_t worst = contacts_.size();
-  double most = -1e-9 * now_.force;
   for (std::size_t i = 0; i < contacts_.size(); ++i)
-    if (contacts_.in_force(i, state_) && contacts_.watched(i, state_) && push(i) < most) most = push(i), worst = i;
+    if (pulls(i) && (worst == contacts_.size() || push(i) < push(worst))) worst = i;
   if (worst == contacts_.size() || ++releases_ > most_releases()) return false;
   contacts_.put(worst, false, state_);
   released_at_ = static_cast<int>(worst);

@@ -8,9 +8,6 @@
 namespace lockstep {
 namespace {
 
-constexpr int kMostGripped = 400;  // unknowns
-constexpr double kPulls = 1e-9;    // of the largest force
-
 std::string words_of(const GripReport& grip) {
   return fmt::format("'{}' ({}) would have to carry {:.6g} {}, and can {:.6g}", grip.force, grip.what, grip.carries,
                      grip.unit, grip.most);
@@ -19,7 +16,7 @@ std::string words_of(const GripReport& grip) {
 }  // namespace
 
 bool EquilibriumSearch::rests_by_friction() {
-  if (!options_.friction || system_.n_velocities() > kMostGripped) return false;
+  if (!options_.friction || system_.n_velocities() > kDenseUnknowns) return false;
   now_.look(state_);
   if (now_.e->reacting().empty()) return false;
   RestMatrices A(*now_.e, now_.lambda);
@@ -30,7 +27,7 @@ bool EquilibriumSearch::rests_by_friction() {
   if (!load.holds) return false;
   now_.lambda = load.lambda;
   for (std::size_t i = 0; i < contacts_.size(); ++i)
-    if (contacts_.in_force(i, state_) && contacts_.watched(i, state_) && push(i) < -kPulls * now_.force) {
+    if (pulls(i)) {
       report_.notes.push_back("friction could hold the start, but the one-sided link '" + contacts_[i].link->name() +
                               "' would have to pull there");
       return false;

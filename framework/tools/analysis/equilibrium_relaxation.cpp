@@ -19,59 +19,9 @@ constexpr double kPushOff = 0.05;  // lengths
 }  // namespace
 
 void EquilibriumSearch::relax() {
-  constexpr double kGrow = 1.1, kShrink = 0.5, kStart = 0.1, kFade = 0.99;
-  constexpr int kWait = 5, kTrial = 30;
   report_.relaxed = true;
-  double goal = 1e-2;
-  now_.look(state_);
-  VecX v = VecX::Zero(now_.a.size());
-  double mix = kStart, h = 0, h_most = 0;
-  int well = 0;
-  const auto begin = [&] {
-    h = now_.speed_up > 0 ? 0.05 * std::sqrt(length_ / now_.speed_up) : 1e-3;
-    h_most = 10 * h, mix = kStart, well = 0;
-    v.setZero();
-  };
-  begin();
-  for (;; ++report_.relaxation_steps) {
-    if (now_.unbalanced <= goal) {
-      const State here = state_;
-      shift_ = 0;
-      if (newton(std::min(kTrial, options_.iterations))) return;
-      state_ = here;
-      now_.look(state_);
-      goal *= 0.03;
-      begin();
-    }
-    if (report_.relaxation_steps >= options_.relaxation_steps || gone()) no_equilibrium();
-    if (now_.r.dot(v) > 0) {
-      const double share = std::sqrt(mass_norm(v) / std::max(now_.power(), 1e-300));
-      v = (1 - mix) * v + mix * share * now_.a;
-      if (++well > kWait) h = std::min(kGrow * h, h_most), mix *= kFade;
-    } else {
-      v.setZero(), h *= kShrink, mix = kStart, well = 0;
-    }
-    v += h * now_.a;
-    if (const double size = h * motion_size(system_, v) / length_; size > 0.1) v *= 0.1 / size;
-    const State from = state_;
-    advance_state(state_, h, v);
-    if (!settle(state_)) {
-      state_ = from;
-      v.setZero(), h *= kShrink;
-    } else if (touch(state_)) {
-      settle(state_);
-      v.setZero();
-    }
-    now_.look(state_);
-  }
-}
-
-double EquilibriumSearch::mass_norm(const VecX& v) const {
-  double sum = 0;
-  for (int k = 0; k < system_.n_slots(); ++k)
-    sum += system_.slot(k).mass * v.segment<3>(6 * k).squaredNorm() +
-           v.segment<3>(6 * k + 3).dot(system_.slot(k).J * v.segment<3>(6 * k + 3));
-  return sum;
+  shift_ = now_.speed_up / length_;
+  if (!newton(report_.relaxation_steps, options_.relaxation_steps)) no_equilibrium();
 }
 
 bool EquilibriumSearch::gone() const {
@@ -86,7 +36,7 @@ void EquilibriumSearch::no_equilibrium() {
   std::string words;
   for (const FreeMotion& m : s.neutral) {
     const double pushes = now_.r.dot(m.motion);
-    if (std::abs(pushes) > 1e-3 * now_.r.norm() * m.motion.norm())
+    if (std::abs(pushes) > kSlight * now_.r.norm() * m.motion.norm())
       words += (words.empty() ? "" : "; ") + motion_words(system_, now_.e->inputs(), (pushes < 0 ? -1 : 1) * m.motion) +
                ", and nothing holds it";
   }

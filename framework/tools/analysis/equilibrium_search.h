@@ -8,6 +8,7 @@
 #include <lockstep/newton.h>
 #include "framework/dynamics/simulate/contacts.h"
 #include "framework/tools/analysis/forces_at_rest.h"
+#include "framework/tools/analysis/limits.h"
 
 namespace lockstep {
 
@@ -44,14 +45,15 @@ class EquilibriumSearch {
   bool find_dense_step(bool either_way);
   /// (K + s M) dx + J^T dl = r, J dx = -C. s grows until the step goes with the forces and is short enough.
   bool find_sparse_step(bool either_way);
-  bool accepts(double share, double slope_before, double unbalanced_before, double power_before) const;
+  bool accepts(double slope_before, double unbalanced_before, double power_before) const;
   /// The largest turn, rad, or move by the extent of the mechanism.
   double size_of(const VecX& step) const;
   /// Looks at the present state. False where its forces are not finite.
   bool look();
   /// One step along the line. False where no share of it is accepted; the state is then the old one.
   bool take_step();
-  bool newton(int most);
+  /// At most so many steps, which are added to those made.
+  bool newton(int& made, int most);
 
   // -- friction
 
@@ -62,9 +64,9 @@ class EquilibriumSearch {
 
   // -- dynamic relaxation
 
-  /// FIRE: the motion itself, its velocity turned into the forces' direction, stopped whenever it goes against them.
+  /// The same steps with a shift s that begins at what the forces accelerate, and with the sparse matrix: the motion of
+  /// masses without inertia, M dx/dt = r, in implicit steps of 1/s that grow as it comes to rest.
   void relax();
-  double mass_norm(const VecX& v) const;
   bool gone() const;
   [[noreturn]] void no_equilibrium();
 
@@ -79,6 +81,10 @@ class EquilibriumSearch {
   /// Puts into force those that the state passes through, or touches. Returns whether there were any.
   bool touch(State& state);
   double push(std::size_t i) const;
+  /// Whether its load would have to pull.
+  bool pulls(std::size_t i) const {
+    return contacts_.in_force(i, state_) && contacts_.watched(i, state_) && push(i) < -kNone * now_.force;
+  }
   /// Releases the link that pulls most. Returns whether one did.
   bool release();
   std::vector<std::string> contact_names() const;

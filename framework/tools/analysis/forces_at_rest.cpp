@@ -4,6 +4,7 @@
 
 #include <lockstep/error.h>
 #include "framework/mechanism/system/diagnose.h"
+#include "framework/tools/analysis/motion_words.h"
 
 namespace lockstep {
 
@@ -23,9 +24,7 @@ void ForcesAtRest::look(const State& state) {
   force = system.n_slots() > 0 ? largest_loads(*e, lambda).maxCoeff() : 0;
   const double left = largest(r);
   unbalanced = force > 0 ? left / force : 0;
-  speed_up = 0;
-  for (int k = 0; k < system.n_slots(); ++k)
-    speed_up = std::max({speed_up, a.segment<3>(6 * k).norm(), length_ * a.segment<3>(6 * k + 3).norm()});
+  speed_up = motion_size(system, a);
   e->residuals(C, Cd_);
 }
 

@@ -8,15 +8,12 @@
 #include <Eigen/QR>
 
 #include "framework/mechanism/system/diagnose.h"
-#include "framework/tools/analysis/free_motions.h"
+#include "framework/tools/analysis/limits.h"
 
 namespace lockstep {
 namespace {
 
 constexpr int kRounds = 300;
-constexpr double kLeft = 1e-8;        // of the forces: not balanced
-constexpr double kSettled = 1e-10;    // of the largest share, from round to round
-constexpr double kLeastPart = 1e-12;  // of a weight
 
 struct GripOf {
   const Force* force;
@@ -39,9 +36,9 @@ std::vector<GripOf> grips_at(const Evaluation& e, const VecX& lambda) {
 /// to the least that there is (Lawson).
 class Balance {
  public:
-  Balance(const Evaluation& e, const RestMatrices& A, const VecX& r, std::vector<GripOf> grips)
+  Balance(const RestMatrices& A, const VecX& r, std::vector<GripOf> grips)
       : grips_(std::move(grips)), parts_(grips_.size(), 1.0) {
-    const auto in_motions = [&](const VecX& f) { return VecX(A.N.transpose() * forces_in(e.system(), A.at, f)); };
+    const auto in_motions = [&](const VecX& f) { return VecX(A.N.transpose() * A.at.forces_in(f)); };
     for (std::size_t g = 0; g < grips_.size(); ++g)
       for (const VecX& one : grips_[g].grip.along) along_.push_back(&one), of_.push_back(g);
     B_.resize(A.N.cols(), static_cast<Eigen::Index>(along_.size()));
@@ -55,7 +52,7 @@ class Balance {
     VecX scale(B_.cols());
     for (Eigen::Index k = 0; k < scale.size(); ++k) scale[k] = grip_of(k).most / std::sqrt(parts_[of_at(k)]);
     t_ = scale.asDiagonal() * MatX(B_ * scale.asDiagonal()).completeOrthogonalDecomposition().solve(b_);
-    return (B_ * t_ - b_).norm() <= kLeft * b_.norm();
+    return (B_ * t_ - b_).norm() <= kNone * b_.norm();
   }
   /// 6 per slot.
   VecX load() const {
@@ -86,7 +83,7 @@ class Balance {
     double most = 0;
     for (std::size_t g = 0; g < parts_.size(); ++g)
       if (std::isfinite(share(g))) parts_[g] *= share(g), most = std::max(most, parts_[g]);
-    for (double& part : parts_) part = std::max(most > 0 ? part / most : 1.0, kLeastPart);
+    for (double& part : parts_) part = std::max(most > 0 ? part / most : 1.0, kRoundOff);
   }
   /// What no friction with a limit above zero acts on.
   MatX ungripped(const MatX& N) const {
@@ -94,7 +91,7 @@ class Balance {
     for (Eigen::Index k = 0; k < B_.cols(); ++k)
       if (grip_of(k).most > 0 && B_.col(k).norm() > 0) acting.row(k) = B_.col(k).normalized();
     Eigen::FullPivLU<MatX> lu(acting);
-    lu.setThreshold(kLeft);
+    lu.setThreshold(kNone);
     return lu.dimensionOfKernel() == 0 ? MatX(N.rows(), 0) : MatX(N * lu.kernel());
   }
 
@@ -126,7 +123,7 @@ FrictionLoad friction_load(Dynamics& dynamics, const ForcesAtRest& now, const Re
   const Evaluation& e = *now.e;
   std::vector<GripOf> grips = grips_at(e, now.lambda);
   if (std::ranges::all_of(grips, [](const GripOf& g) { return g.grip.along.empty(); }) || A.N.cols() == 0) return out;
-  Balance balance(e, A, now.r, std::move(grips));
+  Balance balance(A, now.r, std::move(grips));
   Factor& factor = dynamics.factor(e);
   const VecX none = VecX::Zero(e.rows().n_rows);
   VecX a, added;
@@ -147,7 +144,7 @@ FrictionLoad friction_load(Dynamics& dynamics, const ForcesAtRest& now, const Re
       return out;
     }
     if (k == 0) continue;
-    if (std::isfinite(worst) && std::abs(worst - before) <= kSettled * worst) return out;
+    if (std::isfinite(worst) && std::abs(worst - before) <= kNone * worst) return out;
     before = worst;
     balance.weigh();
   }

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include <lockstep/error.h>
-#include "framework/tools/analysis/motion_words.h"
 #include "framework/dynamics/evaluate/row_space.h"
+#include "framework/tools/analysis/motion_words.h"
 
 namespace lockstep {
 namespace {
@@ -59,13 +59,12 @@ class FreeWay {
   // The free motion nearest to u; zero if the rows hold u.
   VecX nearest(const VecX& u) {
     const RowTable& table = dynamics_.gather_rows(state_).rows();
-    const VecX free =
-        RowSpace(at_.lengths().cwiseInverse().asDiagonal() * at_.rows(table, entries_of(table))).free_part(u);
+    const VecX free = RowSpace(at_.rows_in_lengths(table)).free_part(u);
     return free.norm() > kDependent * u.norm() ? free : VecX(VecX::Zero(u.size()));
   }
   // On along u, so far that the body that moves most moves by this.
   void go(const VecX& u, double length) {
-    const VecX motion = at_.to_slots(u.cwiseQuotient(at_.lengths()));
+    const VecX motion = at_.motion_of(u);
     dynamics_.advance(state_, length / motion_size(dynamics_.system(), motion), motion);
     dynamics_.project(state_);
   }

@@ -18,14 +18,11 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/mechanism/system/diagnose.h"
+#include "framework/tools/analysis/limits.h"
 #include "framework/tools/analysis/mechanism_matrices.h"
 
 namespace lockstep {
 namespace {
-
-constexpr double kStill = 1e-6;      // of the load on a slot
-constexpr double kRoundOff = 1e-12;  // of the largest load, of the stiffness times the length, and of whole moments
-constexpr double kSymmetric = 1e-9;  // of the inertia
 
 // A rigid motion of the axes.
 struct Turning {
@@ -73,7 +70,7 @@ struct Share {
 // own: a moment of no matter to a body is much to its slender axis, and the other way round.
 Share worst_of(const System& system, const MechanismMatrices& at, int slot, const Vec3& a, const Vec3& al,
                double round_off) {
-  const double limit = kStill * load_of(at, slot);
+  const double limit = kSlight * load_of(at, slot);
   Share worst{a.norm(), std::max(limit, round_off)};
   const BodyMass mass(system.slot(slot), system.plane());
   if (system.slot(slot).freedoms == Freedoms::particle) return worst;
@@ -83,7 +80,7 @@ Share worst_of(const System& system, const MechanismMatrices& at, int slot, cons
   const double whole = moments.norm() + at.length * mass.m() * at.loads[slot];
   for (int i = 0; i < 3; ++i) {
     const Vec3 axis = axes.col(i);
-    const double moment = std::max(kStill * axis.cwiseAbs().dot(moments), kRoundOff * whole),
+    const double moment = std::max(kSlight * axis.cwiseAbs().dot(moments), kRoundOff * whole),
                  turning = at.length * moment * axis.dot(mass.inverse_J() * axis);
     const Share share{at.length * std::abs(axis.dot(al)), std::max(limit + turning, round_off)};
     if (share.of_limit() > worst.of_limit()) worst = share;
@@ -113,7 +110,7 @@ Unrest unrest_of(const System& system, const MechanismMatrices& at, const std::v
     const Share share = worst_of(system, at, static_cast<int>(k), Vec3(m.a - cross(axes.spin, m.v)),
                                  Vec3(m.al - cross(W, m.w)), round_off);
     const double v = (m.v - axes.u0 - cross(axes.spin, m.x)).norm();
-    const double speed_limit = std::max(kStill * speed_of_load(at, k),
+    const double speed_limit = std::max(kSlight * speed_of_load(at, k),
                                         kRoundOff * (axes.u0.norm() + axes.spin.norm() * (m.x.norm() + at.length)));
     const std::string& body = system.body_of_slot(static_cast<int>(k)).name;
     if (share.of_limit() > worst)
@@ -129,16 +126,16 @@ Unrest unrest_of(const System& system, const MechanismMatrices& at, const std::v
 std::string turns_unevenly(const System& system, const std::vector<SlotMotion>& slots, const Vec3& spin) {
   for (std::size_t k = 0; k < slots.size(); ++k) {
     const Vec3 r = left_over_spin(slots[k], spin);
-    if (r.norm() <= kSymmetric * slots[k].w.norm()) continue;
+    if (r.norm() <= kNone * slots[k].w.norm()) continue;
     const Mat3 &J = system.slot(static_cast<int>(k)).J, R = skew(r);
-    if ((J * R - R * J).norm() > kSymmetric * J.norm() * r.norm()) return system.body_of_slot(static_cast<int>(k)).name;
+    if ((J * R - R * J).norm() > kNone * J.norm() * r.norm()) return system.body_of_slot(static_cast<int>(k)).name;
   }
   return "";
 }
 
 bool at_rest(const MechanismMatrices& at, const std::vector<SlotMotion>& slots) {
   for (std::size_t k = 0; k < slots.size(); ++k)
-    if (std::max(slots[k].v.norm(), at.length * slots[k].w.norm()) > kStill * speed_of_load(at, k)) return false;
+    if (std::max(slots[k].v.norm(), at.length * slots[k].w.norm()) > kSlight * speed_of_load(at, k)) return false;
   return true;
 }
 
@@ -148,7 +145,7 @@ std::vector<Vec3> spins_of(const MechanismMatrices& at, const std::vector<SlotMo
   if (slots.empty() || at_rest(at, slots)) return {Vec3::Zero()};
   const Vec3 first = slots.front().A * slots.front().w;
   if (std::ranges::all_of(slots,
-                          [&](const SlotMotion& m) { return (m.A * m.w - first).norm() <= kSymmetric * first.norm(); }))
+                          [&](const SlotMotion& m) { return (m.A * m.w - first).norm() <= kNone * first.norm(); }))
     spins.push_back(first);
   // Om x v = a, W x w = al, u0 + Om x x = v: the shortest Om and u0 of the least squares.
   MatX A = MatX::Zero(static_cast<Eigen::Index>(9 * slots.size()), 6);
@@ -162,7 +159,7 @@ std::vector<Vec3> spins_of(const MechanismMatrices& at, const std::vector<SlotMo
   }
   spins.emplace_back(A.completeOrthogonalDecomposition().solve(b).head<3>());
   Vec3& spin = spins.back();
-  if (spin.norm() <= kSymmetric * first.norm()) spin.setZero();
+  if (spin.norm() <= kNone * first.norm()) spin.setZero();
   for (int k = 0; k < 3; ++k)
     if (std::abs(spin[k]) <= kRoundOff * spin.norm()) spin[k] = 0;
   if (!spin.isZero(0)) spins.emplace_back(Vec3::Zero());
@@ -177,7 +174,7 @@ State later(const State& state, const std::vector<SlotMotion>& slots, const Turn
   if (rate == 0)
     for (const SlotMotion& m : slots) rate = std::max(rate, left_over_spin(m, axes.spin).norm());
   const double speed = axes.u0.norm();
-  const double dt = rate * length > kStill * speed ? 2.1 / rate : length / speed;
+  const double dt = rate * length > kSlight * speed ? 2.1 / rate : length / speed;
   const double square = axes.spin.squaredNorm();
   const Vec3 center = square > 0 ? Vec3(cross(axes.spin, axes.u0) / square) : Vec3(Vec3::Zero()),
              drift = square > 0 ? Vec3(axes.spin * (axes.spin.dot(axes.u0) / square)) : axes.u0;
@@ -204,49 +201,37 @@ std::string seen(const Vec3& spin) {
                               ", " + text::brief(spin[2]) + "] rad/s";
 }
 
+// What moves or accelerates in these axes; "" where all are within their limits.
+std::string restless(const Turning& axes, const Unrest& u, const std::string& when) {
+  std::string words;
+  if (u.acceleration > u.acceleration_limit)
+    words = "body '" + u.accelerates + "' accelerates with " + text::brief(u.acceleration) + " m/s^2" + when +
+            " (limit " + text::brief(u.acceleration_limit) + ")";
+  if (u.speed > u.speed_limit)
+    words += (words.empty() ? "" : ", ") + ("body '" + u.moves + "' moves with " + text::brief(u.speed) + " m/s" +
+                                            when + " (limit " + text::brief(u.speed_limit) + ")");
+  return words.empty() ? "" : words + seen(axes.spin);
+}
+
 // Why the state is not steady in these axes; "" where it is.
-class Steadiness {
- public:
-  Steadiness(Dynamics& dynamics, const State& state, const MechanismMatrices& at, const std::vector<SlotMotion>& slots)
-      : dynamics_(dynamics), state_(state), at_(at), slots_(slots) {}
-
-  std::string why_not(const Turning& axes, const Unrest& unrest) const {
-    if (std::string words = restless(axes, unrest, ""); !words.empty()) return words;
-    if (axes.spin.isZero(0) && at_rest(at_, slots_)) return "";
-    const System& system = dynamics_.system();
-    if (const std::string body = turns_unevenly(system, slots_, axes.spin); !body.empty())
-      return "body '" + body + "' turns" + seen(axes.spin) +
-             " about an axis that is none of symmetry of its inertia, so that the coefficients change with its angle; "
-             "give the spin of axes that turn with it";
-    VecX rate = VecX::Zero(state_.s.size());
-    const Solution& now = dynamics_.evaluate(state_);
-    system.state_rates(now, rate);
-    const State then = later(state_, slots_, axes, at_.length, rate);
-    if (dynamics_.violation(then) > kStill * at_.length)
-      return "the joints do not let it go on like this for a third of a turn";
-    const MechanismMatrices at_then = matrices_at(dynamics_, then);
-    const std::vector<SlotMotion> slots = motions_of(then, Unknowns(system).to_slots(at_then.a));
-    return restless(axes, unrest_of(system, at_then, slots, axes), " a third of a turn later");
-  }
-
-  // What moves or accelerates in these axes; "" where all are within their limits.
-  static std::string restless(const Turning& axes, const Unrest& u, const std::string& when) {
-    std::string words;
-    if (u.acceleration > u.acceleration_limit)
-      words = "body '" + u.accelerates + "' accelerates with " + text::brief(u.acceleration) + " m/s^2" + when +
-              " (limit " + text::brief(u.acceleration_limit) + ")";
-    if (u.speed > u.speed_limit)
-      words += (words.empty() ? "" : ", ") + ("body '" + u.moves + "' moves with " + text::brief(u.speed) + " m/s" +
-                                              when + " (limit " + text::brief(u.speed_limit) + ")");
-    return words.empty() ? "" : words + seen(axes.spin);
-  }
-
- private:
-  Dynamics& dynamics_;
-  const State& state_;
-  const MechanismMatrices& at_;
-  const std::vector<SlotMotion>& slots_;
-};
+std::string why_unsteady(Dynamics& dynamics, const State& state, const MechanismMatrices& at,
+                         const std::vector<SlotMotion>& slots, const Turning& axes, const Unrest& unrest) {
+  if (std::string words = restless(axes, unrest, ""); !words.empty()) return words;
+  if (axes.spin.isZero(0) && at_rest(at, slots)) return "";
+  const System& system = dynamics.system();
+  if (const std::string body = turns_unevenly(system, slots, axes.spin); !body.empty())
+    return "body '" + body + "' turns" + seen(axes.spin) +
+           " about an axis that is none of symmetry of its inertia, so that the coefficients change with its angle; "
+           "give the spin of axes that turn with it";
+  VecX rate = VecX::Zero(state.s.size());
+  system.state_rates(dynamics.evaluate(state), rate);
+  const State then = later(state, slots, axes, at.length, rate);
+  if (dynamics.violation(then) > kSlight * at.length)
+    return "the joints do not let it go on like this for a third of a turn";
+  const MechanismMatrices at_then = matrices_at(dynamics, then);
+  return restless(axes, unrest_of(system, at_then, motions_of(then, Unknowns(system).to_slots(at_then.a)), axes),
+                  " a third of a turn later");
+}
 
 void refuse_own_states(const System& system) {
   for (const auto& own : system.auxiliaries())
@@ -272,7 +257,7 @@ void refuse_acting_friction(Dynamics& dynamics, const State& state, const Mechan
     WrenchSum sum(solution.in.motions, one);
     named(*force, solution.in.t, [&] { force->reacting()->react(solution.in, reactions, sum); });
     for (int k = 0; k < system.n_slots(); ++k)
-      if (const double a = one.segment<3>(6 * k).norm() / system.slot(k).mass; a > kStill * load_of(at, k))
+      if (const double a = one.segment<3>(6 * k).norm() / system.slot(k).mass; a > kSlight * load_of(at, k))
         throw ModelError(
             "force '" + force->name() + "' depends on the reactions and acts (" + text::brief(a) + " m/s^2 on '" +
             system.body_of_slot(k).name +
@@ -301,10 +286,10 @@ std::vector<std::string> notes_on(const System& system, const State& state) {
 }
 
 // D and K in the turning axes, (9.20) and above.
-void turn_axes(const System& system, const std::vector<SlotMotion>& slots, LinearMotion& out) {
+void turn_axes(const System& system, const State& state, const std::vector<SlotMotion>& slots, LinearMotion& out) {
   if (at_rest(out, slots) && out.spin.isZero(0)) return;
   const Unknowns at(system);
-  Triplets velocity, rate, square;  // dv = dx' + velocity dx; da = dx'' + rate dx' + square dx
+  Triplets rate, square;  // da = dx'' + rate dx' + square dx
   const auto add = [&](int slot, const Mat3& move, const Mat3& turn, Triplets& to) {
     Mat6 block = Mat6::Zero();
     block.topLeftCorner<3, 3>() = move, block.bottomRightCorner<3, 3>() = turn;
@@ -314,27 +299,22 @@ void turn_axes(const System& system, const std::vector<SlotMotion>& slots, Linea
   for (int k = 0; k < system.n_slots(); ++k) {
     const SlotMotion& m = slots[static_cast<std::size_t>(k)];
     const Mat3 W = skew(Vec3(m.A.transpose() * out.spin)), r = skew(left_over_spin(m, out.spin));
-    add(k, Om, W, velocity), add(k, 2 * Om, W - r, rate), add(k, Om * Om, -r * W, square);
+    add(k, 2 * Om, W - r, rate), add(k, Om * Om, -r * W, square);
   }
-  const auto sparse = [&](const Triplets& entries) {
-    SparseMat A(at.n(), at.n());
-    A.setFromTriplets(entries.begin(), entries.end());
-    return A;
-  };
-  const SparseMat D = out.D;
-  out.K += D * sparse(velocity) + out.M * sparse(square);
-  out.D += out.M * sparse(rate);
+  out.K += SparseMat(out.D * carried_by(out.spin, system, state)) + SparseMat(out.M * at.square(square));
+  out.D += out.M * at.square(rate);
 }
 
 // Sets the axes in which the state is steady, and its unrest in them. If there are none, those that are given, else those
 // at rest; returns why it is not steady.
-std::string settle_axes(const Steadiness& steadiness, const System& system, const std::vector<SlotMotion>& slots,
+std::string settle_axes(Dynamics& dynamics, const State& state, const std::vector<SlotMotion>& slots,
                         const LinearMotionOptions& options, LinearMotion& out) {
+  const System& system = dynamics.system();
   std::string why;
   for (const Vec3& spin : options.spin ? std::vector<Vec3>{*options.spin} : spins_of(out, slots)) {
     const Turning axes = turning_with(spin, slots);
     const Unrest unrest = unrest_of(system, out, slots, axes);
-    const std::string words = steadiness.why_not(axes, unrest);
+    const std::string words = why_unsteady(dynamics, state, out, slots, axes, unrest);
     out.spin = spin, out.unrest = unrest;
     if (words.empty()) return words;
     if (why.empty() && unrest.is_still()) why = words;  // now, and not later: that says more than what follows
@@ -342,7 +322,7 @@ std::string settle_axes(const Steadiness& steadiness, const System& system, cons
   const Turning given = options.spin ? turning_with(*options.spin, slots) : Turning{};
   out.spin = given.spin;
   out.unrest = unrest_of(system, out, slots, given);
-  if (why.empty()) why = Steadiness::restless(given, out.unrest, "");
+  if (why.empty()) why = restless(given, out.unrest, "");
   return why.empty() ? "it goes on in a straight line, and the joints do not let it" : why;
 }
 
@@ -358,13 +338,13 @@ LinearMotion linear_motion(Dynamics& dynamics, const State& given, const LinearM
   static_cast<MechanismMatrices&>(out) = matrices_at(dynamics, state);
   refuse_acting_friction(dynamics, state, out);
   const std::vector<SlotMotion> slots = motions_of(state, Unknowns(system).to_slots(out.a));
-  const std::string why = settle_axes(Steadiness(dynamics, state, out, slots), system, slots, options, out);
+  const std::string why = settle_axes(dynamics, state, slots, options, out);
   if (!why.empty() && !options.frozen)
     throw ModelError("the state at t = " + text::brief(state.t) + " s is neither an equilibrium nor a steady motion: " +
                      why + "; linearise about one that is, or ask for the frozen coefficients of this instant");
   out.notes = notes_on(system, state);
   if (!why.empty()) out.notes.insert(out.notes.begin(), "frozen coefficients of one instant: " + why);
-  turn_axes(system, slots, out);
+  turn_axes(system, state, slots, out);
   return out;
 }
 

@@ -9,6 +9,7 @@
 #include <lockstep/newton.h>
 #include "framework/mechanism/system/diagnose.h"
 #include "framework/tools/analysis/forces_at_rest.h"
+#include "framework/tools/analysis/limits.h"
 #include "framework/tools/analysis/loop_rows.h"
 
 namespace lockstep {
@@ -19,16 +20,6 @@ std::string bodies_of(const Slot& slot) {
   return names;
 }
 
-namespace {
-
-SparseMat square(const Unknowns& at, const Triplets& entries) {
-  SparseMat out(at.n(), at.n());
-  out.setFromTriplets(entries.begin(), entries.end());
-  return out;
-}
-
-}  // namespace
-
 SparseMat mass_of(const System& system, const Unknowns& at) {
   Triplets entries;
   for (int k = 0; k < system.n_slots(); ++k) {
@@ -37,14 +28,26 @@ SparseMat mass_of(const System& system, const Unknowns& at) {
     block.bottomRightCorner<3, 3>() = system.slot(k).J;
     at.add(k, k, block, entries);
   }
-  return square(at, entries);
+  return at.square(entries);
 }
 
 SparseMat tangent_of(const TangentSum& sum, bool of_velocity, const Unknowns& at) {
   Triplets entries;
   for (std::size_t p = 0; p < sum.pairs().size(); ++p)
     at.add(sum.pairs()[p].row, sum.pairs()[p].column, of_velocity ? sum.D(p) : sum.K(p), entries);
-  return square(at, entries);
+  return at.square(entries);
+}
+
+SparseMat carried_by(const Vec3& spin, const System& system, const State& state) {
+  const Unknowns at(system);
+  Triplets entries;
+  for (int k = 0; k < system.n_slots(); ++k) {
+    Mat6 block = Mat6::Zero();
+    block.topLeftCorner<3, 3>() = skew(spin);
+    block.bottomRightCorner<3, 3>() = skew(Vec3(slot_motion(state, k).A.transpose() * spin));
+    at.add(k, k, block, entries);
+  }
+  return at.square(entries);
 }
 
 std::optional<MatX> stopping_form(const Evaluation& e, const Unknowns& at, const MatX& N, const VecX& w) {
@@ -71,7 +74,7 @@ std::optional<MatX> stopping_form(const Evaluation& e, const Unknowns& at, const
   for (Eigen::Index i = 0; i < K.cols(); ++i)
     for (SparseMat::InnerIterator it(K, i); it; ++it) size = std::max(size, std::abs(it.value()));
   const MatX G = N.transpose() * (K * N);
-  if (!(G.size() > 0 && G.cwiseAbs().maxCoeff() > kFlat * size)) return {};
+  if (!(G.size() > 0 && G.cwiseAbs().maxCoeff() > kSlight * size)) return {};
   return 0.5 * (G + G.transpose());
 }
 
@@ -102,8 +105,7 @@ void write_rows(const System& system, const RowTable& table, const Unknowns& at,
   out.J = at.rows(table, entries_of(table)).transpose();
 }
 
-constexpr double kForceless = 1e-6;  // of the levers: loads below are what is left of their balance
-constexpr double kMostLever = 10;    // of the largest load
+constexpr double kMostLever = 10;  // of the largest load
 
 // The loads, levers and moments of each slot. The arm on which a moment accelerates a mass centre most is the radius of
 // gyration: M / (2 sqrt(J m)), here with the largest J of the slot, so that no slender axis makes much of a moment that
@@ -125,7 +127,7 @@ void write_loads(const System& system, const Evaluation& e, const Unknowns& at, 
     if (const double J = 0.5 * mass.J().trace(); J > 0) m.levers[k] = turning.norm() / (2 * std::sqrt(J * mass.m()));
   }
   if (m.loads.size() == 0) return;
-  if (const double most = m.loads.maxCoeff(); most > kForceless * m.levers.maxCoeff())
+  if (const double most = m.loads.maxCoeff(); most > kSlight * m.levers.maxCoeff())
     m.levers = m.levers.cwiseMin(kMostLever * most);
 }
 

@@ -16,10 +16,9 @@ double motion_size(const System& system, const VecX& motion) {
 }
 
 std::string direction_words(const Vec3& direction) {
-  constexpr double kAlong = 1e-6;
   const Vec3 unit = direction.normalized();
   for (int k = 0; k < 3; ++k)
-    if (std::abs(std::abs(unit[k]) - 1) < kAlong) return std::string(unit[k] < 0 ? "-" : "") + "xyz"[k];
+    if (std::abs(std::abs(unit[k]) - 1) < kSlight) return std::string(unit[k] < 0 ? "-" : "") + "xyz"[k];
   const auto plain = [](double x) { return std::abs(x) < 5e-4 ? 0.0 : x; };
   return fmt::format("[{:.3g}, {:.3g}, {:.3g}]", plain(unit[0]), plain(unit[1]), plain(unit[2]));
 }

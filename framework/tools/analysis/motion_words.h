@@ -5,13 +5,14 @@
 
 #include <lockstep/export.h>
 #include <lockstep/system.h>
+#include "framework/tools/analysis/limits.h"
 
 namespace lockstep {
 
 /// Part of the largest motion above which one is worth a word.
 inline constexpr double kNotable = 0.1;
 /// How much larger than another a motion must be to come before it: equal ones keep their order whatever round-off does.
-inline constexpr double kLarger = 1.000001;
+inline constexpr double kLarger = 1 + kSlight;
 
 /// Size of a small motion, 6 per slot: the largest move of a mass centre, or turn times System::length(), m.
 double motion_size(const System&, const VecX& motion);

@@ -7,10 +7,10 @@
 
 #include <lockstep/analysis.h>
 #include <lockstep/error.h>
+#include "framework/dynamics/evaluate/row_space.h"
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/tools/analysis/left_out_rows.h"
 #include "framework/tools/analysis/loop_rows.h"
-#include "framework/dynamics/evaluate/row_space.h"
 
 namespace lockstep {
 namespace {
@@ -19,12 +19,12 @@ constexpr double kPersists = 1e-3;  // of the length: rows that are violated by 
 
 /// What keeps a row of a link from being left out: "a law is among them"; "" for nothing.
 std::string keeper_of(const NamedRow& row) {
-  constexpr unsigned kOfMarkers = with::uP | with::qP | with::uS | with::qS;
   const std::string law = "a law is among them";
   const Lock& link = *row.link;
   if (link.unilateral() != nullptr) return "a one-sided link is among them";
   if (link.jointed() == nullptr) return "a link is among them that is no joint";
-  if (link.row(row.own).drive >= 0 || (link.pattern().laws & kOfMarkers) != 0) return law;
+  if (link.row(row.own).drive >= 0 || (link.pattern().laws & (with::uP | with::qP | with::uS | with::qS)) != 0)
+    return law;
   const ImposedMotion& imposed = link.jointed()->imposed();
   const bool along = link.row_kind(row.own) == RowKind::translation;
   return imposed.hold || (along ? imposed.move != nullptr : imposed.turn != nullptr) ? law : "";

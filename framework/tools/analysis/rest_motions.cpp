@@ -7,17 +7,34 @@
 
 #include <Eigen/Eigenvalues>
 
+#include <lockstep/newton.h>
+#include "framework/tools/analysis/forces_at_rest.h"
+#include "framework/tools/analysis/limits.h"
 #include "framework/tools/analysis/mechanism_matrices.h"
 
 namespace lockstep {
-namespace {
 
-constexpr double kRestRoundOff = 1e-12;  // of the terms of u^T K u by their size
-constexpr double kSoft = 1e-6;           // of the stiffest of a level: solved again without it
+RestMatrices::RestMatrices(const Evaluation& e, const VecX& lambda) : at(e.system()), N(free_motions(e)) {
+  const VecX turned = at.lengths().cwiseInverse();
+  const auto in_lengths = [&](const SparseMat& A) { return MatX(turned.asDiagonal() * A * turned.asDiagonal()); };
+  NewtonMatrix newton;
+  newton.gather(e, lambda);
+  M = in_lengths(mass_of(e.system(), at)), K = in_lengths(tangent_of(newton.tangents(), false, at));
+  Vec6 turned_block = Vec6::Ones();
+  turned_block.tail<3>() /= e.system().length();
+  Triplets sizes;
+  for (std::size_t p = 0; p < newton.tangents().pairs().size(); ++p) {
+    const Mat6 block = turned_block.asDiagonal() * newton.tangents().K(p) * turned_block.asDiagonal();
+    const auto [row, column] = newton.tangents().pairs()[p];
+    at.add(row, column, Mat6::Constant(block.cwiseAbs().maxCoeff()), sizes);
+  }
+  size_K = at.square(sizes);
+  const VecX loads = largest_loads(e, lambda);
+  for (Eigen::Index i = 0; i < size_K.rows(); ++i)
+    size_K(i, i) += loads[at.places()[static_cast<std::size_t>(i)] / 6] / e.system().length();
+}
 
-}  // namespace
-
-double rest_round_off(const RestMatrices& A, const VecX& sizes) { return kRestRoundOff * sizes.dot(A.size_K * sizes); }
+double rest_round_off(const RestMatrices& A, const VecX& sizes) { return kRoundOff * sizes.dot(A.size_K * sizes); }
 
 RestMotions rest_motions(const RestMatrices& A) {
   const Eigen::Index n = A.N.cols();
@@ -30,7 +47,7 @@ RestMotions rest_motions(const RestMatrices& A) {
     const Eigen::GeneralizedSelfAdjointEigenSolver<MatX> eigen(0.5 * (K + K.transpose()), M);
     const VecX& mu = eigen.eigenvalues();
     const MatX motions = level * eigen.eigenvectors();
-    const double soft = kSoft * mu.cwiseAbs().maxCoeff();
+    const double soft = kSlight * mu.cwiseAbs().maxCoeff();
     std::vector<Eigen::Index> again;
     bool zero = true;
     for (Eigen::Index i = 0; i < mu.size(); ++i) {
@@ -58,7 +75,7 @@ RestMotions rest_motions(const RestMatrices& A) {
 bool has_potential(const RestMatrices& A, const RestMotions& m) {
   const MatX K = m.U.transpose() * A.K * m.U, sizes = m.U.cwiseAbs();
   const MatX terms = sizes.transpose() * A.size_K * sizes;
-  return ((K - K.transpose()).cwiseAbs().array() <= kFlat * (terms + terms.transpose()).array()).all();
+  return ((K - K.transpose()).cwiseAbs().array() <= kSlight * (terms + terms.transpose()).array()).all();
 }
 
 }  // namespace lockstep

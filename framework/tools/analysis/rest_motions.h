@@ -1,14 +1,26 @@
-// The free motions of a mechanism at rest, each with the stiffness that holds it and the round-off of that.
+// The free motions of a mechanism at rest, each with the stiffness that holds it and the round-off of that, from dense
+// matrices.
 #pragma once
 
 #include <lockstep/equilibrium.h>
-#include "framework/tools/analysis/rest_matrices.h"
+#include "framework/tools/analysis/unknowns.h"
 
 namespace lockstep {
 
+/// M, K and the basis of the free motions, with turns as lengths.
+struct RestMatrices {
+  Unknowns at;   ///< all of the mechanism
+  MatX M, K, N;  ///< masses, stiffness with the geometric one, and free_motions()
+  MatX size_K;   ///< terms of K by their size, what round-off is measured by: for each entry the largest of its pair of
+                 ///< bodies, and on the diagonal the largest load on its body over the length
+
+  /// `lambda`: 1 per row. It allocates.
+  RestMatrices(const Evaluation&, const VecX& lambda);
+};
+
 /// Free motions that are orthonormal in M and diagonal in the symmetric part of K: one column each, by rising stiffness.
 struct RestMotions {
-  MatX U;          ///< in the unknowns of RestMatrices
+  MatX U;          ///< in these unknowns
   VecX stiffness,  ///< u^T K u, 1/s^2
       bound;       ///< of each: what is below is round-off, 1/s^2
 };

@@ -8,32 +8,29 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "framework/tools/analysis/free_motions.h"
+#include "framework/tools/analysis/limits.h"
 #include "framework/tools/analysis/motion_words.h"
 #include "framework/tools/analysis/rest_motions.h"
 
 namespace lockstep {
 namespace {
 
-constexpr int kMostUnknowns = 1200;
 // Of the norm of K: round-off of the eigenvalues of an unsymmetric matrix.
 constexpr double kSolver = 50 * std::numeric_limits<double>::epsilon();
-constexpr double kFlutters = 1e-5;  // of the terms of u^T K u: an imaginary part that rounding does not make
 
 /// 6 per slot, of size 1 m; the largest turn, or where there is hardly one the largest move, is positive. u: in the
 /// unknowns.
 VecX unit_motion(const RestMatrices& A, const System& system, const VecX& u) {
   const auto largest = [&](bool turns) {
     double most = 0;
-    for (std::size_t i = 0; i < A.at.size(); ++i)
-      if (const double x = u[static_cast<Eigen::Index>(i)];
-          (A.at[i] % 6 >= 3) == turns && std::abs(x) > kLarger * std::abs(most))
-        most = x;
+    for (Eigen::Index i = 0; i < u.size(); ++i)
+      if ((A.at.places()[static_cast<std::size_t>(i)] % 6 >= 3) == turns && std::abs(u[i]) > kLarger * std::abs(most))
+        most = u[i];
     return most;
   };
   const double turn = largest(true), move = largest(false);
   const bool positive = (std::abs(turn) >= kNotable * std::abs(move) ? turn : move) >= 0;
-  const VecX out = motion_of(system, A.at, u);
+  const VecX out = A.at.motion_of(u);
   return (positive ? 1 : -1) / motion_size(system, out) * out;
 }
 
@@ -59,7 +56,7 @@ void judge_without_potential(Stability& out, const Evaluation& e, const RestMatr
     const VecX re = u.real(), im = u.imag(), sizes = u.cwiseAbs();
     const double mass = re.dot(A.M * re) + im.dot(A.M * im), terms = sizes.dot(A.size_K * sizes) / mass;
     const double bound = rest_round_off(A, sizes) / mass + solver;
-    const bool flutters = std::abs(mu.imag()) > std::sqrt(terms * (kFlutters * kFlutters * terms + solver));
+    const bool flutters = std::abs(mu.imag()) > std::sqrt(terms * (kSlight * kSlight * terms + solver));
     sort_motion(out, e.system(), e.inputs(), mu.real(), bound, mu.real() < -bound || flutters,
                 unit_motion(A, e.system(), re));
   }
@@ -75,7 +72,7 @@ std::string to_string(Stability::Kind kind) {
 Stability judge_rest(const Evaluation& e, const VecX& lambda) {
   const System& system = e.system();
   Stability out;
-  if (system.n_velocities() > kMostUnknowns) {
+  if (system.n_velocities() > kDenseUnknowns) {
     out.kind = Stability::Kind::not_judged;
     return out;
   }

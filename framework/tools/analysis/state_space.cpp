@@ -10,20 +10,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <limits>
 
 #include <lockstep/error.h>
+#include "framework/dynamics/evaluate/row_space.h"
+#include "framework/tools/analysis/limits.h"
 #include "framework/tools/analysis/mechanism_matrices.h"
 #include "framework/tools/analysis/minimal_coordinates.h"
-#include "framework/dynamics/evaluate/row_space.h"
 
 namespace lockstep {
 namespace {
 
 constexpr double kDifferenceStep = 4e-3;  // of a difference, in rad, or of the length; the second step is half of it
 constexpr double kRateStep = 1e-2;        // the same of rates, in their units: what depends on them is nearly quadratic
-constexpr double kNothing = 1e-9;         // of the forces, or of the length: derivatives below may be round-off alone
 
 // Puts the inputs back to zero, whatever happens.
 class Inputs0 {
@@ -100,20 +99,10 @@ class Responses {
     const RowTable& rows = e.rows();
     VecX f = e.force();
     e.react(motion_.lambda, f);
-    VecX out = VecX::Zero(rows.n_rows + unknowns_.n());
-    VecX R = -f;
-    for (const RowEntry& entry : rows.entries) {
-      const RowView block = rows.block(entry);
-      for (int k = 0; k < entry.m; ++k) {
-        out[entry.first_row + k] = block.C(k);
-        for (int i = 0; i < entry.slots.n; ++i) {
-          const auto r = block.J(i, k);
-          for (int j = 0; j < 6; ++j)
-            R[6 * entry.slots[i] + j] += motion_.lambda[entry.first_row + k] * r[static_cast<std::size_t>(j)];
-        }
-      }
-    }
-    out.tail(unknowns_.n()) = unknowns_.of_slots(R);
+    VecX out(rows.n_rows + unknowns_.n());
+    for (const RowEntry& entry : rows.entries)
+      for (int k = 0; k < entry.m; ++k) out[entry.first_row + k] = rows.block(entry).C(k);
+    out.tail(unknowns_.n()) = unknowns_.rows(rows, entries_of(rows)) * motion_.lambda - unknowns_.of_slots(f);
     input.clear();
     return out;
   }
@@ -125,7 +114,20 @@ class Responses {
   Unknowns unknowns_;
 };
 
-// The values of the outputs at a state that differs by dx and dv, with an input in force.
+// What changes with a state or an input, per unit of it.
+struct Direction {
+  enum class Of { displacement, rate, driven, input, rate_of_driven };
+  Of of;
+  Signal signal;
+  VecX acceleration;               // y''
+  double step;                     // of differences
+  VecX dx, dv;                     // where they are not zero
+  const Actuator* acts = nullptr;  // of an input
+  LawValue u{};
+  bool is_state() const { return of != Of::input && of != Of::rate_of_driven; }
+};
+
+// The values of the outputs at a state that differs.
 class Outputs {
  public:
   Outputs(Dynamics& dynamics, const State& state, const std::vector<Channel>& channels)
@@ -136,19 +138,16 @@ class Outputs {
       if (c.track) c.track(sample);
     }
   }
-  VecX at(const VecX& dx, const VecX& dv) const { return of(moved(dx, dv)); }
-  VecX at(const VecX& dx, const VecX& dv, const Actuator& input, const LawValue& u) const {
-    State there = moved(dx, dv);
-    input.set(u, there);
-    VecX y = of(there);
-    input.clear();
-    return y;
-  }
-  State moved(const VecX& dx, const VecX& dv) const {
+  // With h of what a column stands for.
+  VecX at(const Direction& column, double h) const {
     State moved = state_;
-    if (dx.size() > 0) advance_state(moved, 1.0, unknowns_.to_slots(dx));
-    if (dv.size() > 0) moved.v += unknowns_.to_slots(dv);
-    return moved;
+    if (column.dx.size() > 0) advance_state(moved, h, unknowns_.to_slots(column.dx));
+    if (column.dv.size() > 0) moved.v += h * unknowns_.to_slots(column.dv);
+    if (column.acts == nullptr) return of(moved);
+    column.acts->set({h * column.u.y, h * column.u.yd, h * column.u.ydd}, moved);
+    VecX y = of(moved);
+    column.acts->clear();
+    return y;
   }
   VecX of(const State& state) const {
     const Sample sample(dynamics_, state, report_);
@@ -197,73 +196,76 @@ Reduced reduce(const LinearMotion& m, const MatX& N) {
   return r;
 }
 
-void name_states(const System& system, const LinearMotion& m, const Reduced& r, StateSpace& out) {
+// Two for each freedom: a displacement, whose velocity is that of the axes, and its rate.
+void add_states(const System& system, const State& state, const LinearMotion& m, const Reduced& r,
+                std::vector<Direction>& out) {
   static constexpr const char* kNames[] = {"move_x", "move_y", "move_z", "turn_x", "turn_y", "turn_z"};
+  const SparseMat carried = carried_by(m.spin, system, state);
   for (const bool rate : {false, true})
-    for (const int i : r.chosen) {
-      const UnknownVelocity& u = m.unknowns[static_cast<std::size_t>(i)];
+    for (Eigen::Index k = 0; k < r.N.cols(); ++k) {
+      const UnknownVelocity& u = m.unknowns[static_cast<std::size_t>(r.chosen[static_cast<std::size_t>(k)])];
       const bool turn = u.velocity >= 3;
-      out.states.push_back({system.body_of_slot(u.slot).name + "." + kNames[u.velocity] + (rate ? "_d" : ""),
-                            rate ? (turn ? "rad/s" : "m/s") : (turn ? "rad" : "m")});
+      const VecX N = r.N.col(k);
+      const double largest = N.cwiseAbs().maxCoeff();
+      const double h = (turn ? 1.0 : m.length) / std::max(1.0, turn ? largest : largest * m.length);
+      const std::string name = system.body_of_slot(u.slot).name + "." + kNames[u.velocity];
+      if (rate)
+        out.push_back(
+            {Direction::Of::rate, {name + "_d", turn ? "rad/s" : "m/s"}, -r.M.solve(r.D.col(k)), kRateStep * h, {}, N});
+      else
+        out.push_back({Direction::Of::displacement,
+                       {name, turn ? "rad" : "m"},
+                       -r.M.solve(r.K.col(k)),
+                       kDifferenceStep * h,
+                       N,
+                       carried * N});
     }
 }
-
-// One column of B and D each, or of A and C.
-struct InputColumn {
-  enum class Of { input, state, rate_of_state };
-  Signal signal;
-  VecX acceleration;                    // y''
-  std::function<VecX(double)> outputs;  // at this size of the input
-  double step = 0;
-  Of of = Of::input;
-};
 
 // How far two derivatives of C, with R below it, are apart, relative to the largest in the same block: rows by what they
 // measure, forces, moments.
 double accuracy_of(const VecX& derivative, const VecX& off, const LinearMotion& m) {
-  constexpr std::size_t kForces = 3, kMoments = 4;
-  std::array<double, 5> largest{}, apart{}, scale{m.length, 1, 1, 0, 0};
-  const auto count = [&](std::size_t block, Eigen::Index i) {
-    largest[block] = std::max(largest[block], std::abs(derivative[i])), apart[block] = std::max(apart[block], off[i]);
+  struct Block {
+    double scale = 0, largest = 0, apart = 0;
+  };
+  std::array<Block, 3> of_rows{Block{m.length}, {1}, {1}};  // by RowKind
+  Block forces, moments;
+  const auto count = [&](Block& block, Eigen::Index i, double scale) {
+    block.scale = std::max(block.scale, scale);
+    block.largest = std::max(block.largest, std::abs(derivative[i])), block.apart = std::max(block.apart, off[i]);
   };
   const Eigen::Index rows = m.J.rows();
-  for (Eigen::Index i = 0; i < rows; ++i) {
-    const RowKind kind = m.kinds[static_cast<std::size_t>(i)];
-    count(kind == RowKind::translation ? 0 : kind == RowKind::rotation ? 1 : 2, i);
-  }
-  const VecX forces = m.f.cwiseAbs() + m.J.cwiseAbs().transpose() * m.lambda.cwiseAbs();
-  for (std::size_t i = 0; i < m.unknowns.size(); ++i) {
-    const std::size_t block = m.unknowns[i].velocity < 3 ? kForces : kMoments;
-    count(block, rows + static_cast<Eigen::Index>(i));
-    scale[block] = std::max(scale[block], forces[static_cast<Eigen::Index>(i)]);
-  }
-  scale[kMoments] = std::max(scale[kMoments], m.length * scale[kForces]);
+  for (Eigen::Index i = 0; i < rows; ++i)
+    count(of_rows[static_cast<std::size_t>(m.kinds[static_cast<std::size_t>(i)])], i, 0);
+  const VecX sizes = m.f.cwiseAbs() + m.J.cwiseAbs().transpose() * m.lambda.cwiseAbs();
+  for (Eigen::Index i = 0; i < sizes.size(); ++i)
+    count(m.unknowns[static_cast<std::size_t>(i)].velocity < 3 ? forces : moments, rows + i, sizes[i]);
+  moments.scale = std::max(moments.scale, m.length * forces.scale);
   double worst = 0;
-  for (std::size_t block = 0; block < largest.size(); ++block)
-    if (largest[block] > kNothing * scale[block]) worst = std::max(worst, apart[block] / largest[block]);
+  for (const Block& block : {of_rows[0], of_rows[1], of_rows[2], forces, moments})
+    if (block.largest > kNone * block.scale) worst = std::max(worst, block.apart / block.largest);
   return worst;
 }
 
 // How far two derivatives of the outputs are apart, relative to the largest of the same row. A row that is round-off
 // beside one of the same unit, or at all, says nothing.
 double accuracy_of_outputs(const MatX& derivatives, const MatX& off, const std::vector<Channel>& channels) {
-  std::vector<double> largest;  // of each row
-  for (const auto row : derivatives.rowwise()) largest.push_back(row.lpNorm<Eigen::Infinity>());
+  const VecX largest = derivatives.rowwise().lpNorm<Eigen::Infinity>();
   double worst = 0;
   for (std::size_t k = 0; k < channels.size(); ++k) {
-    double scale = 100 * std::numeric_limits<double>::epsilon() / kNothing;
+    double round_off = 100 * std::numeric_limits<double>::epsilon();
     for (std::size_t other = 0; other < channels.size(); ++other)
-      if (channels[other].unit == channels[k].unit) scale = std::max(scale, largest[other]);
-    if (largest[k] > kNothing * scale)
-      worst = std::max(worst, off.row(static_cast<Eigen::Index>(k)).maxCoeff() / largest[k]);
+      if (channels[other].unit == channels[k].unit)
+        round_off = std::max(round_off, kNone * largest[static_cast<Eigen::Index>(other)]);
+    const auto row = static_cast<Eigen::Index>(k);
+    if (largest[row] > round_off) worst = std::max(worst, off.row(row).maxCoeff() / largest[row]);
   }
   return worst;
 }
 
 // Per unit of an input: the value, its rate and its second rate, as far as they act.
-std::vector<InputColumn> columns_of(const LinearInput& input, const Actuator& acts, const LinearMotion& m,
-                                    const Reduced& r, const Responses& response, const Outputs& outputs,
-                                    double& accuracy) {
+void add_inputs(const LinearInput& input, const Actuator& acts, const LinearMotion& m, const Reduced& r,
+                const Responses& response, double& accuracy, std::vector<Direction>& out) {
   const Eigen::Index rows = m.J.rows();
   const double length_step = kDifferenceStep * (acts.unit() == "m" ? m.length : 1.0);
   VecX off;
@@ -271,14 +273,14 @@ std::vector<InputColumn> columns_of(const LinearInput& input, const Actuator& ac
   accuracy = std::max(accuracy, accuracy_of(by_value, off, m));
   const VecX by_rate = derivative([&](double h) { return response(acts, {0, h, 0}); }, kRateStep, off);
   accuracy = std::max(accuracy, accuracy_of(by_rate, off, m));
-  VecX C_u = by_value.head(rows);
+  const VecX C_u = by_value.head(rows);
   const VecX R_u = by_value.tail(by_value.size() - rows), R_ud = by_rate.tail(by_rate.size() - rows);
   if (by_value.isZero(0) && by_rate.isZero(0))
     throw ModelError("input '" + input.name +
                      "' acts on nothing at this state; put its law in a drive or a force that is "
                      "in force");
   VecX G = VecX::Zero(m.M.rows());
-  const bool moves = C_u.cwiseAbs().size() > 0 && C_u.cwiseAbs().maxCoeff() > 0;
+  const bool moves = !C_u.isZero(0);
   if (moves) {
     const MatX J = m.J;
     Eigen::CompleteOrthogonalDecomposition<MatX> cod;
@@ -290,32 +292,21 @@ std::vector<InputColumn> columns_of(const LinearInput& input, const Actuator& ac
                        "' moves against other rows: the joints leave nothing that could follow it");
     G -= r.N * VecX(G(r.chosen));
   }
-  const auto column = [&](const std::string& suffix, const std::string& unit, const VecX& load, double step,
-                          std::function<VecX(double)> at) {
-    return InputColumn{{input.name + suffix, unit}, -r.M.solve(r.N.transpose() * load), std::move(at), step};
+  using Of = Direction::Of;
+  const auto column = [&](Of of, const std::string& suffix, const std::string& unit, const VecX& load, double step) {
+    out.push_back(
+        {of, {input.name + suffix, acts.unit() + unit}, -r.M.solve(r.N.transpose() * load), step, {}, {}, &acts});
   };
-  const auto with = [acts, &outputs](const LawValue& u, const VecX& dx, const VecX& dv) {
-    return outputs.at(dx, dv, acts, u);
-  };
-  const std::string& unit = acts.unit();
-  const bool speed = acts.is_speed();
-  std::vector<InputColumn> out;
-  out.push_back(column("", unit, m.K * G + R_u, length_step, [=](double h) {
-    return with({h, 0, 0}, VecX(h * G), {});
-  }));
-  if (speed) out.back().of = InputColumn::Of::state;
-  const bool by_value_alone = !moves && R_ud.isZero(0);
-  if (by_value_alone && !speed) return out;  // a state of its own has a rate, which moves it
+  const bool speed = acts.is_speed(), by_value_alone = !moves && R_ud.isZero(0);
+  column(speed ? Of::driven : Of::input, "", "", m.K * G + R_u, length_step);
+  out.back().dx = G, out.back().u.y = 1;
+  if (by_value_alone && !speed) return;  // a state of its own has a rate, which moves it
   // dv of dx' = G u' in the axes: the turning of dx itself is in the column of the value
-  out.push_back(column(speed ? "" : "_d", unit + "/s", m.D * G + R_ud, kRateStep, [=](double h) {
-    return with({0, h, 0}, {}, VecX(h * G));
-  }));
-  if (speed) out.back().of = InputColumn::Of::rate_of_state;
-  if (by_value_alone) return out;
-  out.push_back(column(speed ? "_d" : "_dd", unit + "/s^2", m.M * G, kRateStep, [=](double h) {
-    return with({0, 0, h}, {}, {});
-  }));
-  return out;
+  column(speed ? Of::rate_of_driven : Of::input, speed ? "" : "_d", "/s", m.D * G + R_ud, kRateStep);
+  out.back().dv = G, out.back().u.yd = 1;
+  if (by_value_alone) return;
+  column(Of::input, speed ? "_d" : "_dd", "/s^2", m.M * G, kRateStep);
+  out.back().u.ydd = 1;
 }
 
 }  // namespace
@@ -349,66 +340,35 @@ StateSpace linearize(Dynamics& dynamics, const State& given, const std::vector<L
     out.notes.push_back(
         "about a steady rotation: outputs are those of this instant, and of every one only where they do "
         "not depend on the angle");
-  name_states(system, m, r, out);
   const Responses response(dynamics, state, m);
   const Outputs outputs(dynamics, state, channels);
   outputs.refuse_integrals();
-  std::vector<InputColumn> columns;  // of states, then of inputs
-  for (const LinearInput& input : inputs)
-    for (InputColumn& column : columns_of(input, Actuator(system, input), m, r, response, outputs, out.accuracy))
-      columns.push_back(std::move(column));
-  std::stable_partition(columns.begin(), columns.end(),
-                        [](const InputColumn& one) { return one.of == InputColumn::Of::state; });
-  const Eigen::Index driven =
-      std::ranges::count_if(columns, [](const InputColumn& one) { return one.of == InputColumn::Of::state; });
-  const Eigen::Index n = 2 * f + driven, n_in = static_cast<Eigen::Index>(columns.size()) - driven;
-  out.A = MatX::Zero(n, n);
-  out.A.block(0, f, f, f).setIdentity();
-  out.A.block(f, 0, f, f) = -r.M.solve(r.K), out.A.block(f, f, f, f) = -r.M.solve(r.D);
+  std::vector<Direction> columns;
+  add_states(system, state, m, r, columns);
+  std::vector<Actuator> actuators;
+  for (const LinearInput& input : inputs) actuators.emplace_back(system, input);
+  for (std::size_t k = 0; k < inputs.size(); ++k)
+    add_inputs(inputs[k], actuators[k], m, r, response, out.accuracy, columns);
+  const auto first_input = std::ranges::stable_partition(columns, &Direction::is_state).begin();
 
-  const auto n_out = static_cast<Eigen::Index>(channels.size());
-  MatX all(n_out, 2 * f + static_cast<Eigen::Index>(columns.size())), off = all;
-  VecX apart;
-  // dv of a displacement in turning axes: Om x dx and W x dth; every v changes with the axes.
-  const auto turned = [&](const VecX& dx) {
-    VecX dv = VecX::Zero(dx.size());
-    if (m.spin.isZero(0)) return dv;
-    const Unknowns at(system);
-    const VecX six = at.to_slots(dx);
-    VecX v = VecX::Zero(six.size());
-    for (int k = 0; k < system.n_slots(); ++k) {
-      const Vec3 W = slot_motion(state, k).A.transpose() * m.spin;
-      v.segment<3>(6 * k) = cross(m.spin, Vec3(six.segment<3>(6 * k)));
-      v.segment<3>(6 * k + 3) = cross(W, Vec3(six.segment<3>(6 * k + 3)));
-    }
-    dv = at.of_slots(v);
-    return dv;
-  };
-  for (Eigen::Index k = 0; k < f; ++k) {
-    const VecX N = r.N.col(k), dv = turned(N);
-    const bool turn = m.unknowns[static_cast<std::size_t>(r.chosen[static_cast<std::size_t>(k)])].velocity >= 3;
-    const double largest = N.cwiseAbs().maxCoeff();
-    const double h = kDifferenceStep * (turn ? 1.0 : m.length) / std::max(1.0, turn ? largest : largest * m.length);
-    all.col(k) = derivative([&](double u) { return outputs.at(VecX(u * N), VecX(u * dv)); }, h, apart);
+  const auto n_all = static_cast<Eigen::Index>(columns.size()), n = first_input - columns.begin();
+  MatX of_states = MatX::Zero(n, n_all), of_outputs(static_cast<Eigen::Index>(channels.size()), n_all),
+       off = of_outputs;
+  Eigen::Index driven = 2 * f;
+  for (Eigen::Index k = 0; k < n_all; ++k) {
+    const Direction& column = columns[static_cast<std::size_t>(k)];
+    of_states.col(k).segment(f, f) = column.acceleration;
+    if (column.of == Direction::Of::rate) of_states(k - f, k) = 1;
+    if (column.of == Direction::Of::rate_of_driven) of_states(driven++, k) = 1;
+    VecX apart;
+    of_outputs.col(k) = derivative([&](double h) { return outputs.at(column, h); }, column.step, apart);
     off.col(k) = apart;
-    all.col(f + k) =
-        derivative([&](double u) { return outputs.at({}, VecX(u * N)); }, kRateStep * h / kDifferenceStep, apart);
-    off.col(f + k) = apart;
+    (k < n ? out.states : out.inputs).push_back(column.signal);
   }
-  out.B = MatX::Zero(n, n_in);
-  Eigen::Index rates = 0;
-  for (std::size_t k = 0; k < columns.size(); ++k) {
-    const auto col = static_cast<Eigen::Index>(k);
-    const bool is_state = col < driven;
-    (is_state ? out.states : out.inputs).push_back(columns[k].signal);
-    (is_state ? out.A.col(2 * f + col) : out.B.col(col - driven)).segment(f, f) = columns[k].acceleration;
-    if (columns[k].of == InputColumn::Of::rate_of_state) out.B(2 * f + rates++, col - driven) = 1;
-    all.col(2 * f + col) = derivative(columns[k].outputs, columns[k].step, apart);
-    off.col(2 * f + col) = apart;
-  }
-  out.accuracy = std::max(out.accuracy, accuracy_of_outputs(all, off, channels));
+  out.accuracy = std::max(out.accuracy, accuracy_of_outputs(of_outputs, off, channels));
   for (const Channel& channel : channels) out.outputs.push_back({channel.name, channel.unit});
-  out.C = all.leftCols(n), out.D = all.rightCols(n_in);
+  out.A = of_states.leftCols(n), out.B = of_states.rightCols(n_all - n);
+  out.C = of_outputs.leftCols(n), out.D = of_outputs.rightCols(n_all - n);
   for (MatX* matrix : {&out.A, &out.B, &out.C, &out.D}) matrix->array() += 0.0;  // no zero with a sign
   return out;
 }

@@ -4,8 +4,8 @@
 #include <span>
 #include <utility>
 
-#include "framework/tools/analysis/loop_rows.h"
 #include "framework/dynamics/evaluate/row_space.h"
+#include "framework/tools/analysis/loop_rows.h"
 
 namespace lockstep {
 namespace {
@@ -13,18 +13,16 @@ namespace {
 /// Vectors of multipliers that change no motion, loop by loop; of unit size where rows have length 1.
 class Undetermined {
  public:
-  Undetermined(const System& system, const RowTable& table) : of_row_(static_cast<std::size_t>(table.n_rows)) {
+  Undetermined(const System& system, const RowTable& table) : numbers_(static_cast<std::size_t>(table.n_rows)) {
     for (const std::vector<int>& entries : loops_of(system, table)) {
       const LoopRows rows(system, table, entries);
       const double limit = leaves_near_rows_out(system, table, entries) ? kNearlyDependent : kDependent;
-      Dependencies found(rows.Jt, limit);
+      const Dependencies found(rows.Jt, limit);
       if (found.circuits.cols() == 0) continue;
       n += rows.n() - found.rank;
       round_off = std::max(round_off, found.round_off);
       for (int k = 0; k < rows.n(); ++k)
-        of_row_[static_cast<std::size_t>(rows.numbers[static_cast<std::size_t>(k)])] = {static_cast<int>(loops_.size()),
-                                                                                        k};
-      loops_.push_back(std::move(found.circuits));
+        numbers_[static_cast<std::size_t>(rows.numbers[static_cast<std::size_t>(k)])] = found.circuits.row(k);
     }
   }
 
@@ -32,10 +30,7 @@ class Undetermined {
   double round_off = 0;  ///< numbers up to this are zero
 
   /// The numbers of a row, one for each vector of its loop.
-  VecX numbers(int row) const {
-    const auto [loop, place] = of_row_[static_cast<std::size_t>(row)];
-    return loop < 0 ? VecX() : VecX(loops_[static_cast<std::size_t>(loop)].row(place));
-  }
+  const VecX& numbers(int row) const { return numbers_[static_cast<std::size_t>(row)]; }
 
  private:
   // Whether rows of it were left out that depend on others nearly: how those that stay and those that went would share a
@@ -48,11 +43,7 @@ class Undetermined {
     });
   }
 
-  struct Place {
-    int loop = -1, place = 0;
-  };
-  std::vector<Place> of_row_;
-  std::vector<MatX> loops_;
+  std::vector<VecX> numbers_;
 };
 
 /// Largest absolute value of each component over the vectors.
@@ -86,11 +77,9 @@ class Components {
     double power = 0;
     const RowEntry& e = entry(link);
     const Reactions reactions(table_, {lambda_.data(), static_cast<std::size_t>(lambda_.size())});
-    std::vector<VecX> numbers;
-    for (int k = 0; k < e.m; ++k) numbers.push_back(u_.numbers(e.first_row + k));
-    for (Eigen::Index column = 0; column < numbers.front().size(); ++column) {
+    for (Eigen::Index column = 0; column < u_.numbers(e.first_row).size(); ++column) {
       for (int k = 0; k < e.m; ++k)
-        lambda_[e.first_row + k] = numbers[static_cast<std::size_t>(k)][column];  // others are not read
+        lambda_[e.first_row + k] = u_.numbers(e.first_row + k)[column];  // others are not read
       const LinkWrench on_p = reactions.on_body_of(MarkerFrame(*p), link, in_, part),
                        on_s = reactions.on_body_of(MarkerFrame(*s), link, in_, part);
       world.take(on_p.force, on_p.moment), other.take(on_s.force, on_s.moment);

@@ -4,6 +4,8 @@
 #include <array>
 #include <numeric>
 
+#include "framework/dynamics/evaluate/row_space.h"
+
 namespace lockstep {
 
 namespace {
@@ -65,5 +67,17 @@ SparseMat Unknowns::rows(const RowTable& table, const std::vector<int>& entries)
   out.setFromTriplets(Jt.begin(), Jt.end());
   return out;
 }
+
+SparseMat Unknowns::rows_in_lengths(const RowTable& table) const {
+  return lengths_.cwiseInverse().asDiagonal() * rows(table, entries_of(table));
+}
+
+SparseMat Unknowns::square(const Triplets& entries) const {
+  SparseMat out(n(), n());
+  out.setFromTriplets(entries.begin(), entries.end());
+  return out;
+}
+
+MatX free_motions(const Evaluation& e) { return RowSpace(Unknowns(e.system()).rows_in_lengths(e.rows())).free(); }
 
 }  // namespace lockstep

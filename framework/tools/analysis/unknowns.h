@@ -6,7 +6,8 @@
 
 #include <Eigen/SparseCore>
 
-#include <lockstep/system.h>
+#include <lockstep/dynamics.h>
+#include <lockstep/export.h>
 
 namespace lockstep {
 
@@ -14,7 +15,7 @@ using SparseMat = Eigen::SparseMatrix<double>;
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
 /// The unknown velocities of some slots: six of a body, three of a particle; in a plane three and two.
-class Unknowns {
+class LOCKSTEP_API Unknowns {
  public:
   explicit Unknowns(const System&);                        ///< of all slots
   Unknowns(const System&, const std::vector<int>& slots);  ///< of these
@@ -33,11 +34,19 @@ class Unknowns {
   VecX to_slots(const VecX& unknowns) const;
   /// What each unknown is multiplied by to be a length: 1, and System::length() for turns.
   const VecX& lengths() const { return lengths_; }
+  /// A motion u with turns as lengths, 6 per slot: m (world) and rad (slot axes).
+  VecX motion_of(const VecX& u) const { return to_slots(u.cwiseQuotient(lengths_)); }
+  /// Forces, N, that have the power of f in each motion u; f: 6 per slot, N (world) and N m (slot axes).
+  VecX forces_in(const VecX& f) const { return of_slots(f).cwiseQuotient(lengths_); }
 
   /// Adds the block of two slots.
   void add(int row_slot, int column_slot, const Mat6& block, Triplets& to) const;
   /// Jacobian, transposed, of entries of a table: a row is a column, entry after entry.
   SparseMat rows(const RowTable&, const std::vector<int>& entries) const;
+  /// The same of all entries, with turns as lengths.
+  SparseMat rows_in_lengths(const RowTable&) const;
+  /// A matrix of pairs of unknowns.
+  SparseMat square(const Triplets&) const;
 
  private:
   const System* system_;
@@ -48,5 +57,8 @@ class Unknowns {
 
 /// All entries of a table.
 std::vector<int> entries_of(const RowTable&);
+
+/// Basis of the motions that the rows leave free, orthonormal with turns as lengths: one column each (RowSpace::free).
+LOCKSTEP_API MatX free_motions(const Evaluation&);
 
 }  // namespace lockstep

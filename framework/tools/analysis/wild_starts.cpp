@@ -5,6 +5,7 @@
 
 #include <lockstep/error.h>
 #include "framework/dynamics/simulate/start_positions.h"
+#include "framework/tools/analysis/limits.h"
 
 namespace lockstep {
 Vec3 Scatter::vector(double size) {
@@ -28,9 +29,8 @@ void scatter(const System& system, double size, Scatter& random, State& state) {
 }
 
 bool fit(Dynamics& dynamics, State& state) {
-  constexpr double kFits = 1e-12;  // lengths
   try {
-    return approach_links(dynamics, state, kFits * std::max(1.0, dynamics.system().length()));
+    return approach_links(dynamics, state, kRoundOff * std::max(1.0, dynamics.system().length()));
   } catch (const SolveError&) {
   } catch (const NonFiniteError&) {
   }
