@@ -1,13 +1,13 @@
-// The lowest modes of a large mechanism by shift and invert on its sparse saddle-point matrix.
+// The lowest modes of a large mechanism by its sparse saddle-point matrix.
 #pragma once
 
 #include <lockstep/linearization.h>
-#include "framework/tools/analysis/spectrum.h"
 
 namespace lockstep {
 
-/// The `count` eigenvalues (a pair counts once) nearest to zero, with vectors in the unknown velocities. `redundant`:
-/// whether rows depend on one another. Throws SolveError where they do not settle.
-Spectrum lowest_spectrum(const LinearMotion&, int count, bool redundant);
+/// A basis of motions on the constraints in which the `count` modes nearest to zero lie, in the unknown velocities: the
+/// spectrum of the mechanism in it (spectrum_of()) is theirs. `redundant`: whether rows depend on one another. Throws
+/// SolveError where they do not settle.
+MatX lowest_motions(const LinearMotion&, int count, bool redundant);
 
 }  // namespace lockstep

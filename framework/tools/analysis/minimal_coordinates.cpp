@@ -7,21 +7,17 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
-#include "framework/tools/analysis/mechanism_matrices.h"
 #include "framework/dynamics/evaluate/row_space.h"
+#include "framework/tools/analysis/mechanism_matrices.h"
 
 namespace lockstep {
-namespace {
 
-// Turns as lengths: what a displacement of each unknown by 1 is divided by.
 VecX lengths_of(const MechanismMatrices& m) {
   VecX lengths(static_cast<Eigen::Index>(m.unknowns.size()));
   for (std::size_t i = 0; i < m.unknowns.size(); ++i)
     lengths[static_cast<Eigen::Index>(i)] = m.unknowns[i].velocity < 3 ? 1.0 : m.length;
   return lengths;
 }
-
-}  // namespace
 
 MinimalCoordinates minimal_coordinates(const MechanismMatrices& m) {
   const VecX turned = lengths_of(m).cwiseInverse();

@@ -17,6 +17,9 @@ struct MinimalCoordinates {
   int nearly = 0;  ///< rows whose pivots lie between 1e-9 and 1e-4: near a singular position
 };
 
+/// Turns as lengths: what a displacement of each unknown by 1 is divided by.
+VecX lengths_of(const MechanismMatrices&);
+
 /// By a rank-revealing decomposition of J^T with rows of length 1: pivots below 1e-9 are zero (9.26).
 MinimalCoordinates minimal_coordinates(const MechanismMatrices&);
 

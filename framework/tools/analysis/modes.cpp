@@ -45,26 +45,20 @@ Mode::Kind kind_of(Complex l) {
   return l.real() < 0 ? Mode::Kind::decay : Mode::Kind::growth;
 }
 
-QuadraticProblem reduced(const LinearMotion& m, const MatX& N) {
-  const MatX size = N.cwiseAbs();
-  const auto inner = [](const MatX& left, const SparseMat& A) { return MatX(left.transpose() * (A * left)); };
-  return {inner(N, m.M),
-          inner(N, m.D),
-          inner(N, m.K),
-          inner(size, SparseMat(m.D.cwiseAbs())),
-          inner(size, SparseMat(m.K.cwiseAbs())),
-          unrest_share(m)};
-}
-
-Spectrum of_all(Dynamics& dynamics, const State& state, const LinearMotion& motion, MatX& N, Modes& out) {
+// Motions in which the modes are looked for: all that the rows leave free, or those in which the lowest modes lie.
+MatX basis_of(Dynamics& dynamics, const State& state, const LinearMotion& motion, int count, Modes& out) {
+  if (!out.complete) {
+    const MobilityReport mobile = mobility(dynamics, state);
+    out.freedoms = mobile.freedoms;
+    return lowest_motions(motion, count, mobile.redundant > 0);
+  }
   MinimalCoordinates c = minimal_coordinates(motion);
   refuse_singular_pose(dynamics, state, motion, c);
   if (c.nearly > 0)
     out.notes.push_back("a singular position is near: " + std::to_string(c.nearly) +
                         " of the rows nearly depend on others");
-  N = std::move(c.N);
-  out.freedoms = static_cast<int>(N.cols());
-  return spectrum_of(reduced(motion, N));
+  out.freedoms = static_cast<int>(c.N.cols());
+  return c.N;
 }
 
 }  // namespace
@@ -87,25 +81,19 @@ Modes find_modes(Dynamics& dynamics, const State& given, const ModesOptions& opt
   const System& system = dynamics.system();
   Modes out;
   out.length = motion.length, out.spin = motion.spin, out.unrest = motion.unrest, out.notes = motion.notes;
-  const bool dense = static_cast<int>(motion.unknowns.size()) <= options.dense_limit;
-  MatX N;
-  const auto lowest = [&] {
-    const MobilityReport mobile = mobility(dynamics, state);
-    out.freedoms = mobile.freedoms;
-    return lowest_spectrum(motion, options.count > 0 ? options.count : 20, mobile.redundant > 0);
-  };
-  const Spectrum found = dense ? of_all(dynamics, state, motion, N, out) : lowest();
+  out.complete = static_cast<int>(motion.unknowns.size()) <= options.dense_limit;
+  const int count = options.count > 0 || out.complete ? options.count : 20;
+  const MatX N = basis_of(dynamics, state, motion, count, out);
+  const Spectrum found = spectrum_of(problem_in(motion, N));
   out.zeros = found.zeros, out.zero_bound = found.zero_bound;
-  const auto full = [&](const Eigen::VectorXcd& y) { return dense ? Eigen::VectorXcd(N.cast<Complex>() * y) : y; };
+  const auto shape = [&](const Eigen::VectorXcd& y) { return shape_of(system, state, motion, N.cast<Complex>() * y); };
   for (Eigen::Index k = 0; k < found.rigid.cols(); ++k)
-    out.modes.push_back({Mode::Kind::rigid, 0.0, found.zero_bound,
-                         shape_of(system, state, motion, full(found.rigid.col(k).cast<Complex>()))});
+    out.modes.push_back({Mode::Kind::rigid, 0.0, found.zero_bound, shape(found.rigid.col(k).cast<Complex>())});
   for (std::size_t k = 0; k < found.values.size(); ++k)
     out.modes.push_back({kind_of(found.values[k]), found.values[k], found.bounds[k],
-                         shape_of(system, state, motion, full(found.vectors.col(static_cast<Eigen::Index>(k))))});
-  out.complete = dense;
-  if (options.count > 0 && static_cast<std::size_t>(options.count) < out.modes.size()) {
-    out.modes.resize(static_cast<std::size_t>(options.count));
+                         shape(found.vectors.col(static_cast<Eigen::Index>(k)))});
+  if (count > 0 && static_cast<std::size_t>(count) < out.modes.size()) {
+    out.modes.resize(static_cast<std::size_t>(count));
     out.complete = false;
   }
   return out;

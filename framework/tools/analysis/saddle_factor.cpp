@@ -4,6 +4,8 @@
 #include <limits>
 
 #include <lockstep/error.h>
+#include "framework/tools/analysis/limits.h"
+#include "framework/tools/analysis/minimal_coordinates.h"
 
 namespace lockstep {
 
@@ -14,19 +16,15 @@ constexpr double kProximal = 1e-10;
 
 }  // namespace
 
-SaddleFactor::SaddleFactor(const MechanismMatrices& m, const SparseMat& A, bool redundant) {
-  const double proximity = redundant ? kProximal : 0.0;
+SaddleFactor::SaddleFactor(const MechanismMatrices& m, const SparseMat& A, bool redundant)
+    : scale_(lengths_of(m).cwiseInverse()) {
   const Eigen::Index n = A.rows(), rows = m.J.rows();
-  scale_.resize(n);
-  for (Eigen::Index i = 0; i < n; ++i)
-    scale_[i] = m.unknowns[static_cast<std::size_t>(i)].velocity < 3 ? 1.0 : 1.0 / m.length;
   const SparseMat scaled = scale_.asDiagonal() * A * scale_.asDiagonal();
   const SparseMat Jt = scale_.asDiagonal() * SparseMat(m.J.transpose());
-  double size = 0;
-  for (Eigen::Index i = 0; i < n; ++i) size = std::max(size, std::abs(scaled.coeff(i, i)));
+  double size = n > 0 ? VecX(scaled.diagonal()).cwiseAbs().maxCoeff() : 0;
   if (size == 0) size = 1;
 
-  std::vector<Eigen::Triplet<double>> entries, proximal;
+  std::vector<Eigen::Triplet<double>> entries;
   for (Eigen::Index j = 0; j < n; ++j)
     for (SparseMat::InnerIterator it(scaled, j); it; ++it) entries.emplace_back(it.row(), j, it.value());
   for (Eigen::Index row = 0; row < rows; ++row) {
@@ -35,48 +33,34 @@ SaddleFactor::SaddleFactor(const MechanismMatrices& m, const SparseMat& A, bool 
       entries.emplace_back(it.row(), n + row, to * it.value());
       entries.emplace_back(n + row, it.row(), to * it.value());
     }
-    proximal.emplace_back(n + row, n + row, -proximity * size);
   }
   matrix_.resize(n + rows, n + rows);
   matrix_.setFromTriplets(entries.begin(), entries.end());
   sizes_ = matrix_.cwiseAbs();
+  for (Eigen::Index row = n; redundant && row < n + rows; ++row) entries.emplace_back(row, row, -kProximal * size);
   SparseMat with_proximal(n + rows, n + rows);
-  entries.insert(entries.end(), proximal.begin(), proximal.end());
   with_proximal.setFromTriplets(entries.begin(), entries.end());
   lu_.compute(with_proximal);
   if (lu_.info() != Eigen::Success)
     throw SolveError("the saddle-point matrix of the linear equations has no factors: " + lu_.lastErrorMessage());
 }
 
+// Corrected as long as that helps: a long loop of joints lets the proximal term go slowly.
 VecX SaddleFactor::solve(const VecX& f) const {
-  constexpr int kCorrections = 40;  // a long loop of joints lets the proximal term go slowly
-  constexpr double kEnough = 4 * std::numeric_limits<double>::epsilon(), kRefused = 1e-9;
   const Eigen::Index n = scale_.size();
   VecX b = VecX::Zero(matrix_.rows());
   b.head(n) = scale_.cwiseProduct(f);
-  VecX x = lu_.solve(b), left = b - matrix_ * x;
-  // The residual of each equation, relative to its largest terms.
-  const auto error = [&] {
-    const VecX terms = b.cwiseAbs() + sizes_ * x.cwiseAbs();
-    const double most = terms.maxCoeff();
-    return most > 0 ? left.cwiseAbs().cwiseQuotient(terms.cwiseMax(1e-6 * most)).maxCoeff() : 0.0;
-  };
-  double now = error();
-  for (int k = 0; k < kCorrections && now > kEnough; ++k) {
-    const VecX before = x;
-    x += lu_.solve(left);
-    left = b - matrix_ * x;
-    const double next = error();
-    if (!(next < 0.7 * now)) {
-      if (!(next < now)) x = before;
-      now = std::min(now, next);
-      break;
-    }
-    now = next;
+  VecX x = VecX::Zero(b.size()), left = b;
+  double error = 1;  // relative to the largest terms
+  while (error > std::numeric_limits<double>::epsilon()) {
+    const VecX next = x + lu_.solve(left), next_left = b - matrix_ * next;
+    const double now = next_left.lpNorm<Eigen::Infinity>() / (b.cwiseAbs() + sizes_ * next.cwiseAbs()).maxCoeff();
+    if (!(now < 0.7 * error)) break;
+    x = next, left = next_left, error = now;
   }
-  if (!x.allFinite() || !(now <= kRefused))
+  if (!(error <= kNone) && !b.isZero(0))
     throw SolveError("the sparse matrix of the linear equations is too badly conditioned: a solution leaves " +
-                     std::to_string(now) + " of its terms; ask for a dense solution (dense_limit)");
+                     std::to_string(error) + " of its terms; ask for a dense solution (dense_limit)");
   return scale_.cwiseProduct(x.head(n));
 }
 

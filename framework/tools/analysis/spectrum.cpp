@@ -5,9 +5,11 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include <lockstep/error.h>
+#include "framework/tools/analysis/limits.h"
 #include "framework/tools/analysis/minimal_coordinates.h"
 
 namespace lockstep {
@@ -15,8 +17,6 @@ namespace {
 
 using Complex = std::complex<double>;
 using MatXc = Eigen::MatrixXcd;
-
-constexpr double kAccuracy = 1e-13;  // of the largest rate, for an eigenvalue of condition 1
 
 // In coordinates z = L^T y, M = L L^T.
 struct Normal {
@@ -63,7 +63,7 @@ void solve_symmetric(const Normal& n, double zero, double unrest, Spectrum& out)
       rigid.push_back(k);
       continue;
     }
-    const double bound = (kAccuracy * n.size_K + unrest) / (2 * w);
+    const double bound = (kRoundOff * n.size_K + unrest) / (2 * w);
     const auto put = [&](Complex value) {
       out.values.push_back(value), out.bounds.push_back(bound), source.push_back(k);
     };
@@ -144,7 +144,10 @@ class Companion {
 };
 
 void solve_general(const Normal& n, double zero, double unrest, Spectrum& out) {
-  const double rate = std::max({std::sqrt(n.size_K), n.size_D, std::sqrt(zero)});
+  // Slow modes err by round-off of A over their share of the rate: it is no faster than K asks for, but as long as
+  // round-off of D/rate is none beside 1.
+  const double rate =
+      std::max({std::sqrt(n.size_K), std::sqrt(zero), n.size_D * (std::numeric_limits<double>::epsilon() / kRoundOff)});
   if (rate == 0) {  // nothing acts
     out.zeros = 2 * static_cast<int>(n.K.rows());
     out.rigid = back(n, MatX(MatX::Identity(n.K.rows(), n.K.cols())));
@@ -163,13 +166,12 @@ void solve_general(const Normal& n, double zero, double unrest, Spectrum& out) {
     kept.push_back(static_cast<Eigen::Index>(k));
     const Complex l = rate * values[k];
     out.values.push_back(l);
-    out.bounds.push_back(conditions[k] * (kAccuracy * rate + unrest / (2 * std::abs(l))));
+    out.bounds.push_back(conditions[k] * (kRoundOff * std::max(rate, n.size_D) + unrest / (2 * std::abs(l))));
   }
   out.vectors = kept.empty() ? MatXc(n.K.rows(), 0) : back(n, MatXc(vectors(Eigen::all, kept)));
 }
 
-}  // namespace
-
+// By rising |l|; of equal ones by their real parts.
 void sort(Spectrum& s) {
   std::vector<std::size_t> order(s.values.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -185,15 +187,28 @@ void sort(Spectrum& s) {
   s = std::move(sorted);
 }
 
+}  // namespace
+
+QuadraticProblem problem_in(const LinearMotion& m, const MatX& N) {
+  const MatX size = N.cwiseAbs();
+  const auto inner = [](const MatX& left, const SparseMat& A) { return MatX(left.transpose() * (A * left)); };
+  return {inner(N, m.M),
+          inner(N, m.D),
+          inner(N, m.K),
+          inner(size, SparseMat(m.D.cwiseAbs())),
+          inner(size, SparseMat(m.K.cwiseAbs())),
+          unrest_share(m)};
+}
+
 Spectrum spectrum_of(const QuadraticProblem& p) {
   Spectrum out;
   out.rigid = MatX(p.M.rows(), 0), out.vectors = MatXc(p.M.rows(), 0);
   if (p.M.rows() == 0) return out;
   const Normal n = normal_of(p);
-  const double zero = kZeroShare * n.size_K + p.unrest;
+  const double zero = kRoundOff * n.size_K + p.unrest;
   out.zero_bound = std::sqrt(zero);
-  const bool undamped = largest_row(n.D) <= 1e-15 * std::max(n.size_D, std::sqrt(n.size_K)),
-             symmetric = largest_row(n.K - n.K.transpose()) <= kZeroShare * n.size_K;
+  const bool undamped = largest_row(n.D) <= kRoundOff * std::max(n.size_D, std::sqrt(n.size_K)),
+             symmetric = largest_row(n.K - n.K.transpose()) <= kRoundOff * n.size_K;
   if (undamped && symmetric)
     solve_symmetric(n, zero, p.unrest, out);
   else

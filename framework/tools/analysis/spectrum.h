@@ -4,7 +4,7 @@
 #include <complex>
 #include <vector>
 
-#include <lockstep/math.h>
+#include <lockstep/linearization.h>
 
 namespace lockstep {
 
@@ -15,6 +15,9 @@ struct QuadraticProblem {
   double unrest = 0;    ///< what the state's unrest adds to w^2 at most, 1/s^2
 };
 
+/// That of the motions N y: of the minimal coordinates, or of those in which some modes lie.
+QuadraticProblem problem_in(const LinearMotion&, const MatX& N);
+
 /// Its solution. Vectors are columns, in the problem's coordinates.
 struct Spectrum {
   double zero_bound = 0;                     ///< |l| below which eigenvalues are zero, 1/s
@@ -24,12 +27,6 @@ struct Spectrum {
   std::vector<double> bounds;                ///< of each: what round-off and unrest may have changed
   Eigen::MatrixXcd vectors;                  ///< of each
 };
-
-/// Of K with all its terms by their size: less is round-off.
-inline constexpr double kZeroShare = 1e-11;
-
-/// Sorts by rising |l|; of equal ones by their real parts.
-void sort(Spectrum&);
 
 /// Throws SolveError where M is not positive definite or the decomposition does not converge.
 Spectrum spectrum_of(const QuadraticProblem&);
