@@ -14,7 +14,7 @@
 #include "framework/tools/analysis/equilibrium_search.h"
 #include "framework/tools/analysis/limits.h"
 #include "framework/tools/analysis/motion_words.h"
-#include "framework/tools/analysis/rest_motions.h"
+#include "framework/tools/analysis/rest_matrices.h"
 
 namespace lockstep {
 namespace {
@@ -92,18 +92,15 @@ bool EquilibriumSearch::find_dense_step(bool either_way) {
   const RestMatrices A(*now_.e, now_.lambda);
   if (A.N.cols() == 0) return false;
   const VecX g = A.at.forces_in(now_.r);
-  const RestMotions motions = rest_motions(A);
-  const bool potential = has_potential(A, motions);
+  const RestMotions motions(A);
+  const MatX& K = motions.K;
   VecX share = motions.U.transpose() * g, y;
-  if (!potential) {
-    const MatX K = motions.U.transpose() * A.K * motions.U;
-    y = MatX(K + shift_ * MatX::Identity(K.rows(), K.cols())).partialPivLu().solve(share);
-  }
-  if (potential || !y.allFinite() || (!either_way && y.dot(share) < 0)) {
+  if (!motions.has_potential) y = MatX(K + shift_ * MatX::Identity(K.rows(), K.cols())).partialPivLu().solve(share);
+  if (motions.has_potential || !y.allFinite() || (!either_way && y.dot(share) < 0)) {
     const double rounding = kRoundOff * now_.force / std::sqrt(heaviest_);
     for (Eigen::Index i = 0; i < share.size(); ++i) {
-      const double mu = motions.stiffness[i];
-      if (std::abs(mu) <= 10 * motions.bound[i])
+      const double mu = K(i, i);
+      if (std::abs(mu) <= 10 * kRoundOff * motions.terms(i, i))
         share[i] = std::abs(share[i]) <= rounding ? 0.0 : share[i] / std::max(shift_, now_.speed_up / length_);
       else
         share[i] /= either_way ? mu : std::abs(mu) + shift_;

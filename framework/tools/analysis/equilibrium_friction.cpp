@@ -3,7 +3,7 @@
 
 #include "framework/tools/analysis/equilibrium_search.h"
 #include "framework/tools/analysis/friction_at_rest.h"
-#include "framework/tools/analysis/rest_motions.h"
+#include "framework/tools/analysis/rest_matrices.h"
 
 namespace lockstep {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <lockstep/equilibrium.h>
 #include "framework/tools/analysis/forces_at_rest.h"
-#include "framework/tools/analysis/rest_motions.h"
+#include "framework/tools/analysis/rest_matrices.h"
 
 namespace lockstep {
 

@@ -20,8 +20,8 @@ SparseMat carried_by(const Vec3& spin, const System&, const State&);
 ///
 ///     w . d^2C = c . G c,   G = N^T d(J^T w)/dx N                                            (9.23)
 ///
-/// None if G is slight beside its terms, as differences of a link without a formula leave a zero: the rows depend on one another in the neighbouring positions too. `N`: in these unknowns, turns
-/// as lengths; `w`: 1 per row of the table.
+/// None if G is slight beside its terms, as differences of a link without a formula leave a zero: the rows depend on one
+/// another in the neighbouring positions too. `N`: in these unknowns, turns as lengths; `w`: 1 per row of the table.
 std::optional<MatX> stopping_form(const Evaluation&, const Unknowns&, const MatX& N, const VecX& w);
 
 /// The bodies of a slot: "arm + bob".

@@ -5,18 +5,46 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <vector>
 
 #include <Eigen/Eigenvalues>
 
+#include <lockstep/newton.h>
+#include "framework/tools/analysis/forces_at_rest.h"
 #include "framework/tools/analysis/limits.h"
+#include "framework/tools/analysis/mechanism_matrices.h"
 #include "framework/tools/analysis/motion_words.h"
-#include "framework/tools/analysis/rest_motions.h"
+#include "framework/tools/analysis/rest_matrices.h"
 
 namespace lockstep {
+
+RestMatrices::RestMatrices(const Evaluation& e, const VecX& lambda) : at(e.system()), N(free_motions(e)) {
+  const VecX turned = at.lengths().cwiseInverse();
+  const auto in_lengths = [&](const SparseMat& A) { return MatX(turned.asDiagonal() * A * turned.asDiagonal()); };
+  NewtonMatrix newton;
+  newton.gather(e, lambda);
+  M = in_lengths(mass_of(e.system(), at)), K = in_lengths(tangent_of(newton.tangents(), false, at));
+  Vec6 turned_block = Vec6::Ones();
+  turned_block.tail<3>() /= e.system().length();
+  Triplets sizes;
+  for (std::size_t p = 0; p < newton.tangents().pairs().size(); ++p) {
+    const Mat6 block = turned_block.asDiagonal() * newton.tangents().K(p) * turned_block.asDiagonal();
+    const auto [row, column] = newton.tangents().pairs()[p];
+    at.add(row, column, Mat6::Constant(block.cwiseAbs().maxCoeff()), sizes);
+  }
+  size_K = at.square(sizes);
+  const VecX loads = largest_loads(e, lambda);
+  for (Eigen::Index i = 0; i < size_K.rows(); ++i)
+    size_K(i, i) += loads[at.places()[static_cast<std::size_t>(i)] / 6] / e.system().length();
+}
+
 namespace {
 
 // Of the norm of K: round-off of the eigenvalues of an unsymmetric matrix.
 constexpr double kSolver = 50 * std::numeric_limits<double>::epsilon();
+
+/// The terms of u^T K u by their size.
+double terms_of(const RestMatrices& A, const VecX& sizes) { return sizes.dot(A.size_K * sizes); }
 
 /// 6 per slot, of size 1 m; the largest turn, or where there is hardly one the largest move, is positive. u: in the
 /// unknowns.
@@ -34,35 +62,32 @@ VecX unit_motion(const RestMatrices& A, const System& system, const VecX& u) {
   return (positive ? 1 : -1) / motion_size(system, out) * out;
 }
 
-void sort_motion(Stability& s, const System& system, const Inputs& in, double stiffness, double bound, bool grows,
-                 VecX motion) {
-  if (!grows && stiffness > bound) {
-    s.softest = s.softest > 0 ? std::min(s.softest, stiffness) : stiffness;
-    return;
-  }
-  FreeMotion found{stiffness, bound, std::move(motion), ""};
-  found.words = motion_words(system, in, found.motion);
-  (grows ? s.unstable : s.neutral).push_back(std::move(found));
-}
-
-/// x'' = -mu x grows for every mu that is not real and positive.
-void judge_without_potential(Stability& out, const Evaluation& e, const RestMatrices& A, const RestMotions& motions) {
-  const MatX K = motions.U.transpose() * A.K * motions.U;
-  const Eigen::EigenSolver<MatX> eigen(K);
-  const double solver = kSolver * K.norm();
-  for (Eigen::Index i = 0; i < K.cols(); ++i) {
-    const std::complex<double> mu = eigen.eigenvalues()[i];
-    const Eigen::VectorXcd u = motions.U.cast<std::complex<double>>() * eigen.eigenvectors().col(i);
-    const VecX re = u.real(), im = u.imag(), sizes = u.cwiseAbs();
-    const double mass = re.dot(A.M * re) + im.dot(A.M * im), terms = sizes.dot(A.size_K * sizes) / mass;
-    const double bound = rest_round_off(A, sizes) / mass + solver;
-    const bool flutters = std::abs(mu.imag()) > std::sqrt(terms * (kSlight * kSlight * terms + solver));
-    sort_motion(out, e.system(), e.inputs(), mu.real(), bound, mu.real() < -bound || flutters,
-                unit_motion(A, e.system(), re));
-  }
-}
-
 }  // namespace
+
+RestMotions::RestMotions(const RestMatrices& A) : U(A.N.rows(), A.N.cols()) {
+  Eigen::Index found = 0;
+  // An eigenvector of a level errs by round-off of the stiffest motion over the distance to it, which adds the square of
+  // that to u^T K u.
+  for (MatX level = A.N; level.cols() > 0;) {
+    const MatX K_level = level.transpose() * A.K * level, M = level.transpose() * A.M * level;
+    const Eigen::GeneralizedSelfAdjointEigenSolver<MatX> eigen(0.5 * (K_level + K_level.transpose()), M);
+    const VecX& mu = eigen.eigenvalues();
+    const MatX motions = level * eigen.eigenvectors();
+    const double soft = kSlight * mu.cwiseAbs().maxCoeff();
+    bool zero = true;
+    for (Eigen::Index i = 0; i < mu.size(); ++i)
+      zero = zero && std::abs(mu[i]) <= kRoundOff * terms_of(A, motions.col(i).cwiseAbs());
+    std::vector<Eigen::Index> again;
+    for (Eigen::Index i = 0; i < mu.size(); ++i)
+      if (!zero && std::abs(mu[i]) < soft)
+        again.push_back(i);
+      else
+        U.col(found++) = motions.col(i);
+    level = motions(Eigen::all, again).eval();
+  }
+  K = U.transpose() * A.K * U, terms = U.cwiseAbs().transpose() * A.size_K * U.cwiseAbs();
+  has_potential = ((K - K.transpose()).cwiseAbs().array() <= kSlight * (terms + terms.transpose()).array()).all();
+}
 
 std::string to_string(Stability::Kind kind) {
   constexpr const char* kWords[] = {"stable", "neutral", "unstable", "not judged", "gripped"};
@@ -70,28 +95,45 @@ std::string to_string(Stability::Kind kind) {
 }
 
 Stability judge_rest(const Evaluation& e, const VecX& lambda) {
-  const System& system = e.system();
-  Stability out;
-  if (system.n_velocities() > kDenseUnknowns) {
+  if (e.system().n_velocities() > kDenseUnknowns) {
+    Stability out;
     out.kind = Stability::Kind::not_judged;
     return out;
   }
   return judge_motions(e, RestMatrices(e, lambda));
 }
 
+// x'' = -mu x grows for every mu that is not real and positive.
 Stability judge_motions(const Evaluation& e, const RestMatrices& A) {
   const System& system = e.system();
   Stability out;
   out.freedoms = static_cast<int>(A.N.cols());
   if (out.freedoms == 0) return out;
-  const RestMotions motions = rest_motions(A);
-  out.has_potential = has_potential(A, motions);
-  if (!out.has_potential) judge_without_potential(out, e, A, motions);
-  for (Eigen::Index i = 0; out.has_potential && i < motions.stiffness.size(); ++i) {
-    const double mu = motions.stiffness[i], bound = motions.bound[i];
-    sort_motion(out, system, e.inputs(), mu, bound, mu < -bound, unit_motion(A, system, motions.U.col(i)));
+  const RestMotions own(A);
+  out.has_potential = own.has_potential;
+  Eigen::VectorXcd mu = own.K.diagonal().cast<std::complex<double>>();
+  Eigen::MatrixXcd motions = own.U.cast<std::complex<double>>();
+  double solver = 0;
+  if (!out.has_potential) {
+    const Eigen::EigenSolver<MatX> eigen(own.K);
+    mu = eigen.eigenvalues(), motions *= eigen.eigenvectors(), solver = kSolver * own.K.norm();
+  }
+  for (Eigen::Index i = 0; i < mu.size(); ++i) {
+    const VecX re = motions.col(i).real(), im = motions.col(i).imag();
+    const double mass = re.dot(A.M * re) + im.dot(A.M * im), terms = terms_of(A, motions.col(i).cwiseAbs()) / mass;
+    const double stiffness = mu[i].real(), bound = kRoundOff * terms + solver;
+    const bool grows =
+        stiffness < -bound || std::abs(mu[i].imag()) > std::sqrt(terms * (kSlight * kSlight * terms + solver));
+    if (!grows && stiffness > bound) {
+      out.softest = out.softest > 0 ? std::min(out.softest, stiffness) : stiffness;
+      continue;
+    }
+    FreeMotion found{stiffness, bound, unit_motion(A, system, re), ""};
+    found.words = motion_words(system, e.inputs(), found.motion);
+    (grows ? out.unstable : out.neutral).push_back(std::move(found));
   }
   std::ranges::sort(out.unstable, {}, &FreeMotion::stiffness);
+  std::ranges::stable_sort(out.neutral, {}, &FreeMotion::stiffness);
   out.kind = !out.unstable.empty()  ? Stability::Kind::unstable
              : !out.neutral.empty() ? Stability::Kind::neutral
                                     : Stability::Kind::stable;
