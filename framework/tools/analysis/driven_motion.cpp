@@ -4,7 +4,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <array>
+#include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 
 #include <lockstep/error.h>
@@ -19,18 +19,9 @@ namespace {
 
 constexpr double kBranch = 0.05;  // lengths: a pose farther from the predicted one may lie on another branch
 
-// Nodes and weights of Gauss and Legendre on [-1, 1].
-constexpr std::array<double, 5> kNode = {-0.906179845938663992797626878299, -0.538469310105683091036314420700, 0,
-                                         0.538469310105683091036314420700, 0.906179845938663992797626878299};
-constexpr std::array<double, 5> kWeight = {0.236926885056189087514264040720, 0.478628670499366468041291514836,
-                                           0.568888888888888888888888888889, 0.478628670499366468041291514836,
-                                           0.236926885056189087514264040720};
-
+// By Gauss and Legendre, with five nodes.
 double integral(const MotionLaw& speed, double t0, double t1) {
-  double sum = 0;
-  for (std::size_t k = 0; k < kNode.size(); ++k)
-    sum += kWeight[k] * speed.at(0.5 * (t0 + t1) + 0.5 * (t1 - t0) * kNode[k]).y;
-  return 0.5 * (t1 - t0) * sum;
+  return boost::math::quadrature::gauss<double, 5>::integrate([&](double t) { return speed.at(t).y; }, t0, t1);
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ VecX lengths_of(const MechanismMatrices& m) {
 MinimalCoordinates minimal_coordinates(const MechanismMatrices& m) {
   const VecX turned = lengths_of(m).cwiseInverse();
   const RowSpace rows(turned.asDiagonal() * SparseMat(m.J.transpose()));
-  return {turned.asDiagonal() * rows.free(), rows.rank(), rows.circuits(), rows.nearly()};
+  return {turned.asDiagonal() * rows.free(), rows.circuits(), rows.nearly()};
 }
 
 std::vector<int> independent_unknowns(const MechanismMatrices& m, const MatX& N) {

@@ -12,7 +12,6 @@ namespace lockstep {
 /// dx = N y. Columns of N are orthonormal where turns count as lengths (times MechanismMatrices::length).
 struct MinimalCoordinates {
   MatX N;          ///< unknowns x freedoms
-  int rank = 0;    ///< of the rows
   MatX stresses;   ///< rows x (rows - rank): multipliers that hold one another, J^T s = 0
   int nearly = 0;  ///< rows whose pivots lie between 1e-9 and 1e-4: near a singular position
 };
