@@ -8,6 +8,11 @@
 
 namespace lockstep {
 
+/// The round-off of |C|, m, in a mechanism of this length and largest coordinate x_max.
+inline double position_rounding(double length, double x_max) {
+  return 1e-14 * length + 4 * std::numeric_limits<double>::epsilon() * x_max;
+}
+
 /// Rounds of the projection onto C = 0. They converge quadratically with a fresh factor, so three are usual.
 class PositionRounds {
  public:
@@ -15,7 +20,7 @@ class PositionRounds {
   /// Ends at |C| <= goal, m, but not below the round-off of a mechanism of this length and largest coordinate x_max. It
   /// has converged if |C| is within the tolerance.
   PositionRounds(double goal, double tolerance, double length, double x_max)
-      : goal_(std::max(goal, 1e-14 * length + 4 * std::numeric_limits<double>::epsilon() * x_max)), tolerance_(tolerance) {}
+      : goal_(std::max(goal, position_rounding(length, x_max))), tolerance_(tolerance) {}
 
   /// Takes the residual |C| before the next round; true when no further round is needed.
   bool ends(double residual) {

@@ -5,10 +5,13 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <lockstep/error.h>
 #include <lockstep/log.h>
+#include <lockstep/step_loop.h>
 #include <lockstep/text.h>
+#include "framework/dynamics/simulate/consistency.h"
 #include "framework/dynamics/simulate/start_positions.h"
 #include "framework/dynamics/simulate/start_rows.h"
 #include "framework/mechanism/system/diagnose.h"
@@ -16,17 +19,21 @@
 namespace lockstep {
 namespace {
 
-constexpr double kVelocityLimit = 1e-6;  // m/s, residual |Jh v + Ct|: more is a contradiction, not round-off
+constexpr double kRounding = 1e-9;  // relative: of a solve, and of velocities and energies beside others
+constexpr double kMuch = 0.1;       // of the mechanism's length, a turn, or the start's energy: more was hardly meant
+constexpr double kMissed = 1e-3;    // of the mechanism's length, turns times it: the same of what was asked for
 
-// Projects first, then corrects along the free motions only: W = M^-1-orthogonal responses to each target's row. Once
-// more if the solver's answers leave a digit.
+// What a run would refuse, m, m/s.
+double start_limit() { return StepLoopOptions{}.start_limit; }
+
+// Projects first, then corrects along the free motions only: W = M^-1-orthogonal responses to each target's row. Again
+// while that leaves less.
 void meet(Dynamics& dynamics, State& state, const std::vector<VelocityTarget>& targets) {
-  constexpr int kRounds = 3;
   dynamics.project_velocity(state);
   const auto m = static_cast<Eigen::Index>(targets.size());
   MatX rows(m, state.v.size()), response(state.v.size(), m);
   VecX gap(m), a, lambda;
-  for (int round = 0; round < kRounds; ++round) {
+  for (double before = std::numeric_limits<double>::infinity();;) {
     double largest = 0;
     for (Eigen::Index i = 0; i < m; ++i) {
       const VelocityTarget& target = targets[static_cast<std::size_t>(i)];
@@ -36,7 +43,8 @@ void meet(Dynamics& dynamics, State& state, const std::vector<VelocityTarget>& t
       gap[i] = target.value - at.rate, largest = std::max(largest, std::abs(target.value));
     }
     const double left = gap.lpNorm<Eigen::Infinity>();
-    if (round > 0 && left <= 4 * std::numeric_limits<double>::epsilon() * largest) return;
+    if (left <= 4 * std::numeric_limits<double>::epsilon() * largest || !(left < before)) return;
+    before = left;
     const Evaluation& e = dynamics.gather_rows(state);
     const VecX none = VecX::Zero(e.rows().n_rows);
     Factor& factor = dynamics.factor(e);
@@ -47,7 +55,7 @@ void meet(Dynamics& dynamics, State& state, const std::vector<VelocityTarget>& t
     // Targets may depend on each other: any impulse that gives their rates will do, since all give the same motion.
     const MatX compliance = rows.lazyProduct(response);
     const VecX impulse = compliance.fullPivLu().solve(gap);
-    if ((compliance * impulse - gap).lpNorm<Eigen::Infinity>() > 1e-9 * std::max({1.0, left, largest})) {
+    if ((compliance * impulse - gap).lpNorm<Eigen::Infinity>() > kRounding * std::max({1.0, left, largest})) {
       std::vector<std::string> names;
       for (const VelocityTarget& t : targets) names.push_back(t.link + "." + std::string(to_string(t.axis)));
       throw AssemblyError("start velocity: " + text::join(names) +
@@ -68,15 +76,7 @@ void assemble_velocities(Dynamics& dynamics, State& state, const std::vector<Vel
   else
     meet(dynamics, state, targets);
   report.after_v = dynamics.violation_v(state);
-  if (report.after_v <= kVelocityLimit) return;
-  const Evaluation& e = dynamics.gather_rows(state);
-  VecX C, Cd;
-  e.residuals(C, Cd);
-  throw AssemblyError("assembly left inconsistent velocities (constraint violation " + text::brief(report.after_v) +
-                      " m/s); worst: " + worst_rows(e, Cd) + ". Two laws may drive one coordinate" +
-                      or_against_stops(dynamics.system(), e.rows()) +
-                      ", or the position is a dead centre, where a driven "
-                      "coordinate cannot move: look at the drives of these links, or start off the dead centre");
+  check_velocities(dynamics, state, report.after_v, start_limit(), "assembly", "start off the dead centre, or ");
 }
 
 double kinetic_energy(Dynamics& dynamics, const State& state) {
@@ -93,7 +93,6 @@ double kinetic_energy(Dynamics& dynamics, const State& state) {
 struct NotGiven {
   std::vector<std::string> all, velocity, omega;
 
-  bool is_half() const { return !velocity.empty() || !omega.empty(); }
   /// "no start velocity is given for 'coupler', 'rocker'; ..."; "" where all are given.
   std::string text() const {
     std::string words;
@@ -111,19 +110,20 @@ struct NotGiven {
 };
 
 NotGiven not_given(const System& system, const State& given, const State& assembled) {
-  constexpr double kNone = 1e-12, kNow = 1e-9;  // of the other half: rounding; m/s and rad/s
+  const double L = system.length(), rounding = kRounding * std::max(given.v.lpNorm<Eigen::Infinity>(),
+                                                                    assembled.v.lpNorm<Eigen::Infinity>());
   NotGiven out;
   for (int k = 0; k < system.n_slots(); ++k) {
     const Body& body = system.body_of_slot(k);
     const Twist asked = body_twist(body, given), has = body_twist(body, assembled);
-    const double v = asked.v.norm(), w = system.length() * asked.w.norm();
-    const bool moves = has.v.norm() > kNow, turns = has.w.norm() > kNow;
+    const double v = asked.v.norm(), w = L * asked.w.norm();
+    const bool moves = has.v.norm() > rounding, turns = has.w.norm() > rounding;
     const std::string name = "'" + body.name + "'";
     if (v == 0 && w == 0) {
       if (moves || turns) out.all.push_back(name);
-    } else if (v <= kNone * w) {
+    } else if (v <= kRounding * w) {
       if (moves) out.velocity.push_back(name);
-    } else if (w <= kNone * v && turns) {
+    } else if (w <= kRounding * v && turns) {
       out.omega.push_back(name);
     }
   }
@@ -133,7 +133,6 @@ NotGiven not_given(const System& system, const State& given, const State& assemb
 // Whether the start poses fit the links but for their drives: a mechanism drawn in its zero position, which its drives
 // take to where they begin.
 bool only_laws_move(Dynamics& dynamics, const State& given) {
-  constexpr double kFits = 1e-6;  // m
   const Evaluation& e = dynamics.gather_rows(given);
   VecX C, Cd;
   e.residuals(C, Cd);
@@ -142,24 +141,20 @@ bool only_laws_move(Dynamics& dynamics, const State& given) {
     for (int k = 0; k < entry.m; ++k)
       if (link.row(entry.own[static_cast<std::size_t>(k)]).drive >= 0) C[entry.first_row + k] = 0;
   }
-  return e.norm(C) < kFits;
+  return e.norm(C) < start_limit();
 }
 
 // What assembling changed so much that the start was hardly meant so.
 void add_warnings(Dynamics& dynamics, const State& given, const State& assembled, const AssemblyOptions& options,
                   AssemblyReport& report) {
   const System& system = dynamics.system();
-  constexpr double kFar = 0.1;                      // of the length of the mechanism, or
-  constexpr double kMove = 0.5;                     // m
-  constexpr double kTurned = 0.5;                   // rad
-  constexpr double kMost = 0.5, kMostOfHalf = 0.1;  // of the kinetic energy: at all; where half a velocity is given
   // Poses count no more where coordinates are asked for, nor that of a body that may go anywhere.
   const auto meant = [&](const std::string& body) {
     return options.coordinates.empty() &&
            std::ranges::none_of(options.poses, [&](const PoseWeight& w) { return w.body == body && w.weight == 0; });
   };
-  const bool moved = report.largest_move > std::min(kFar * system.length(), kMove) && meant(report.moved_most),
-             turned = report.largest_turn > kTurned && meant(report.turned_most);
+  const bool moved = report.largest_move > kMuch * system.length() && meant(report.moved_most),
+             turned = report.largest_turn > kMuch * kTwoPi && meant(report.turned_most);
   const bool by_laws = (moved || turned) && only_laws_move(dynamics, given);
   if (moved && !by_laws)
     report.warnings.push_back(fmt::format(
@@ -172,10 +167,8 @@ void add_warnings(Dynamics& dynamics, const State& given, const State& assembled
         "(`lockstep assemble` prints one)",
         report.turned_most, report.largest_turn));
   const double lost = report.kinetic_before - report.kinetic_after;
-  if (!(lost > kMostOfHalf * report.kinetic_before)) return;
-  const NotGiven not_all = not_given(system, given, assembled);
-  if (!(lost > kMost * report.kinetic_before) && !not_all.is_half()) return;
-  const std::string missing = not_all.text();
+  if (!(lost > kMuch * report.kinetic_before)) return;
+  const std::string missing = not_given(system, given, assembled).text();
   report.warnings.push_back(fmt::format(
       "assembly took {:.3g} J of the {:.3g} J that the start velocities give, as the links do not allow them: {}", lost,
       report.kinetic_before,
@@ -185,14 +178,13 @@ void add_warnings(Dynamics& dynamics, const State& given, const State& assembled
 
 // What was asked for by a weight and is not there: against it count the start poses of the bodies, and other coordinates.
 void add_missed(Dynamics& dynamics, const State& assembled, const AssemblyOptions& options, AssemblyReport& report) {
-  constexpr double kMissed = kPi / 180, kMissedBy = 1e-3;  // rad; of the length of the mechanism
   for (const CoordinateTarget& target : options.coordinates) {
     if (!std::isfinite(target.weight) || target.weight == 0) continue;
     const bool turns = is_rotation(target.axis);
     const Lock& link = dynamics.system().link(target.link);
     const double value = coordinate_row(dynamics, assembled, link, target.axis).value;
     const double off = turns ? std::remainder(value - target.value, kTwoPi) : value - target.value;
-    if (std::abs(off) <= (turns ? kMissed : kMissedBy * dynamics.system().length())) continue;
+    if ((turns ? 1 : 1 / dynamics.system().length()) * std::abs(off) <= kMissed) continue;
     const double unit = turns ? 180 / kPi : 1;
     report.warnings.push_back(fmt::format(
         "link '{}': {} begins at {:.4g} {}, near {:.4g} {} was asked for: what else is asked for, start poses of "
@@ -216,8 +208,7 @@ void measure_move(const System& system, const State& from, const State& to, Asse
 }  // namespace
 
 LOCKSTEP_API bool AssemblyReport::is_notable() const {
-  constexpr double kNotable = 1e-6;  // m, rad, m/s
-  return before > kNotable || before_v > kNotable || largest_move > kNotable || largest_turn > kNotable;
+  return std::max({before, before_v, largest_move, largest_turn}) > start_limit();
 }
 
 LOCKSTEP_API std::string AssemblyReport::text() const {
@@ -227,7 +218,7 @@ LOCKSTEP_API std::string AssemblyReport::text() const {
   if (largest_move == 0 && largest_turn == 0) text += "; only velocities changed";
   if (largest_move > 0) text += fmt::format("; moved '{}' by {:.3g} m", moved_most, largest_move);
   if (largest_turn > 0) text += fmt::format("; turned '{}' by {:.3g} rad", turned_most, largest_turn);
-  if (std::abs(kinetic_after - kinetic_before) > 1e-9 * std::max(kinetic_before, kinetic_after))
+  if (std::abs(kinetic_after - kinetic_before) > kRounding * std::max(kinetic_before, kinetic_after))
     text += fmt::format("; kinetic energy {:.3g} J, now {:.3g} J", kinetic_before, kinetic_after);
   return text;
 }

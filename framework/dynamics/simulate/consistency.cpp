@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <numeric>
 #include <span>
 
 #include <lockstep/error.h>
+#include <lockstep/text.h>
 #include "framework/dynamics/solvers/scales.h"
 #include "framework/mechanism/system/diagnose.h"
 
@@ -15,15 +18,26 @@ namespace lockstep {
 
 namespace {
 
-// The name of the row whose number is largest. For error messages.
-std::string largest_row(const Evaluation& at, const VecX& sizes) {
-  Eigen::Index worst = 0;
-  if (sizes.size() > 0) sizes.maxCoeff(&worst);
-  return sizes.size() > 0 ? at.system().row_name(at.rows(), static_cast<int>(worst)) : "no row";
+// The gradient of each row of an entry as its size, turns as lengths.
+template <class Act>
+void for_each_gradient(const Evaluation& e, const Act& act) {
+  const double L = e.system().length();
+  for (const RowEntry& entry : e.rows().entries) {
+    const RowView block = e.rows().block(entry);
+    for (int k = 0; entry.slots.n > 0 && k < entry.m; ++k) {
+      double square = 0;
+      for (int i = 0; i < entry.slots.n; ++i) {
+        const auto J = block.J(i, k);
+        for (std::size_t c = 0; c < 6; ++c) square += J[c] * J[c] / (c < 3 ? 1.0 : L * L);
+      }
+      act(entry.first_row + k, entry.kind[static_cast<std::size_t>(k)], std::sqrt(square));
+    }
+  }
 }
 
-// Each row as Evaluation::norm counts it.
-VecX norms(const Evaluation& at, const VecX& c) {
+}  // namespace
+
+VecX row_sizes(const Evaluation& at, const VecX& c) {
   VecX sizes = VecX::Zero(c.size());
   const double L = at.system().length();
   for (const RowEntry& e : at.rows().entries)
@@ -32,41 +46,31 @@ VecX norms(const Evaluation& at, const VecX& c) {
   return sizes;
 }
 
-}  // namespace
+std::string worst_rows(const Evaluation& e, const VecX& sizes) {
+  std::vector<int> order(static_cast<std::size_t>(sizes.size()));
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::sort(order, std::greater{}, [&](int row) { return sizes[row]; });
+  std::vector<std::string> words;
+  for (std::size_t i = 0; i < order.size() && i < 3; ++i)
+    words.push_back(e.system().row_name(e.rows(), order[i]) + " (" + text::brief(sizes[order[i]]) + ")");
+  return words.empty() ? "no row" : text::join(words);
+}
 
 void check_gradients(const Evaluation& e) {
-  for (const RowEntry& entry : e.rows().entries) {
-    const RowView block = e.rows().block(entry);
-    for (int k = 0; entry.slots.n > 0 && k < entry.m; ++k) {
-      double largest = 0;
-      for (int i = 0; i < entry.slots.n; ++i)
-        for (const double x : block.J(i, k)) largest = std::max(largest, std::abs(x));
-      if (largest == 0)
-        throw AssemblyError(
-            fmt::format("{} has no gradient at the start: no motion of its bodies changes it here, as at the centre of "
-                        "a curve or on "
-                        "the axis of a cam; start them elsewhere",
-                        e.system().row_name(e.rows(), entry.first_row + k)));
-    }
-  }
+  for_each_gradient(e, [&](int row, RowKind, double size) {
+    if (size == 0)
+      throw AssemblyError(
+          fmt::format("{} has no gradient at the start: no motion of its bodies changes it here, as at the centre of "
+                      "a curve or on the axis of a cam; start them elsewhere",
+                      e.system().row_name(e.rows(), row)));
+  });
 }
 
 VecX start_distances(const Evaluation& e, const VecX& C) {
-  VecX off = norms(e, C);
-  const double L = e.system().length();
-  for (const RowEntry& entry : e.rows().entries) {
-    const RowView block = e.rows().block(entry);
-    for (int k = 0; k < entry.m; ++k) {
-      const int row = entry.first_row + k;
-      if (entry.kind[static_cast<std::size_t>(k)] == RowKind::rotation || C[row] == 0) continue;
-      double square = 0;  // of the gradient, by m; turns count as lengths
-      for (int i = 0; i < entry.slots.n; ++i) {
-        const auto J = block.J(i, k);
-        for (std::size_t c = 0; c < 6; ++c) square += J[c] * J[c] / (c < 3 ? 1.0 : L * L);
-      }
-      if (square > 0) off[row] = std::max(off[row], std::abs(C[row]) / std::sqrt(square));
-    }
-  }
+  VecX off = row_sizes(e, C);
+  for_each_gradient(e, [&](int row, RowKind kind, double size) {
+    if (kind != RowKind::rotation && C[row] != 0 && size > 0) off[row] = std::max(off[row], std::abs(C[row]) / size);
+  });
   return off;
 }
 
@@ -85,14 +89,22 @@ void check_start(Dynamics& dynamics, const State& s, double limit) {
     throw AssemblyError(
         fmt::format("the start at t = {:.9g} s violates the constraints by {:.3g} m (limit {:.3g} m), most of "
                     "all {}; assemble it first",
-                    s.t, c, limit, largest_row(at, start_distances(at, C))));
-  const VecX speeds = norms(at, Cd);
-  const double cv = dynamics.violation_v(s);
-  if (!(cv <= limit))
-    throw AssemblyError(fmt::format(
-        "the start velocities at t = {:.9g} s violate the constraints by {:.3g} m/s (limit {:.3g} m/s), most "
-        "of all {}; assemble them first",
-        s.t, cv, limit, largest_row(at, speeds)));
+                    s.t, c, limit, worst_rows(at, start_distances(at, C))));
+  check_velocities(dynamics, s, dynamics.violation_v(s), limit, "the start", "assemble it first, or ");
+}
+
+void check_velocities(Dynamics& dynamics, const State& state, double left, double limit, const std::string& cause,
+                      const char* advice) {
+  if (left <= limit) return;
+  const Evaluation& at = dynamics.gather_rows(state);
+  VecX C, Cd;
+  at.residuals(C, Cd);
+  throw AssemblyError(fmt::format(
+      "{} at t = {:.9g} s leaves inconsistent velocities: they violate the constraints by {:.3g} m/s (limit {:.3g} "
+      "m/s), most of all {}; two laws may drive one coordinate{}, or the position is a dead centre, where a driven "
+      "coordinate cannot move: {}look at the drives of these links",
+      cause, state.t, left, limit, worst_rows(at, row_sizes(at, Cd)), or_against_stops(dynamics.system(), at.rows()),
+      advice));
 }
 
 double before_jump(double jump, double span) { return 1e-10 * std::max(std::abs(jump), span); }
@@ -166,16 +178,7 @@ void make_consistent(Dynamics& dynamics, State& state, const std::string& cause,
   } else {
     left = dynamics.project_velocity(state);
   }
-  if (!(left <= limit)) {
-    const Evaluation& at = dynamics.gather_rows(state);
-    VecX C, Cd;
-    at.residuals(C, Cd);
-    throw AssemblyError(fmt::format(
-        "{} at t = {:.9g} s leaves inconsistent velocities: they violate the constraints by {:.3g} m/s "
-        "(limit {:.3g} m/s), most of all {}; two laws may drive one coordinate{}: look at the drives of "
-        "these links",
-        cause, state.t, left, limit, largest_row(at, norms(at, Cd)), or_against_stops(dynamics.system(), at.rows())));
-  }
+  check_velocities(dynamics, state, left, limit, cause);
   dynamics.accept(state);
 }
 
@@ -197,9 +200,9 @@ std::string PositionJump::refusal(Dynamics& dynamics, const State& state, double
   const double jump = at.norm(C);
   if (jump <= limit) return "";
   return fmt::format(
-      "a law jumps in position at t = {:.9g} s: {} by {:.3g} m (limit {:.3g} m), which no motion follows; "
+      "a law jumps in position at t = {:.9g} s by {:.3g} m (limit {:.3g} m), most of all {}, which no motion follows; "
       "let it pass from one value to the other in a time (types ramp, cycloid, spline)",
-      state.t, largest_row(at, norms(at, C)), jump, limit);
+      state.t, jump, limit, worst_rows(at, row_sizes(at, C)));
 }
 
 }  // namespace lockstep

@@ -9,6 +9,10 @@
 
 namespace lockstep {
 
+/// Each row's number as Evaluation::norm counts it, m, or of rates m/s.
+VecX row_sizes(const Evaluation&, const VecX&);
+/// Names of the three rows with the largest sizes, with these.
+std::string worst_rows(const Evaluation&, const VecX& sizes);
 /// Throws AssemblyError for a row whose gradient vanishes here, as that of a distance to the centre of a curve: nothing
 /// can be said of which way its bodies move.
 void check_gradients(const Evaluation&);
@@ -20,6 +24,10 @@ VecX start_distances(const Evaluation&, const VecX& C);
 double start_distance(const Evaluation&, const VecX& C);
 /// Throws AssemblyError, naming the row that is violated most, if a start violates the constraints.
 LOCKSTEP_API void check_start(Dynamics&, const State&, double limit);
+/// Throws AssemblyError, naming `cause` and the rows that are violated most, where velocities violate the constraints by
+/// `left`, more than the limit. `advice`: what else may be done.
+void check_velocities(Dynamics&, const State&, double left, double limit, const std::string& cause,
+                      const char* advice = "");
 /// Initialises the own states of links that are activated: a driven speed starts from the present coordinate.
 void engage_links(Dynamics&, State&, const std::vector<std::string>& links);
 /// Throws AssemblyError, naming `cause`, unless the constraints of these links already hold.

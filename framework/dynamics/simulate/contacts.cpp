@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "framework/dynamics/evaluate/projection_rule.h"
 #include "framework/dynamics/solvers/scales.h"
 
 namespace lockstep {
@@ -9,7 +10,8 @@ namespace lockstep {
 void Contacts::lay_out(const System& system, const Stabilization& stabilization) {
   all_.clear();
   // Ten times the residual of a projection.
-  const double length = system.length(), margin = std::max(0.1 * stabilization.tolerance, 1e-13 * length);
+  const double length = system.length(),
+               margin = 10 * std::max(0.01 * stabilization.tolerance, position_rounding(length, 0));
   for (const auto& link : system.links()) {
     if (!link->unilateral()) continue;
     Contact c;

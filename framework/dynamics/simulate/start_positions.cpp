@@ -10,6 +10,7 @@
 #include <lockstep/error.h>
 #include <lockstep/log.h>
 #include <lockstep/text.h>
+#include "framework/dynamics/evaluate/projection_rule.h"
 #include "framework/dynamics/simulate/consistency.h"
 #include "framework/dynamics/simulate/line_search.h"
 #include "framework/dynamics/simulate/start_rows.h"
@@ -120,7 +121,7 @@ double goal_of(const System& system, const State& state, double tolerance) {
   double x_max = 0;
   for (int k = 0; 7 * k < state.q.size(); ++k)
     x_max = std::max(x_max, state.q.segment<3>(7 * k).lpNorm<Eigen::Infinity>());
-  return std::max(tolerance, 1e-14 * system.length() + 8 * std::numeric_limits<double>::epsilon() * x_max);
+  return std::max(tolerance, position_rounding(system.length(), x_max));
 }
 
 // ----------------------------------------------------------------------------------------------------------- positions
@@ -226,7 +227,7 @@ class StartSearch {
     const Approach at = bring(links_, state_);
     if (at.met) return "";
     return "assembly stopped after " + std::to_string(at.rounds) + " iterations at |C| = " + text::brief(at.off) +
-           " m; worst: " + worst_rows(links_.evaluation(), links_.residuals()) +
+           " m; worst: " + worst_rows(links_.evaluation(), row_sizes(links_.evaluation(), links_.residuals())) +
            ". Check the start poses of these links' bodies, their markers and masks";
   }
 

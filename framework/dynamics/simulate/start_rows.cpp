@@ -132,16 +132,6 @@ VecX LinkRows::step() {
   return d;
 }
 
-std::string worst_rows(const Evaluation& e, const VecX& C) {
-  std::vector<int> order(static_cast<std::size_t>(C.size()));
-  for (int i = 0; i < C.size(); ++i) order[static_cast<std::size_t>(i)] = i;
-  std::sort(order.begin(), order.end(), [&](int a, int b) { return std::abs(C[a]) > std::abs(C[b]); });
-  std::vector<std::string> words;
-  for (std::size_t i = 0; i < order.size() && i < 3; ++i)
-    words.push_back(e.system().row_name(e.rows(), order[i]) + " (" + text::brief(C[order[i]]) + ")");
-  return text::join(words);
-}
-
 // -------------------------------------------------------------------------------------- links, poses and coordinates
 
 TargetRows::TargetRows(Dynamics& dynamics, const State& given, const AssemblyOptions& options,

@@ -70,9 +70,6 @@ class LinkRows final : public StartRows {
   VecX C_, Cd_;
 };
 
-/// Names of the three rows with the largest numbers, with these.
-std::string worst_rows(const Evaluation&, const VecX& C);
-
 /// Rows of links, poses and coordinates by weights; the targets of drives stand for the drives' rows. Turns count as
 /// displacements at L = System::length(). Solved densely.
 class TargetRows final : public StartRows {
