@@ -15,46 +15,26 @@ bool switches(const Event& event, const std::string& name) {
          std::ranges::find(event.deactivate, name) != event.deactivate.end();
 }
 
-/// Loops of the links in force before or after an event.
-class LoopsAt {
- public:
-  LoopsAt(const System& system, const std::vector<bool>& modes, const Event& event) {
-    std::vector<std::pair<int, int>> edges;
-    for (std::size_t k = 0; k < system.links().size(); ++k) {
-      const Lock& link = *system.links()[k];
-      if (system.merged(link) || !(modes[k] || switches(event, link.name()))) continue;
-      const std::vector<int> ends = ends_of(system, link);
-      for (std::size_t i = 0; i < ends.size(); ++i)
-        for (std::size_t j = i + 1; j < ends.size(); ++j) edges.emplace_back(ends[i], ends[j]), links_.push_back(&link);
-    }
-    groups_ = loop_groups(system.n_slots(), edges);
-  }
-  /// Whether a link that `counts` lies on a common loop with this one.
-  template <class Counts>
-  bool share(const Lock& link, Counts&& counts) const {
-    for (std::size_t a = 0; a < links_.size(); ++a)
-      for (std::size_t b = 0; links_[a] == &link && b < links_.size(); ++b)
-        if (groups_[a] == groups_[b] && counts(*links_[b])) return true;
-    return false;
-  }
-
- private:
-  std::vector<const Lock*> links_;   // of each edge
-  std::vector<std::size_t> groups_;  // of each edge
-};
-
 }  // namespace
 
 const Lock* switched_of_decided(const System& system, const std::vector<bool>& modes, const Event& event) {
   const bool held = system.held_down_to() > 0;
-  const auto is_left_out = [&](const Lock& link) { return system.left_out(link) != 0; };
-  if (!held && std::ranges::none_of(system.links(), [&](const auto& link) { return is_left_out(*link); }))
-    return nullptr;
-  const LoopsAt loops(system, modes, event);
-  for (const auto& link : system.links())
-    if (switches(event, link->name()) &&
-        loops.share(*link, [&](const Lock& other) { return is_left_out(other) || (held && &other != link.get()); }))
-      return link.get();
+  const auto is_left_out = [&](const auto& link) { return system.left_out(*link) != 0; };
+  if (!held && std::ranges::none_of(system.links(), is_left_out)) return nullptr;
+  std::vector<const Lock*> links;  // of each edge, in force before or after the event
+  std::vector<std::pair<int, int>> edges;
+  for (const auto& link : system.links()) {
+    const bool counts = modes[static_cast<std::size_t>(link->number())] || switches(event, link->name());
+    if (system.merged(*link) || !counts) continue;
+    const std::vector<int> ends = ends_of(system, *link);
+    for (std::size_t i = 0; i < ends.size(); ++i)
+      for (std::size_t j = i + 1; j < ends.size(); ++j)
+        edges.emplace_back(ends[i], ends[j]), links.push_back(link.get());
+  }
+  const std::vector<std::size_t> loops = loop_groups(system.n_slots(), edges);
+  for (std::size_t a = 0; a < links.size(); ++a)
+    for (std::size_t b = 0; b < links.size() && switches(event, links[a]->name()); ++b)
+      if (loops[a] == loops[b] && (is_left_out(links[b]) || (held && links[a] != links[b]))) return links[a];
   return nullptr;
 }
 
