@@ -19,9 +19,9 @@ constexpr double kSameInstant = 1e-12;  // relative to max(|t|, length of the ru
 
 void Clock::start(double t) {
   t_start_ = t;
-  breakpoints_to_ = -HUGE_VAL;
+  breakpoints_to_ = -kNever;
   last_.begin(t);
-  last_output_ = -HUGE_VAL;
+  last_output_ = -kNever;
   next_output_ = 0;
   while (output_time(next_output_) < t) ++next_output_;
 }
@@ -48,11 +48,11 @@ void Clock::begin(double t, double guess) {
 Clock::Target Clock::next_target(double t, double limit, double event, double largest, bool interpolates) {
   refresh_breakpoints(t, limit, largest);
   while (next_breakpoint_ < breakpoints_.size() && breakpoints_[next_breakpoint_] <= t) ++next_breakpoint_;
-  const double jump = next_breakpoint_ < breakpoints_.size() ? breakpoints_[next_breakpoint_] : HUGE_VAL;
+  const double jump = next_breakpoint_ < breakpoints_.size() ? breakpoints_[next_breakpoint_] : kNever;
   if (jump > event && jump <= std::min(limit, event + same_instant(event))) event = jump;  // they are one change
   double next = std::min(limit, event);
   if (!interpolates && next_output() > t) next = std::min(next, next_output());
-  if (jump > next || jump == HUGE_VAL) return {next, next, false};
+  if (jump > next || jump == kNever) return {next, next, false};
   const double before = before_jump(jump, std::max(jump - t, span()));
   return {jump, jump - before > t ? jump - before : jump, true};
 }
@@ -64,7 +64,7 @@ double Clock::step_towards(double t, const Target& target, double largest) const
     const double end = largest > 0 ? t + size : anchor_ + static_cast<double>(n_from_anchor_ + 1) * size;
     return end >= target.reach - kSameStep * size ? left : end - t;
   }
-  double h = advised_ > 0 ? advised_ : HUGE_VAL;
+  double h = advised_ > 0 ? advised_ : kNever;
   if (options_.step > 0) h = std::min(h, options_.step);
   if (largest > 0) h = std::min(h, largest);
   if (step_is_round_off(h, t, span()))
@@ -88,15 +88,15 @@ void Clock::refresh_breakpoints(double t, double limit, double largest) {
   const bool open = !std::isfinite(limit);  // single steps: no end is known
   if (breakpoints_to_ >= (open ? t + 2 * size : limit)) return;
   const double far = open ? t + 256 * size : limit;
-  system_.breakpoints(t, std::nextafter(far, HUGE_VAL), breakpoints_);  // including one at the very end
+  system_.breakpoints(t, std::nextafter(far, kNever), breakpoints_);  // including one at the very end
   breakpoints_to_ = far;
   next_breakpoint_ = 0;
 }
 
 double Clock::output_time(long k) const {
   const std::vector<double>& times = options_.output_times;
-  if (!times.empty()) return k < static_cast<long>(times.size()) ? times[static_cast<std::size_t>(k)] : HUGE_VAL;
-  if (!(options_.output > 0)) return HUGE_VAL;
+  if (!times.empty()) return k < static_cast<long>(times.size()) ? times[static_cast<std::size_t>(k)] : kNever;
+  if (!(options_.output > 0)) return kNever;
   const double t = t_start_ + static_cast<double>(k) * options_.output;
   return std::abs(t - t_end_) < kSameStep * options_.output ? t_end_ : t;
 }
@@ -108,8 +108,8 @@ bool Clock::output_due(double t) const {
 
 double Clock::shortest_output() const {
   const std::vector<double>& times = options_.output_times;
-  if (times.empty()) return options_.output > 0 ? options_.output : HUGE_VAL;
-  double shortest = HUGE_VAL;
+  if (times.empty()) return options_.output > 0 ? options_.output : kNever;
+  double shortest = kNever;
   for (std::size_t k = 1; k < times.size(); ++k) shortest = std::min(shortest, times[k] - times[k - 1]);
   return shortest;
 }

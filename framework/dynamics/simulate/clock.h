@@ -10,6 +10,8 @@
 
 namespace lockstep {
 
+inline constexpr double kNever = std::numeric_limits<double>::infinity();  ///< an instant that does not come
+
 class LOCKSTEP_API Clock {
  public:
   Clock(const System& system, const Integrator& method, const StepLoopOptions& options)
@@ -26,10 +28,8 @@ class LOCKSTEP_API Clock {
     if (end != t_end_) last_.begin(t);
     t_end_ = end;
   }
-  double end() const { return t_end_; }
   /// A new run from t.
   void start(double t);
-  double started_at() const { return t_start_; }
 
   // -- steps
   bool adaptive() const { return info_.adaptive; }

@@ -1,8 +1,8 @@
 // Locates where unilateral links are hit inside a step, and where one in contact would have to pull.
 //
-// A contact is free while its gap is above zero, and hit where the gap comes down to it. One that was released (or hit)
-// starts at its floor, zero or a rounding below, and is hit a margin below that until it has risen above zero by the
-// margin, some roundings of the projection (hysteresis against rounding).
+// A contact is free while its gap is above zero, and hit where the gap comes down to it. One that leaves at a speed is hit
+// where it is back at its gap: of (gap - gap0)/(t - t0), which has not the zero that it leaves. Any other that touches is
+// hit a margin below its floor, zero or where it was released; the margin is some roundings of the projection.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace lockstep {
 namespace {
 
 constexpr double kShortest = 1e-9;  // of a step: the earliest cut, so that time advances
-constexpr double kPull = 1e-9;      // relative to the largest force: what counts as a pull
+constexpr double kPull = 1e-9;      // relative to the largest force: what counts as a pull, more than rests as rounding
 
 }  // namespace
 
@@ -28,15 +28,13 @@ void ContactManager::lay_out() {
   contacts_.lay_out(dynamics_.system(), dynamics_.options().stabilization);
   const std::size_t n = contacts_.size();
   released_.clear(), contact_time_ = kNever;
-  touching_.reserve(n), hits_.reserve(n), active_.reserve(n), aim_.reserve(n), released_.reserve(n), guards_.reserve(n);
+  touching_.reserve(n), released_.reserve(n), guards_.reserve(n);
 }
 
 void ContactManager::save(Snapshot& out) const {
   out.put(static_cast<double>(contacts_.size()));
-  for (std::size_t i = 0; i < contacts_.size(); ++i) {
-    const Contact& c = contacts_[i];
-    for (const double x : {c.floor, c.clear ? 1.0 : 0.0, c.gap.c, c.gap.cd, c.push, c.push_now}) out.put(x);
-  }
+  for (std::size_t i = 0; i < contacts_.size(); ++i)
+    for (const Contact& c = contacts_[i]; const double x : {c.floor, c.gap.c, c.gap.cd, c.push, c.push_now}) out.put(x);
 }
 
 void ContactManager::load(SnapshotReader& in) {
@@ -45,8 +43,7 @@ void ContactManager::load(SnapshotReader& in) {
     throw ModelError("the run was saved with another number of one-sided links");
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     Contact& c = contacts_[i];
-    c.floor = in.get(), c.clear = in.get_flag();
-    for (double* x : {&c.gap.c, &c.gap.cd, &c.push, &c.push_now}) *x = in.get();
+    for (double* x : {&c.floor, &c.gap.c, &c.gap.cd, &c.push, &c.push_now}) *x = in.get();
   }
 }
 
@@ -55,9 +52,7 @@ void ContactManager::start(const State& state) {
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     if (!contacts_.watched(i, state)) continue;
     check_side(i, state, "the start");
-    const Gap g = contacts_.gap(i, dynamics_.inputs(state));
-    contacts_[i].leave(g);
-    if (g.cd < -contacts_[i].rest_speed()) contacts_[i].clear = true;  // the run begins with an impact
+    contacts_[i].leave(contacts_.gap(i, dynamics_.inputs(state)));
   }
 }
 
@@ -106,77 +101,65 @@ const Solution& ContactManager::evaluate_pushes(const State& state) {
   return v;
 }
 
-// Of a link in force its push, else its gap.
+// What a free contact has to fall to zero for a hit.
+double ContactManager::height(const Contact& c, double gap, double t) const {
+  if (c.leaves()) return (gap - c.gap.c) / (t - interval_.from().t);
+  return c.above(c.gap) && c.gap.c > 0 ? gap : gap - (c.floor - c.margin);
+}
+
+// Of a link in force its push, else its height.
 double ContactManager::guard(std::size_t i, const Sample& sample) {
-  if (!contacts_.in_force(i, sample.state)) return contacts_.gap(i, sample.inputs()).c;
+  if (!contacts_.in_force(i, sample.state))
+    return height(contacts_[i], contacts_.gap(i, sample.inputs()).c, sample.state.t);
   const Evaluated& v = sample.values();
   return -contacts_[i].sign * v.lambda[contacts_.row(i, v.rows)];
 }
 
-// Whether a step may hide a hit although the contact is free at both ends: a gap that is closed at its largest rate.
-bool ContactManager::nears(std::size_t i, const Gap& end, double h) const {
-  const Contact& contact = contacts_[i];
-  const double least = contact.clear ? std::min(contact.gap.c, end.c) : end.c;
-  return least - contact.floor <= h * std::max(std::abs(contact.gap.cd), std::abs(end.cd));
-}
-
-// The first instant at which a contact is hit; infinity: none is.
-double ContactManager::locate_hit(const State& end) {
-  guards_.clear();
-  bool any_free = false;
-  for (std::size_t i = 0; i < contacts_.size(); ++i) any_free = any_free || free(i, end);
-  if (!any_free) return kNever;
-  bool near = !finder_.is_short();
-  const double t0 = interval_.from().t;
+// Whether the step may hide a hit: a body turns far, or a gap is closed at its largest rate.
+bool ContactManager::add_gaps(const State& end) {
+  bool near = false;
+  const double t0 = interval_.from().t, h = end.t - t0;
   const Inputs& in = dynamics_.inputs(end);
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     if (!free(i, end)) continue;
     const Contact& c = contacts_[i];
     const Gap gap = contacts_.gap(i, in);
-    near = near || nears(i, gap, end.t - t0);
-    Guard g{.of = i, .from = c.gap.c, .to = gap.c};
-    if (!c.clear || !(c.gap.c > 0))
-      g.armed = false, g.rises = c.gap.cd > 0, g.low = c.floor - c.margin, g.rise = c.margin,
-      g.from = std::max(c.gap.c, c.floor);
-    guards_.push_back(g);
+    const double least = c.above(c.gap) ? std::min(c.gap.c, gap.c) : gap.c;
+    near = near || !finder_.is_short() || least - c.floor <= h * std::max(std::abs(c.gap.cd), std::abs(gap.cd));
+    const double from = c.leaves() ? c.gap.cd : height(c, std::max(c.gap.c, c.floor), t0);
+    guards_.push_back({.of = i, .from = from, .to = height(c, gap.c, end.t)});
   }
-  const double first = finder_.find(guards_, near);
-  for (const Guard& g : guards_)
-    if (g.at <= first) contacts_[g.of].clear = contacts_[g.of].clear || g.armed;
-  return first;
+  return near;
 }
 
-// The instant at which the first of the links in contact that pull at the end begins to pull, if before `before`.
-double ContactManager::locate_releases(const State& end, double before) {
+// Whether links in contact pull at the end. One that did so at the beginning is released there.
+bool ContactManager::add_pulls(const State& end) {
   bool any_in_force = false;
   for (std::size_t i = 0; i < contacts_.size(); ++i) any_in_force = any_in_force || contacts_.in_force(i, end);
-  if (!any_in_force) return kNever;
+  if (!any_in_force) return false;
   const Solution& v = evaluate_pushes(end);
   const double limit = kPull * std::max(v.lambda.size() > 0 ? v.lambda.lpNorm<Eigen::Infinity>() : 0.0,
                                         v.evaluation.force().lpNorm<Eigen::Infinity>());
-  for (std::size_t i = 0; i < contacts_.size(); ++i)
-    if (contacts_.in_force(i, end) && contacts_[i].push_now < -limit) released_.push_back(i);
-  double earliest = kNever;
-  std::size_t n = 0;
-  for (const std::size_t i : released_) {
+  const std::size_t n_gaps = guards_.size();
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const Contact& c = contacts_[i];
-    const double t0 = interval_.from().t, t1 = end.t;
-    const double t = c.push > 0 ? finder_.root({.of = i}, {t0, c.push}, {t1, c.push_now}) : t0;
-    if (t > before || t > earliest) continue;
-    if (t < earliest) n = 0;
-    earliest = t, released_[n++] = i;
+    if (!contacts_.in_force(i, end) || !(c.push_now < -limit)) continue;
+    guards_.push_back({.of = i, .from = c.push, .to = c.push_now});
+    if (!(c.push > 0)) guards_.back().at = interval_.from().t;
   }
-  released_.resize(n);
-  return earliest;
+  return guards_.size() > n_gaps;
 }
 
 bool ContactManager::locate(State& state) {
   const double t0 = interval_.from().t, t1 = state.t;
-  released_.clear();
+  guards_.clear(), released_.clear();
   finder_.begin(state);
-  double first = locate_hit(state);
-  first = std::min(first, locate_releases(state, first));
+  const bool near = add_gaps(state), pulls = add_pulls(state);
+  if (guards_.empty()) return false;
+  double first = finder_.find(guards_, near || pulls);
   const bool found = first != kNever;
+  for (const Guard& g : guards_)
+    if (found && g.at <= first && contacts_.in_force(g.of, state)) released_.push_back(g.of);
   if (found) first = contact_time_ = std::min(t1, std::max(first, t0 + kShortest * (t1 - t0)));
   finder_.cut(first, state);
   return found;

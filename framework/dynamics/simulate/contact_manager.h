@@ -2,8 +2,8 @@
 // contacts and releases. Internal to the step loop.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -35,7 +35,8 @@ class ContactManager : public GuardOwner {
     std::uint64_t touched = 0;  ///< a bit for each link that was touched or let go, but for those that rest on
     std::string resting;        ///< names the links that stay in contact, whose rows must be made consistent
   };
-  /// Resolves impacts, contacts and releases at this state.
+  /// Resolves impacts, contacts and releases at this state. What a row or a force throws leaves the contacts as they were,
+  /// to be settled when the run goes on.
   Settled settle(State&);
 
   /// Names those that were touched or let go in at least a tenth of these steps, "one-sided link 'floor' was touched in 998
@@ -48,23 +49,26 @@ class ContactManager : public GuardOwner {
   void load(SnapshotReader&);
 
  private:
-  Settled settle_all(State&);
   void lay_out();
   // contact_manager.cpp: inside a step
   double guard(std::size_t contact, const Sample&) override;
   bool free(std::size_t contact, const State&) const;
   void check_side(std::size_t contact, const State&, const std::string& cause);
-  bool nears(std::size_t contact, const Gap& end, double h) const;
-  double locate_hit(const State& end);
-  double locate_releases(const State& end, double before);
+  double height(const Contact&, double gap, double t) const;
+  bool add_gaps(const State& end);
+  bool add_pulls(const State& end);
   const Solution& evaluate_pushes(const State&);
   // contact_impacts.cpp: at the instant
   bool find_touching(const State&);
   template <class Misfit>
   void pivot(State&, const char* what, const Misfit&);
+  template <class Fits>
+  std::size_t first_misfit(const Fits& fits) const {
+    return static_cast<std::size_t>(std::ranges::find_if_not(touching_, fits) - touching_.begin());
+  }
   std::size_t find_kick(const State&);
   void take_impact(State&);
-  std::string rest(State&);
+  std::string rest(State&, bool here);
   void put_active(State&) const;
   [[noreturn]] void fail(const State&, const char* what) const;
 
@@ -73,19 +77,20 @@ class ContactManager : public GuardOwner {
   GuardFinder finder_;
   const double& limit_;
   Contacts contacts_;
-  double contact_time_ = std::numeric_limits<double>::infinity();  // where the present step meets a contact
-  std::vector<std::size_t> released_;                              // the links that pull there
-  std::vector<Guard> guards_;                                      // the gaps that are looked at in this step
-  // of an impact: the contacts that touch, their gaps before it, their least rates after it, which of them push
-  std::vector<std::size_t> touching_;
-  std::vector<Gap> hits_;
-  std::vector<double> aim_;
-  std::vector<char> active_;
+  double contact_time_ = kNever;       // where the present step meets a contact
+  std::vector<std::size_t> released_;  // the links that pull there
+  std::vector<Guard> guards_;          // the gaps and pushes that are looked at in this step
+  // Of an impact: what touches.
+  struct Touch {
+    std::size_t of;
+    Gap gap;      // before the impact
+    double aim;   // its least rate after it
+    bool active;  // it pushes
+  };
+  std::vector<Touch> touching_;
   VecX C_, Cd_, no_force_, kick_, impulse_;
   State trial_;
-  std::vector<bool> modes_before_, clear_before_;
-  std::vector<std::size_t> released_before_;
-  State before_;
+  std::vector<bool> modes_before_;
 };
 
 }  // namespace lockstep

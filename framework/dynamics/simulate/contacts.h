@@ -16,8 +16,7 @@ struct Contact {
   const Lock* link = nullptr;
   double sign = 1;      ///< +1 where C >= 0 is free
   double margin = 0;    ///< gaps that differ by less are the same, in the unit of C
-  double floor = 0;     ///< the gap at which it touches: 0, or a rounding below, where it was released
-  bool clear = false;   ///< whether the gap has since been above that by the margin
+  double floor = 0;     ///< the gap at which it touches: 0, or below, where it was released
   Gap gap;              ///< at the beginning of the present step
   double push = 0;      ///< there, while in force: its multiplier, positive when it pushes
   double push_now = 0;  ///< where it was evaluated last
@@ -25,16 +24,14 @@ struct Contact {
   double restitution() const { return link->unilateral()->restitution; }
   double rest_speed() const { return link->unilateral()->rest_speed; }
   bool above(const Gap& g) const { return g.c > floor + margin; }
+  /// Whether it touches at the beginning of the step, and leaves at a speed.
+  bool leaves() const { return !above(gap) && gap.cd > margin; }
   /// Takes note of a gap while it is free.
   void see(const Gap& g) {
-    clear = clear || above(g);
     if (g.c > margin) floor = 0;
   }
   /// Released, or hit, at this gap.
-  void leave(const Gap& g) {
-    floor = g.c < 0 ? g.c : 0;
-    clear = above(g);
-  }
+  void leave(const Gap& g) { floor = g.c < 0 ? g.c : 0; }
 };
 
 class LOCKSTEP_API Contacts {

@@ -99,7 +99,7 @@ void EventLocator::start(double t) {
 }
 
 double EventLocator::next_instant(double t) const {
-  double next = std::numeric_limits<double>::infinity();
+  double next = kNever;
   for (std::size_t i = 0; i < events_.size(); ++i)
     if (!events_[i].value && events_[i].on && !watched_[i].over && events_[i].at > t)
       next = std::min(next, events_[i].at);

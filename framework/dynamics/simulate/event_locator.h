@@ -3,7 +3,6 @@
 #pragma once
 
 #include <deque>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -66,9 +65,9 @@ class EventLocator : public GuardOwner {
 
  private:
   struct Watched {
-    double value = 0;                                        ///< of its condition, at the beginning of the present step
-    double last = -std::numeric_limits<double>::infinity();  ///< when it happened last
-    Sampled nearest{kNever, kNever};                         ///< to zero, of all that was seen
+    double value = 0;                 ///< of its condition, at the beginning of the present step
+    double last = -kNever;            ///< when it happened last
+    Sampled nearest{kNever, kNever};  ///< to zero, of all that was seen
     bool over = false, met = false;
     bool first = true;  ///< no step was made yet since it is watched
     bool off = false;   ///< it was off in the last step, or when its condition was to be remembered

@@ -14,7 +14,6 @@ namespace lockstep {
 namespace {
 
 constexpr int kLeast = 4;               // parts at least, where a step is looked at inside
-constexpr int kAlong = 256;             // parts where laws alone move all
 constexpr double kMost = 1e6;           // parts at most
 constexpr double kPart = 0.125 * kPi;   // rad, the turn of a body in a part
 constexpr double kBeside = 1.0 / 1024;  // of a part: how near to the ends of a step it is seen which way a guard goes
@@ -57,8 +56,8 @@ double GuardFinder::find(std::span<Guard> guards, bool inside) {
 // Where a body makes many parts, few instants show whether any guard comes nearer to zero than twice what it differs by.
 bool GuardFinder::must_look_closely() {
   measure();
-  if (!(turn_parts_ > kMany) || along_) return true;
-  sample(octaves());
+  if (along_ || turn_parts_ <= kLeast || static_cast<double>(sparse().size()) >= turn_parts_) return true;
+  sample(inside_);
   for (std::size_t k = 0; k < guards_.size(); ++k) {
     double least = kNever, low = kNever, high = -kNever;
     for (std::size_t j = 0; j < times_.size(); ++j) {
@@ -97,16 +96,14 @@ std::span<const double> GuardFinder::even() {
   return inside_;
 }
 
-// All parts of the first turn of the body that turns fastest, and 4 from octave to octave up to the whole step. Whatever
-// turns steadily makes half a turn or more between some of them, 8 to the octave, whichever its speed.
-std::span<const double> GuardFinder::octaves() {
-  constexpr int kEighths = 8;
-  const double t0 = interval_.from().t;
+// Instants whose times from the start of the step, down to a part, are as 1 to 7/8. Whatever turns steadily makes half a turn
+// or more between some of them, whichever its speed.
+std::span<const double> GuardFinder::sparse() {
+  constexpr double kCloser = 0.875;
+  const double t0 = interval_.from().t, h = end_->t - t0;
   inside_.clear();
-  double window = end_->t - t0;
-  for (double parts = turn_parts_; parts > kMany; parts *= 0.5, window *= 0.5)
-    for (int j = kEighths - 1; j >= kEighths / 2; --j) inside_.push_back(t0 + window * j / kEighths);
-  for (int j = kMany - 1; j > 0; --j) inside_.push_back(t0 + window * j / kMany);
+  for (double x = kCloser; x * turn_parts_ > 1; x *= kCloser) inside_.push_back(t0 + h * x);
+  std::ranges::reverse(inside_);
   return inside_;
 }
 
@@ -137,30 +134,16 @@ double GuardFinder::value(const Guard& g, const Sample& state) {
 void GuardFinder::search(std::size_t k) {
   Guard& g = guards_[k];
   const std::size_t n = times_.size() - 1;
-  if (g.armed) search_end(g, seen(k, 0), seen(k, 1), seen(k, 2));
+  search_end(g, seen(k, 0), seen(k, 1), seen(k, 2));
   for (std::size_t j = 1; j <= n && g.at > times_[j - 1]; ++j) {
-    Sampled a = seen(k, j - 1);
-    const Sampled b = seen(k, j);
-    g.armed = g.armed || a.g > g.rise;
-    if (!g.armed && g.rises && j == 1 && g.crosses(a.g - g.low, b.g - g.low)) a = armed_between(g, a, b);
-    const double level = g.armed ? 0 : g.low;
-    if (g.crosses(a.g - level, b.g - level))
-      meet(g, a, b, level);
-    else if (g.armed && j < n)
+    const Sampled a = seen(k, j - 1), b = seen(k, j);
+    if (g.crosses(a.g, b.g))
+      meet(g, a, b);
+    else if (j < n)
       search_turn(g, a, b, seen(k, j + 1));
-    else if (g.armed)
+    else
       search_end(g, b, a, seen(k, n - 2));
   }
-}
-
-// Where a guard that rises at a is above what arms it before it is beyond `low` at b; a if it is nowhere.
-Sampled GuardFinder::armed_between(Guard& g, const Sampled& a, const Sampled& b) {
-  for (double h = 0.5 * (b.t - a.t); h > rounding_at(b.t); h *= 0.5) {
-    const Sampled high = look_at(g, a.t + h);
-    g.armed = high.g > g.rise;
-    if (g.armed) return high;
-  }
-  return a;
 }
 
 // About a turning point between an end of the step and the instant next to it, where the guard is nearest to zero at the
@@ -187,28 +170,24 @@ void GuardFinder::search_turn(Guard& g, Sampled a, Sampled middle, Sampled b) {
     meet(g, middle, b);
 }
 
-void GuardFinder::meet(Guard& g, Sampled a, Sampled b, double level) {
-  if (!interval_.has_dense() && !of_method(g, a, b, level)) return;
-  if (const double t = root(g, a, b, level); t > g.after) g.at = std::min(g.at, t);
+void GuardFinder::meet(Guard& g, Sampled a, Sampled b) {
+  if (!interval_.has_dense() && !of_method(g, a, b)) return;
+  const double sign = a.g > 0 ? 1 : -1, rounding = rounding_at(b.t);
+  const double t = falling_root(a.t, sign * a.g, b.t, sign * b.g, std::max(g.tolerance, rounding),
+                                [&](double at) { return sign * own(g, at).g; });
+  if (t > g.after) g.at = std::min(g.at, t);
 }
 
 // Moves the ends of a bracket onto states of the method; false where these do not cross.
-bool GuardFinder::of_method(const Guard& g, Sampled& a, Sampled& b, double level) {
+bool GuardFinder::of_method(const Guard& g, Sampled& a, Sampled& b) {
   const Sampled start{interval_.from().t, g.from}, end{end_->t, g.to};
-  const auto crosses = [&] { return g.crosses(a.g - level, b.g - level); };
   if (a.t != start.t) a = own(g, a.t);
   if (b.t != end.t) b = own(g, b.t);
-  if (crosses()) return true;
+  if (g.crosses(a.g, b.g)) return true;
   a = start;
-  if (crosses()) return true;
+  if (g.crosses(a.g, b.g)) return true;
   b = end;
-  return crosses();
-}
-
-double GuardFinder::root(const Guard& g, const Sampled& a, const Sampled& b, double level) {
-  const double sign = a.g > level ? 1 : -1;
-  return falling_root(a.t, sign * (a.g - level), b.t, sign * (b.g - level), std::max(g.tolerance, rounding_at(b.t)),
-                      [&](double t) { return sign * (own(g, t).g - level); });
+  return g.crosses(a.g, b.g);
 }
 
 // What is seen at an output before the first guard is met in this step, so that no row lies beyond one that is not.
@@ -225,8 +204,7 @@ void GuardFinder::search_outputs() {
     here_.clear();
     for (const Guard& g : guards_) here_.push_back(owner_.guard(g.of, state));
     for (std::size_t k = 0; k < guards_.size(); ++k)
-      if (Guard& g = guards_[k]; g.crosses(before_[k] - g.low, here_[k] - g.low))
-        meet(g, {last, before_[k]}, {t, here_[k]}, g.low);
+      if (Guard& g = guards_[k]; g.crosses(before_[k], here_[k])) meet(g, {last, before_[k]}, {t, here_[k]});
     before_.swap(here_), last = t;
   }
 }

@@ -15,6 +15,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <span>
 #include <vector>
 
@@ -24,8 +25,6 @@
 
 namespace lockstep {
 
-inline constexpr double kNever = std::numeric_limits<double>::infinity();  ///< an instant that does not come
-
 /// A quantity at an instant.
 struct Sampled {
   double t = 0, g = 0;
@@ -34,13 +33,10 @@ struct Sampled {
 struct Guard {
   std::size_t of = 0;  ///< its number, for its owner
   Event::Crossing crossing = Event::Crossing::falling;
-  double tolerance = 0;      ///< of the instant, s, but for rounding
-  double after = -kNever;    ///< instants up to this one do not count
-  double from = 0, to = 0;   ///< values at the ends of the step
-  double low = 0, rise = 0;  ///< it passes `low` instead of zero until it has been above `rise`, which arms it
-  bool armed = true;
-  bool rises = false;  ///< at the start of the step
-  double at = kNever;  ///< where it is met; infinity: nowhere in this step
+  double tolerance = 0;     ///< of the instant, s, but for rounding
+  double after = -kNever;   ///< instants up to this one do not count
+  double from = 0, to = 0;  ///< values at the ends of the step
+  double at = kNever;       ///< where it is met; infinity: nowhere in this step
 
   /// Strictly from one side: a guard that is zero at first does not cross.
   bool crosses(double was, double now) const {
@@ -58,11 +54,11 @@ class GuardOwner {
 
 class GuardFinder {
  public:
-  static constexpr int kMany = 16;  ///< parts; more are looked at only where few instants show a need
+  static constexpr int kAlong = 256;  ///< parts where laws alone move all
 
   GuardFinder(Dynamics& dynamics, StepInterval& interval, const Clock& clock, GuardOwner& owner)
       : dynamics_(dynamics), interval_(interval), clock_(clock), owner_(owner) {
-    inside_.reserve(kMany), times_.reserve(kMany + 1);
+    inside_.reserve(kAlong), times_.reserve(kAlong + 1);
   }
 
   /// Looks at the step that ended with `end`, which must outlive the look.
@@ -78,8 +74,6 @@ class GuardFinder {
     keep_method();
     return {t, owner_.guard(g.of, Sample(dynamics_, interval_.at(t), interval_.report()))};
   }
-  /// Where a guard crosses `level` between a and b, on the states of the method: at or beyond it.
-  double root(const Guard&, const Sampled& a, const Sampled& b, double level = 0);
   /// The step, which ended with `end`, ends at t at the latest.
   void cut(double t, State& end);
   /// What was seen of the k-th guard, in order, the start of the step first.
@@ -91,7 +85,7 @@ class GuardFinder {
   bool must_look_closely();
   [[noreturn]] void refuse() const;
   std::span<const double> even();
-  std::span<const double> octaves();
+  std::span<const double> sparse();
   void sample(std::span<const double> inside);
   void fit();
   const State& look(double t);
@@ -99,13 +93,12 @@ class GuardFinder {
   double first_before_end() const { return std::min(first(), end_->t); }
   Sampled look_at(const Guard& g, double t) { return {t, value(g, Sample(dynamics_, look(t), interval_.report()))}; }
   void search(std::size_t k);
-  Sampled armed_between(Guard&, const Sampled& a, const Sampled& b);
   void search_end(Guard&, Sampled end, const Sampled& next, const Sampled& after);
   void search_turn(Guard&, Sampled a, Sampled middle, Sampled b);
   void search_outputs();
-  void meet(Guard&, Sampled a, Sampled b, double level = 0);
+  void meet(Guard&, Sampled a, Sampled b);
   void keep_method();
-  bool of_method(const Guard&, Sampled& a, Sampled& b, double level);
+  bool of_method(const Guard&, Sampled& a, Sampled& b);
   double first() const;
 
   Dynamics& dynamics_;
@@ -140,7 +133,6 @@ double falling_root(double a, double ga, double b, double gb, double tolerance, 
 /// from zero than g'' w^2, there is no zero.
 template <class G>
 bool comes_to_zero(Sampled& a, Sampled& m, Sampled& b, double shortest, const G& g) {
-  constexpr double kGolden = 0.3819660112501051, kApart = 0.02;
   const double sign = m.g > 0 ? 1 : -1;
   for (int k = 0; k < 100; ++k) {
     const double left = m.t - a.t, right = b.t - m.t, longer = left > right ? left : right;
@@ -150,7 +142,7 @@ bool comes_to_zero(Sampled& a, Sampled& m, Sampled& b, double shortest, const G&
     if (!(bend > 0) || sign * m.g > bend * longer * longer) return false;
     double step = (da * right - db * left) / (da + db) / 2;  // to the lowest point of the parabola
     const double side = left > right ? -left : right;
-    if (k % 2 == 1 || !(std::abs(step) > kApart * longer)) step = kGolden * side;
+    if (k % 2 == 1 || !(std::abs(step) > shortest)) step = (2 - std::numbers::phi) * side;
     const Sampled p{m.t + step, g(m.t + step)};
     if (!(sign * p.g > 0)) {
       (step > 0 ? a : b) = m;

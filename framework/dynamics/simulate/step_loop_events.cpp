@@ -1,7 +1,6 @@
 // What changes the state between two steps: events, and the links that come into force by them or by contact.
 #include <spdlog/fmt/fmt.h>
 
-#include <limits>
 #include <map>
 #include <string>
 
@@ -82,7 +81,7 @@ void StepLoop::switch_now(const char* call, const Event& change) {
   dynamics_.set_up();
   parts_->events.check_switched(change, "a call");
   exclusively(call, [&] {
-    aim_at(std::numeric_limits<double>::infinity());
+    aim_at(kNever);
     keeps_stop_ = true;
     start();
     struct Switched {
@@ -182,13 +181,14 @@ void StepLoop::apply(const Event& e, const std::string& who) {
 // Impacts are those of the bodies; where nothing comes of it, the state is what it was.
 void StepLoop::settle_contacts() {
   const bool converted = state_.coordinates != nullptr;
+  keep_state(state_, parts_->before_events);
   if (converted) keep_state(state_, parts_->before_change), dynamics_.to_slots(state_);
   ContactManager::Settled settled;
   try {
     settled = parts_->contacts.settle(state_);
     parts_->clock.last().touch(settled.touched);
   } catch (...) {
-    if (converted) keep_state(parts_->before_change, state_);
+    keep_state(parts_->before_events, state_);
     throw;
   }
   if (converted && !settled.restart) keep_state(parts_->before_change, state_);
