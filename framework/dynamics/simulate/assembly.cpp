@@ -185,13 +185,13 @@ void add_missed(Dynamics& dynamics, const State& assembled, const AssemblyOption
     const double value = coordinate_row(dynamics, assembled, link, target.axis).value;
     const double off = turns ? std::remainder(value - target.value, kTwoPi) : value - target.value;
     if ((turns ? 1 : 1 / dynamics.system().length()) * std::abs(off) <= kMissed) continue;
-    const double unit = turns ? 180 / kPi : 1;
+    const auto shown = [&](double x) { return turns ? degrees(x) : x; };
     report.warnings.push_back(fmt::format(
         "link '{}': {} begins at {:.4g} {}, near {:.4g} {} was asked for: what else is asked for, start poses of "
         "bodies among it, counts against it; ask for it exactly (\"position\"), or let its body go anywhere "
         "(\"assembled\": "
         "\"free\")",
-        target.link, to_string(target.axis), unit * (target.value + off), turns ? "deg" : "m", unit * target.value,
+        target.link, to_string(target.axis), shown(target.value + off), turns ? "deg" : "m", shown(target.value),
         turns ? "deg" : "m"));
   }
 }

@@ -62,7 +62,7 @@ double Clock::step_towards(double t, const Target& target, double largest) const
   if (!info_.adaptive) {
     const double size = largest > 0 ? largest : options_.step;
     const double end = largest > 0 ? t + size : anchor_ + static_cast<double>(n_from_anchor_ + 1) * size;
-    return end >= target.reach - kSameStep * size ? left : end - t;
+    return end >= target.reach - kSameLength * size ? left : end - t;
   }
   double h = advised_ > 0 ? advised_ : kNever;
   if (options_.step > 0) h = std::min(h, options_.step);
@@ -98,7 +98,7 @@ double Clock::output_time(long k) const {
   if (!times.empty()) return k < static_cast<long>(times.size()) ? times[static_cast<std::size_t>(k)] : kNever;
   if (!(options_.output > 0)) return kNever;
   const double t = t_start_ + static_cast<double>(k) * options_.output;
-  return std::abs(t - t_end_) < kSameStep * options_.output ? t_end_ : t;
+  return std::abs(t - t_end_) < kSameLength * options_.output ? t_end_ : t;
 }
 
 bool Clock::output_due(double t) const {

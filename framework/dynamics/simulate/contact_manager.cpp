@@ -10,13 +10,13 @@
 
 #include <lockstep/error.h>
 #include "framework/dynamics/simulate/contact_manager.h"
+#include "framework/dynamics/simulate/step_rules.h"
 #include "framework/dynamics/solvers/scales.h"
 
 namespace lockstep {
 namespace {
 
-constexpr double kShortest = 1e-9;  // of a step: the earliest cut, so that time advances
-constexpr double kPull = 1e-9;      // relative to the largest force: what counts as a pull, more than rests as rounding
+constexpr double kPull = 1e-9;  // relative to the largest force: what counts as a pull, more than rests as rounding
 
 }  // namespace
 
@@ -160,7 +160,7 @@ bool ContactManager::locate(State& state) {
   const bool found = first != kNever;
   for (const Guard& g : guards_)
     if (found && g.at <= first && contacts_.in_force(g.of, state)) released_.push_back(g.of);
-  if (found) first = contact_time_ = std::min(t1, std::max(first, t0 + kShortest * (t1 - t0)));
+  if (found) first = contact_time_ = std::min(t1, std::max(first, t0 + kSameLength * (t1 - t0)));
   finder_.cut(first, state);
   return found;
 }

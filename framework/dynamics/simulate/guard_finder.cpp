@@ -7,16 +7,16 @@
 #include <lockstep/error.h>
 #include "framework/dynamics/integrate/speed_of.h"
 #include "framework/dynamics/simulate/keep_state.h"
+#include "framework/dynamics/simulate/line_search.h"
 #include "framework/dynamics/simulate/uncounted.h"
 
 namespace lockstep {
 
 namespace {
 
-constexpr int kLeast = 4;               // parts at least, where a step is looked at inside
-constexpr double kMost = 1e6;           // parts at most
-constexpr double kPart = 0.125 * kPi;   // rad, the turn of a body in a part
-constexpr double kBeside = 1.0 / 1024;  // of a part: how near to the ends of a step it is seen which way a guard goes
+constexpr int kLeast = 4;          // parts at least, where a step is looked at inside
+constexpr double kMost = 1e6;      // parts at most
+constexpr double kEighth = 0.125;  // of half a turn, that a body makes in a part; of the time since the start of a step
 
 double fastest_turn_at(Dynamics& dynamics, const State& state) {
   return state.coordinates ? fastest_turn(dynamics.inputs(state).motions) : fastest_turn(state.v);
@@ -30,7 +30,7 @@ void GuardFinder::measure() {
   if (turn_parts_ > 0) return;
   const State &from = interval_.from(), &end = *end_;
   const double w = std::max(fastest_turn_at(dynamics_, from), fastest_turn_at(dynamics_, end));
-  turn_parts_ = std::max(1.0, std::ceil((end.t - from.t) * w / kPart));
+  turn_parts_ = std::max(1.0, std::ceil((end.t - from.t) * w / (kEighth * kPi)));
   if (!std::isfinite(turn_parts_)) refuse();
   along_ = end.coordinates && end.coordinates->n_v() == 0 && interval_.has_dense();
 }
@@ -39,7 +39,7 @@ void GuardFinder::refuse() const {
   const double t0 = interval_.from().t;
   throw StepError(fmt::format("a body turns by {:.3g} rad in the step of {:.3g} s from t = {:.9g} s, beyond {:.2g} rad "
                               "no events or contacts are found inside; bound the step (--step)",
-                              turn_parts_ * kPart, end_->t - t0, t0, kMost * kPart),
+                              turn_parts_ * kEighth * kPi, end_->t - t0, t0, kMost * kEighth * kPi),
                   t0);
 }
 
@@ -96,13 +96,12 @@ std::span<const double> GuardFinder::even() {
   return inside_;
 }
 
-// Instants whose times from the start of the step, down to a part, are as 1 to 7/8. Whatever turns steadily makes half a turn
+// Instants down to a part from the start of the step, each by an eighth of its time before the next. Whatever turns steadily makes half a turn
 // or more between some of them, whichever its speed.
 std::span<const double> GuardFinder::sparse() {
-  constexpr double kCloser = 0.875;
   const double t0 = interval_.from().t, h = end_->t - t0;
   inside_.clear();
-  for (double x = kCloser; x * turn_parts_ > 1; x *= kCloser) inside_.push_back(t0 + h * x);
+  for (double x = 1 - kEighth; x * turn_parts_ > 1; x *= 1 - kEighth) inside_.push_back(t0 + h * x);
   std::ranges::reverse(inside_);
   return inside_;
 }
@@ -147,12 +146,12 @@ void GuardFinder::search(std::size_t k) {
 }
 
 // About a turning point between an end of the step and the instant next to it, where the guard is nearest to zero at the
-// end and goes towards it from there.
+// end and goes towards it from there, in the least share of a part.
 void GuardFinder::search_end(Guard& g, Sampled end, const Sampled& next, const Sampled& after) {
   const double sign = end.g > 0 ? 1 : -1;
   if (end.g == 0 || !(sign * next.g >= sign * end.g)) return;
   if (std::abs(end.g) > std::abs(next.g - end.g) + std::abs(after.g - next.g)) return;
-  const Sampled beside = look_at(g, end.t + kBeside * (next.t - end.t));
+  const Sampled beside = look_at(g, end.t + kLeastShare * (next.t - end.t));
   if (!(sign * beside.g < sign * end.g)) return;
   const bool at_start = end.t < next.t;
   search_turn(g, at_start ? end : next, beside, at_start ? next : end);

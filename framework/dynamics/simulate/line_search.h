@@ -5,7 +5,7 @@
 
 namespace lockstep {
 
-constexpr double kLeastShare = 0x1p-10;  ///< of a step
+constexpr double kLeastShare = 0x1p-10;  ///< of a step, or a part of one: less is not tried
 
 /// Tries the shares 1, 1/2, 1/4, ..., kLeastShare of a step until `accepts(share)`, which moves the state and judges
 /// it; each begins at the state as it is now. Returns whether one was accepted; else the state is the one before.

@@ -20,7 +20,6 @@ namespace lockstep {
 namespace {
 
 constexpr double kTurn = 0.25 * kPi;  // rad: of a body, from one pose of a way to the next
-constexpr double kDegrees = 180 / kPi;
 
 // ------------------------------------------------------------------------------------------------------ counted angles
 
@@ -92,9 +91,9 @@ struct Approach {
   double off = 0;  // m
 };
 
-/// Gauss-Newton steps onto rows, to `goal`, m, or to their rounding. Counted angles follow.
+/// Gauss-Newton steps onto rows, to `goal`, m, or within the tolerance of projections to their rounding. Counted angles follow.
 Approach approach(Dynamics& dynamics, StartRows& rows, State& state, double goal, int most) {
-  constexpr double kFalls = 0.9, kRounding = 1e3;
+  constexpr double kFalls = 0.9;
   constexpr int kStalls = 5;  // in a row
   Approach at{.off = rows.look(state)};
   for (int stalls = 0; at.off > goal; ++at.rounds) {
@@ -109,7 +108,7 @@ Approach approach(Dynamics& dynamics, StartRows& rows, State& state, double goal
     });
     count(dynamics, state, from, false);
     stalls = at.off < kFalls * before ? 0 : stalls + 1;
-    if (stalls == 0 || before > kRounding * goal) continue;
+    if (stalls == 0 || before > dynamics.options().stabilization.tolerance) continue;
     if (!(at.off < before)) state = from, at.off = rows.look(state);
     break;
   }
@@ -205,7 +204,7 @@ class StartSearch {
   void warn(const StartTarget& target, const char* why) {
     report_.warnings.push_back(
         fmt::format("{}: {:.9g} deg is asked for and {:.9g} deg taken by what counts its turns: {}", target.who(),
-                    kDegrees * target.asked, kDegrees * nearest_branch(target.asked, 0), why));
+                    degrees(target.asked), degrees(nearest_branch(target.asked, 0)), why));
   }
 
   /// Whether a target is elsewhere than in the poses given.
@@ -324,7 +323,7 @@ class StartSearch {
         most = way, farthest = &target;
     if (farthest == nullptr) return "";
     return fmt::format(" ({} begins at {:.6g} deg, {:.6g} deg from the poses given: put its bodies there)",
-                       farthest->who(), kDegrees * farthest->asked, kDegrees * most);
+                       farthest->who(), degrees(farthest->asked), degrees(most));
   }
 
   Dynamics& dynamics_;

@@ -44,6 +44,7 @@ struct StartTarget {
 std::vector<StartTarget> targets_of(const System&, const State&, const AssemblyOptions&);
 /// The branch of an angle nearest to another, rad.
 double nearest_branch(double angle, double about);
+inline double degrees(double angle) { return angle * 180 / kPi; }
 
 /// Rows c(x) = 0.
 class StartRows {

@@ -39,13 +39,15 @@ void check_change(const System& system, const Event& e, const State& before, con
         "event '{}': its change {}; it may change coordinates, velocities and integrated states", e.name, what));
   };
   if (after.t != before.t) refuse(fmt::format("set the time from {:.9g} s to {:.9g} s", before.t, after.t));
-  const auto sized = [&](const char* what, auto was, auto is) {
+  const std::tuple<const char*, std::ptrdiff_t, std::ptrdiff_t> sizes[] = {
+      {"coordinates", before.q.size(), after.q.size()},
+      {"velocities", before.v.size(), after.v.size()},
+      {"integrated states", before.s.size(), after.s.size()},
+      {"remembered numbers", before.z.size(), after.z.size()},
+      {"links", std::ssize(before.modes), std::ssize(after.modes)},
+      {"links", std::ssize(before.watched), std::ssize(after.watched)}};
+  for (const auto& [what, was, is] : sizes)
     if (was != is) refuse(fmt::format("at t = {:.9g} s left {} {} where there were {}", before.t, is, what, was));
-  };
-  sized("coordinates", before.q.size(), after.q.size()), sized("velocities", before.v.size(), after.v.size());
-  sized("integrated states", before.s.size(), after.s.size()),
-      sized("remembered numbers", before.z.size(), after.z.size());
-  sized("links", before.modes.size(), after.modes.size()), sized("links", before.watched.size(), after.watched.size());
   const auto switched = [&](const std::string& thing) {
     refuse(fmt::format("switched {} at t = {:.9g} s, which only the event's lists may (activate, deactivate)", thing,
                        before.t));

@@ -166,8 +166,7 @@ void StepLoop::load_parts(SnapshotReader& in) {
   begin_inputs();
   p.clock.load(of_clock), p.clock.last().begin(state_.t);
   p.contacts.load(in), p.interval.load(state_, in);
-  constexpr double kMostBehind = 1000;  // outputs; what lies behind is past between two steps
-  if (options_.output > 0 && !(state_.t - p.clock.next_output() < kMostBehind * options_.output))
+  if (options_.output > 0 && !(p.clock.next_output() >= state_.t))  // what lies behind is past between two steps
     throw ModelError("the saved outputs do not belong to the time of the saved state: the checkpoint is damaged");
   SnapshotReader work = in.get_part();
   p.acted = false, p.cause.clear(), p.refusal.clear(), p.due.clear();

@@ -14,7 +14,8 @@ namespace lockstep {
 
 namespace {
 
-constexpr double kUnit = 1e-6;    // of |e|^2 - 1
+constexpr double kUnit = 1e-6;  // of |e|^2 - 1
+constexpr std::string_view kBuiltIn = "built in";
 constexpr long kApart = 16;  // steps between two looks at |C|
 
 bool same_sizes(const State& a, const State& b) {
@@ -36,9 +37,9 @@ std::string wrong_time(double t0, double t1, double h, const StepReport& report)
     return fmt::format("ended at t = {} s after h = {} s", t1, report.h);
   const double rounding = 1e-14 * std::max(std::abs(t0), std::abs(t1));
   if (!(t1 > t0) || !(report.h > 0)) return fmt::format("ended at t = {:.17g} s and did not advance", t1);
-  if (t1 - t0 > (1 + kSameStep) * h + rounding)
+  if (t1 - t0 > (1 + kSameLength) * h + rounding)
     return fmt::format("made {:.9g} s, more than the {:.9g} s asked for", t1 - t0, h);
-  if (std::abs(t1 - t0 - report.h) > kSameStep * report.h + rounding)
+  if (std::abs(t1 - t0 - report.h) > kSameLength * report.h + rounding)
     return fmt::format("made {:.9g} s and reports {:.9g} s", t1 - t0, report.h);
   return {};
 }
