@@ -28,7 +28,7 @@ void ContactManager::lay_out() {
   contacts_.lay_out(dynamics_.system(), dynamics_.options().stabilization);
   const std::size_t n = contacts_.size();
   released_.clear(), contact_time_ = kNever;
-  touching_.reserve(n), released_.reserve(n), guards_.reserve(n);
+  touching_.reserve(n), released_.reserve(n);
 }
 
 void ContactManager::save(Snapshot& out) const {
@@ -115,54 +115,51 @@ double ContactManager::guard(std::size_t i, const Sample& sample) {
   return -contacts_[i].sign * v.lambda[contacts_.row(i, v.rows)];
 }
 
-// Whether the step may hide a hit: a body turns far, or a gap is closed at its largest rate.
-bool ContactManager::add_gaps(const State& end) {
-  bool near = false;
+// The step may hide a hit if a body turns far, or if a gap is closed at its largest rate.
+void ContactManager::add_gaps(const State& end) {
   const double t0 = interval_.from().t, h = end.t - t0;
   const Inputs& in = dynamics_.inputs(end);
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     if (!free(i, end)) continue;
     const Contact& c = contacts_[i];
     const Gap gap = contacts_.gap(i, in);
-    const double least = c.above(c.gap) ? std::min(c.gap.c, gap.c) : gap.c;
-    near = near || !finder_.is_short() || least - c.floor <= h * std::max(std::abs(c.gap.cd), std::abs(gap.cd));
+    const double lowest = c.above(c.gap) ? std::min(c.gap.c, gap.c) : gap.c;
     const double from = c.leaves() ? c.gap.cd : height(c, std::max(c.gap.c, c.floor), t0);
-    guards_.push_back({.of = i, .from = from, .to = height(c, gap.c, end.t)});
+    finder_.add({.owner = this, .of = i, .least = t0 + kSameLength * h, .from = from, .to = height(c, gap.c, end.t)},
+                !finder_.is_short() || lowest - c.floor <= h * std::max(std::abs(c.gap.cd), std::abs(gap.cd)));
   }
-  return near;
 }
 
-// Whether links in contact pull at the end. One that did so at the beginning is released there.
-bool ContactManager::add_pulls(const State& end) {
+// Of links in contact that pull at the end. One that did so at the beginning is released there.
+void ContactManager::add_pulls(const State& end) {
   bool any_in_force = false;
   for (std::size_t i = 0; i < contacts_.size(); ++i) any_in_force = any_in_force || contacts_.in_force(i, end);
-  if (!any_in_force) return false;
+  if (!any_in_force) return;
   const Solution& v = evaluate_pushes(end);
   const double limit = kPull * std::max(v.lambda.size() > 0 ? v.lambda.lpNorm<Eigen::Infinity>() : 0.0,
                                         v.evaluation.force().lpNorm<Eigen::Infinity>());
-  const std::size_t n_gaps = guards_.size();
+  const double t0 = interval_.from().t, least = t0 + kSameLength * (end.t - t0);
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const Contact& c = contacts_[i];
     if (!contacts_.in_force(i, end) || !(c.push_now < -limit)) continue;
-    guards_.push_back({.of = i, .from = c.push, .to = c.push_now});
-    if (!(c.push > 0)) guards_.back().at = interval_.from().t;
+    finder_.add(
+        {.owner = this, .of = i, .least = least, .from = c.push, .to = c.push_now, .at = c.push > 0 ? kNever : least},
+        true);
   }
-  return guards_.size() > n_gaps;
 }
 
-bool ContactManager::locate(State& state) {
-  const double t0 = interval_.from().t, t1 = state.t;
-  guards_.clear(), released_.clear();
-  finder_.begin(state);
-  const bool near = add_gaps(state), pulls = add_pulls(state);
-  if (guards_.empty()) return false;
-  double first = finder_.find(guards_, near || pulls);
-  const bool found = first != kNever;
-  for (const Guard& g : guards_)
-    if (found && g.at <= first && contacts_.in_force(g.of, state)) released_.push_back(g.of);
-  if (found) first = contact_time_ = std::min(t1, std::max(first, t0 + kSameLength * (t1 - t0)));
-  finder_.cut(first, state);
-  return found;
+void ContactManager::add_guards(const State& end) {
+  contact_time_ = kNever, released_.clear();
+  if (!contacts_.empty()) add_gaps(end), add_pulls(end);
+}
+
+bool ContactManager::meet(const State& end) {
+  for (const Guard& g : finder_.guards()) {
+    if (g.owner != this || !(g.at <= end.t)) continue;
+    contact_time_ = end.t;
+    if (contacts_.in_force(g.of, end)) released_.push_back(g.of);
+  }
+  return contact_time_ != kNever;
 }
 
 }  // namespace lockstep

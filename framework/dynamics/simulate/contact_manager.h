@@ -16,8 +16,8 @@ namespace lockstep {
 class ContactManager : public GuardOwner {
  public:
   /// `limit`: m, how deep on its forbidden side a link may start.
-  ContactManager(Dynamics& dynamics, StepInterval& interval, const Clock& clock, const double& limit)
-      : dynamics_(dynamics), interval_(interval), finder_(dynamics, interval, clock, *this), limit_(limit) {}
+  ContactManager(Dynamics& dynamics, StepInterval& interval, GuardFinder& finder, const double& limit)
+      : dynamics_(dynamics), interval_(interval), finder_(finder), limit_(limit) {}
 
   /// Starts a new run; throws AssemblyError for a link that starts on its forbidden side.
   void start(const State&);
@@ -26,8 +26,10 @@ class ContactManager : public GuardOwner {
   void check_sides(const State&, const std::vector<std::string>& links, const std::string& cause);
   /// Notes gaps and pushes at the start of the next step. `moved`: the state has changed since they were evaluated.
   void note(const State&, bool moved);
-  /// Cuts the step that ended with `state` at the first contact or release; true when there was one.
-  bool locate(State& state);
+  /// Adds gaps and pushes to the guards of the step that ended with this state.
+  void add_guards(const State&);
+  /// Whether one of them is met where the step ends now.
+  bool meet(const State&);
 
   struct Settled {
     bool impact = false;        ///< velocities jumped
@@ -55,8 +57,8 @@ class ContactManager : public GuardOwner {
   bool free(std::size_t contact, const State&) const;
   void check_side(std::size_t contact, const State&, const std::string& cause);
   double height(const Contact&, double gap, double t) const;
-  bool add_gaps(const State& end);
-  bool add_pulls(const State& end);
+  void add_gaps(const State& end);
+  void add_pulls(const State& end);
   const Solution& evaluate_pushes(const State&);
   // contact_impacts.cpp: at the instant
   bool find_touching(const State&);
@@ -74,12 +76,11 @@ class ContactManager : public GuardOwner {
 
   Dynamics& dynamics_;
   StepInterval& interval_;
-  GuardFinder finder_;
+  GuardFinder& finder_;
   const double& limit_;
   Contacts contacts_;
   double contact_time_ = kNever;       // where the present step meets a contact
   std::vector<std::size_t> released_;  // the links that pull there
-  std::vector<Guard> guards_;          // the gaps and pushes that are looked at in this step
   // Of an impact: what touches.
   struct Touch {
     std::size_t of;

@@ -126,8 +126,7 @@ double EventLocator::value_of(std::size_t event, const State& state) {
   return guard(event, Sample(dynamics_, state, interval_.report()));
 }
 
-bool EventLocator::locate(State& state) {
-  guards_.clear();
+void EventLocator::add_guards(const State& end) {
   for (std::size_t i = 0; i < events_.size(); ++i) {
     Watched& w = watched_[i];
     const Event& e = events_[i];
@@ -135,31 +134,32 @@ bool EventLocator::locate(State& state) {
     w.off = w.off || !e.on;
     if (!e.value || w.over || !e.on) continue;
     if (w.off) w.value = value_of(i, interval_.from()), w.off = false;
-    guards_.push_back({.of = i,
-                       .crossing = e.crossing,
-                       .tolerance = e.tolerance,
-                       .after = w.last + 2 * e.tolerance,  // the same instant again does not count
-                       .from = w.value,
-                       .to = value_of(i, state)});
+    finder_.add({.owner = this,
+                 .of = i,
+                 .crossing = e.crossing,
+                 .tolerance = e.tolerance,
+                 .after = w.last + 2 * e.tolerance,  // the same instant again does not count
+                 .from = w.value,
+                 .to = value_of(i, end)},
+                true);
   }
-  double first = kNever;
-  if (!guards_.empty()) {
-    finder_.begin(state);
-    first = finder_.find(guards_);
-    const bool is_cut = first < state.t;
-    finder_.cut(first, state);
-    for (std::size_t k = 0; k < guards_.size(); ++k) {
-      Guard& g = guards_[k];
-      Watched& w = watched_[g.of];
-      if (is_cut) g.to = value_of(g.of, state);
-      w.met = g.at != kNever && (reaches(g.at, first) || (is_cut && g.crosses(g.from, g.to)));
-      note_nearest(k, state.t);
-      note_left_zero(g);
-      w.value = g.to;
-    }
+}
+
+bool EventLocator::meet(const State& end, bool is_cut) {
+  bool met = false;
+  for (std::size_t k = 0; k < finder_.guards().size(); ++k) {
+    Guard& g = finder_.guards()[k];
+    if (g.owner != this) continue;
+    Watched& w = watched_[g.of];
+    if (is_cut) g.to = value_of(g.of, end);
+    w.met = reaches(g.at, end.t) || (is_cut && end.t > g.after && g.crosses(g.from, g.to));
+    met = met || w.met;
+    note_nearest(k, end.t);
+    note_left_zero(g);
+    w.value = g.to;
   }
   for (Watched& w : watched_) w.first = false;
-  return first != kNever;
+  return met;
 }
 
 void EventLocator::pass(double t) {
@@ -169,7 +169,7 @@ void EventLocator::pass(double t) {
 
 // Of what was seen up to t, where the step ends.
 void EventLocator::note_nearest(std::size_t k, double t) {
-  Sampled &nearest = watched_[guards_[k].of].nearest, before{t, 0};
+  Sampled &nearest = watched_[finder_.guards()[k].of].nearest, before{t, 0};
   const auto see = [&](const Sampled& s) {
     if (before.g * s.g < 0 && nearest.g != 0)  // the way that does not count
       nearest = {before.t + (s.t - before.t) * before.g / (before.g - s.g), 0};
@@ -177,7 +177,7 @@ void EventLocator::note_nearest(std::size_t k, double t) {
     before = s;
   };
   for (std::size_t j = 0; j < finder_.n_seen() && finder_.seen(k, j).t < t; ++j) see(finder_.seen(k, j));
-  see({t, guards_[k].to});
+  see({t, finder_.guards()[k].to});
 }
 
 std::vector<EventCourse> EventLocator::courses() const {

@@ -16,8 +16,8 @@ const Force* force_named(const System&, const std::string& name);
 
 class EventLocator : public GuardOwner {
  public:
-  EventLocator(Dynamics& dynamics, StepInterval& interval, const Clock& clock)
-      : dynamics_(dynamics), interval_(interval), clock_(clock), finder_(dynamics, interval, clock, *this) {}
+  EventLocator(Dynamics& dynamics, StepInterval& interval, const Clock& clock, GuardFinder& finder)
+      : dynamics_(dynamics), interval_(interval), clock_(clock), finder_(finder) {}
 
   /// Throws ModelError for an event without instant and condition, or with a link that cannot be switched.
   Event& add(Event);
@@ -37,8 +37,10 @@ class EventLocator : public GuardOwner {
   double next_instant(double t) const;
   /// Remembers every condition's value at this state.
   void watch(const State&);
-  /// Cuts the step that ended with `state` at the first condition met; true when one was met.
-  bool locate(State& state);
+  /// Adds conditions to the guards of the step that ended with this state.
+  void add_guards(const State&);
+  /// Whether one of them is met where the step ends now. `is_cut`: it ended later then.
+  bool meet(const State&, bool is_cut);
   /// A step to t is accepted: events by time that were off up to then are missed.
   void pass(double t);
 
@@ -81,11 +83,10 @@ class EventLocator : public GuardOwner {
   Dynamics& dynamics_;
   StepInterval& interval_;
   const Clock& clock_;
-  GuardFinder finder_;
+  GuardFinder& finder_;
   std::deque<Event> events_;  // a deque, so that references stay valid
   std::vector<Watched> watched_;
   std::vector<std::string> left_zero_;
-  std::vector<Guard> guards_;  // the conditions that are looked at in this step
 };
 
 }  // namespace lockstep

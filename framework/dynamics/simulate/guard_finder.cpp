@@ -43,14 +43,19 @@ void GuardFinder::refuse() const {
                   t0);
 }
 
-double GuardFinder::find(std::span<Guard> guards, bool inside) {
-  guards_ = guards;
-  if (inside && must_look_closely()) {
+bool GuardFinder::find_and_cut(State& end) {
+  if (guards_.empty()) return false;
+  if (inside_wanted_ && must_look_closely()) {
     sample(even());
     for (std::size_t k = 0; k < guards_.size(); ++k) search(k);
   }
   search_outputs();
-  return first();
+  const bool is_cut = first() < end.t;
+  if (is_cut)
+    interval_.cut(first(), end);
+  else if (kept_)
+    interval_.restore_method();
+  return is_cut;
 }
 
 // Where a body makes many parts, few instants show whether any guard comes nearer to zero than twice what it differs by.
@@ -72,13 +77,6 @@ bool GuardFinder::must_look_closely() {
 void GuardFinder::keep_method() {
   if (!kept_) interval_.keep_method();
   kept_ = true;
-}
-
-void GuardFinder::cut(double t, State& end) {
-  if (t < end.t)
-    interval_.cut(t, end);
-  else if (kept_)
-    interval_.restore_method();
 }
 
 double GuardFinder::first() const {
@@ -120,9 +118,9 @@ void GuardFinder::sample(std::span<const double> inside) {
 
 // A state that is not the method's own may be where a guard has no value: there it counts as unchanged.
 double GuardFinder::value(const Guard& g, const Sample& state) {
-  if (interval_.has_dense()) return owner_.guard(g.of, state);
+  if (interval_.has_dense()) return g.owner->guard(g.of, state);
   try {
-    return owner_.guard(g.of, state);
+    return g.owner->guard(g.of, state);
   } catch (const NonFiniteError&) {
     return g.from;
   } catch (const SolveError&) {
@@ -174,7 +172,7 @@ void GuardFinder::meet(Guard& g, Sampled a, Sampled b) {
   const double sign = a.g > 0 ? 1 : -1, rounding = rounding_at(b.t);
   const double t = falling_root(a.t, sign * a.g, b.t, sign * b.g, std::max(g.tolerance, rounding),
                                 [&](double at) { return sign * own(g, at).g; });
-  if (t > g.after) g.at = std::min(g.at, t);
+  if (t > g.after) g.at = std::min(g.at, std::max(t, g.least));
 }
 
 // Moves the ends of a bracket onto states of the method; false where these do not cross.
@@ -201,7 +199,7 @@ void GuardFinder::search_outputs() {
     if (!(t > last)) continue;
     const Sample state(dynamics_, look(t), interval_.report());
     here_.clear();
-    for (const Guard& g : guards_) here_.push_back(owner_.guard(g.of, state));
+    for (const Guard& g : guards_) here_.push_back(g.owner->guard(g.of, state));
     for (std::size_t k = 0; k < guards_.size(); ++k)
       if (Guard& g = guards_[k]; g.crosses(before_[k], here_[k])) meet(g, {last, before_[k]}, {t, here_[k]});
     before_.swap(here_), last = t;

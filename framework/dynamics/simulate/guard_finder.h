@@ -30,11 +30,15 @@ struct Sampled {
   double t = 0, g = 0;
 };
 
+class GuardOwner;
+
 struct Guard {
+  GuardOwner* owner = nullptr;
   std::size_t of = 0;  ///< its number, for its owner
   Event::Crossing crossing = Event::Crossing::falling;
   double tolerance = 0;     ///< of the instant, s, but for rounding
   double after = -kNever;   ///< instants up to this one do not count
+  double least = -kNever;   ///< one before this counts as this
   double from = 0, to = 0;  ///< values at the ends of the step
   double at = kNever;       ///< where it is met; infinity: nowhere in this step
 
@@ -56,26 +60,30 @@ class GuardFinder {
  public:
   static constexpr int kAlong = 256;  ///< parts where laws alone move all
 
-  GuardFinder(Dynamics& dynamics, StepInterval& interval, const Clock& clock, GuardOwner& owner)
-      : dynamics_(dynamics), interval_(interval), clock_(clock), owner_(owner) {
+  GuardFinder(Dynamics& dynamics, StepInterval& interval, const Clock& clock)
+      : dynamics_(dynamics), interval_(interval), clock_(clock) {
     inside_.reserve(kAlong), times_.reserve(kAlong + 1);
   }
 
-  /// Looks at the step that ended with `end`, which must outlive the look.
-  void begin(const State& end) { end_ = &end, kept_ = false, fits_ = false, turn_parts_ = 0; }
+  /// Forgets all guards, to look at the step that ended with `end`, which must outlive the look.
+  void begin(const State& end) {
+    end_ = &end, kept_ = false, fits_ = false, turn_parts_ = 0;
+    guards_.clear(), times_.clear(), inside_wanted_ = false;
+  }
+  /// `inside`: false if the ends of the step show that it is met nowhere but at outputs, perhaps.
+  void add(const Guard& g, bool inside) { guards_.push_back(g), inside_wanted_ = inside_wanted_ || inside; }
   /// Whether no more than the ends needs to be looked at if a guard is far from zero there by its rates. Throws StepError
   /// if a body turns by more than numbers hold.
   bool is_short() { return measure(), turn_parts_ <= 1 && !along_; }
-  /// Finds where each of these guards is met; returns the first instant. `inside`: false where the ends show that none is
-  /// but at outputs, perhaps. Throws as is_short(), and if a body turns by more than can be looked at.
-  double find(std::span<Guard>, bool inside = true);
+  /// Finds where each guard is met, and has the step end at the first instant; false if that is its end, or none. Throws as
+  /// is_short(), and if a body turns by more than can be looked at.
+  bool find_and_cut(State& end);
+  std::span<Guard> guards() { return guards_; }
   /// Its value at t, by the method.
   Sampled own(const Guard& g, double t) {
     keep_method();
-    return {t, owner_.guard(g.of, Sample(dynamics_, interval_.at(t), interval_.report()))};
+    return {t, g.owner->guard(g.of, Sample(dynamics_, interval_.at(t), interval_.report()))};
   }
-  /// The step, which ended with `end`, ends at t at the latest.
-  void cut(double t, State& end);
   /// What was seen of the k-th guard, in order, the start of the step first.
   std::size_t n_seen() const { return times_.size(); }
   Sampled seen(std::size_t k, std::size_t j) const { return {times_[j], values_[j * guards_.size() + k]}; }
@@ -104,13 +112,13 @@ class GuardFinder {
   Dynamics& dynamics_;
   StepInterval& interval_;
   const Clock& clock_;
-  GuardOwner& owner_;
   const State* end_ = nullptr;
-  std::span<Guard> guards_;
+  std::vector<Guard> guards_;
   double turn_parts_ = 0;  // by the turn alone; 0: not measured
-  bool along_ = false;     // laws alone move all
-  bool kept_ = false;      // the method, for shorter steps
-  bool fits_ = false;      // the cubic is that of this step
+  bool inside_wanted_ = false;
+  bool along_ = false;  // laws alone move all
+  bool kept_ = false;   // the method, for shorter steps
+  bool fits_ = false;   // the cubic is that of this step
   std::vector<double> inside_, times_, values_, here_, before_;
   State guess_;
   VecX rate0_, rate1_;  // dq/dt at the ends

@@ -277,8 +277,10 @@ const Inputs* StepLoop::end_step(double wanted) {
   bool landed = p.interval.report().h >= wanted && wanted == target.reach - p.interval.from().t;
   if (landed) state_.t = target.reach;
   try {
-    const bool touched = !p.contacts.empty() && p.contacts.locate(state_);
-    const bool met = !p.events.empty() && p.events.locate(state_);
+    p.finder.begin(state_);
+    p.contacts.add_guards(state_), p.events.add_guards(state_);
+    const bool is_cut = p.finder.find_and_cut(state_);
+    const bool touched = p.contacts.meet(state_), met = p.events.meet(state_, is_cut);
     if ((met || touched) && state_.t < target.reach) landed = false;
     const bool jump = landed && target.jump;
     p.refusal.clear();

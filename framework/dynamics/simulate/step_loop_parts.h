@@ -44,13 +44,15 @@ struct StepLoop::Parts {
   explicit Parts(StepLoop& of)
       : clock(of.system(), *of.method_, of.options_),
         interval(of.dynamics_, *of.method_),
-        events(of.dynamics_, interval, clock),
-        contacts(of.dynamics_, interval, clock, of.options_.start_limit) {
+        finder(of.dynamics_, interval, clock),
+        events(of.dynamics_, interval, clock, finder),
+        contacts(of.dynamics_, interval, finder, of.options_.start_limit) {
     due.reserve(static_cast<std::size_t>(Due::last_row) + 1);
   }
 
   Clock clock;
   StepInterval interval;
+  GuardFinder finder;
   EventLocator events;
   ContactManager contacts;
   StateRate crossing;   // scratch for cross_jump
