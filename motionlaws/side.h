@@ -1,4 +1,4 @@
-// Private to the room: sides of a jump.
+// Sides of a jump. Internal.
 #pragma once
 
 #include <lockstep/law.h>

@@ -24,7 +24,7 @@ VecX start_distances(const Evaluation&, const VecX& C);
 double start_distance(const Evaluation&, const VecX& C);
 /// Throws AssemblyError, naming the row that is violated most, if a start violates the constraints.
 LOCKSTEP_API void check_start(Dynamics&, const State&, double limit);
-/// Throws AssemblyError, naming `cause` and the rows that are violated most, where velocities violate the constraints by
+/// Throws AssemblyError, naming `cause` and the rows that are violated most, if velocities violate the constraints by
 /// `left`, more than the limit. `advice`: what else may be done.
 void check_velocities(Dynamics&, const State&, double left, double limit, const std::string& cause,
                       const char* advice = "");

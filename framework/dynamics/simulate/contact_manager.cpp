@@ -1,8 +1,8 @@
 // Locates where unilateral links are hit inside a step, and where one in contact would have to pull.
 //
-// A contact is free while its gap is above zero, and hit where the gap comes down to it. One that leaves at a speed is hit
-// where it is back at its gap: of (gap - gap0)/(t - t0), which has not the zero that it leaves. Any other that touches is
-// hit a margin below its floor, zero or where it was released; the margin is some roundings of the projection.
+// A contact is free while its gap is above zero, and hit where the gap comes down to it. One that leaves at a speed is
+// hit where it is back at its gap: of (gap - gap0)/(t - t0), which has not the zero that it leaves. Any other that
+// touches is hit a margin below its floor, zero or where it was released; the margin is some roundings of the projection.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -19,10 +19,6 @@ namespace {
 constexpr double kPull = 1e-9;  // relative to the largest force: what counts as a pull, more than rests as rounding
 
 }  // namespace
-
-bool ContactManager::free(std::size_t i, const State& s) const {
-  return contacts_.watched(i, s) && !contacts_.in_force(i, s);
-}
 
 void ContactManager::lay_out() {
   contacts_.lay_out(dynamics_.system(), dynamics_.options().stabilization);
@@ -120,7 +116,7 @@ void ContactManager::add_gaps(const State& end) {
   const double t0 = interval_.from().t, h = end.t - t0;
   const Inputs& in = dynamics_.inputs(end);
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
-    if (!free(i, end)) continue;
+    if (!contacts_.watched(i, end) || contacts_.in_force(i, end)) continue;
     const Contact& c = contacts_[i];
     const Gap gap = contacts_.gap(i, in);
     const double lowest = c.above(c.gap) ? std::min(c.gap.c, gap.c) : gap.c;

@@ -37,8 +37,8 @@ class ContactManager : public GuardOwner {
     std::uint64_t touched = 0;  ///< a bit for each link that was touched or let go, but for those that rest on
     std::string resting;        ///< names the links that stay in contact, whose rows must be made consistent
   };
-  /// Resolves impacts, contacts and releases at this state. What a row or a force throws leaves the contacts as they were,
-  /// to be settled when the run goes on.
+  /// Resolves impacts, contacts and releases at this state. What a row or a force throws leaves the contacts as they
+  /// were, to be settled when the run goes on.
   Settled settle(State&);
 
   /// Names those that were touched or let go in at least a tenth of these steps, "one-sided link 'floor' was touched in 998
@@ -54,7 +54,6 @@ class ContactManager : public GuardOwner {
   void lay_out();
   // contact_manager.cpp: inside a step
   double guard(std::size_t contact, const Sample&) override;
-  bool free(std::size_t contact, const State&) const;
   void check_side(std::size_t contact, const State&, const std::string& cause);
   double height(const Contact&, double gap, double t) const;
   void add_gaps(const State& end);

@@ -46,7 +46,7 @@ void GuardFinder::refuse() const {
 bool GuardFinder::find_and_cut(State& end) {
   if (guards_.empty()) return false;
   if (inside_wanted_ && must_look_closely()) {
-    sample(even());
+    place_evenly(), sample();
     for (std::size_t k = 0; k < guards_.size(); ++k) search(k);
   }
   search_outputs();
@@ -61,8 +61,9 @@ bool GuardFinder::find_and_cut(State& end) {
 // Where a body makes many parts, few instants show whether any guard comes nearer to zero than twice what it differs by.
 bool GuardFinder::must_look_closely() {
   measure();
-  if (along_ || turn_parts_ <= kLeast || static_cast<double>(sparse().size()) >= turn_parts_) return true;
-  sample(inside_);
+  place_sparsely();
+  if (along_ || turn_parts_ <= kLeast || static_cast<double>(inside_.size()) >= turn_parts_) return true;
+  sample();
   for (std::size_t k = 0; k < guards_.size(); ++k) {
     double least = kNever, low = kNever, high = -kNever;
     for (std::size_t j = 0; j < times_.size(); ++j) {
@@ -85,29 +86,27 @@ double GuardFinder::first() const {
   return at;
 }
 
-std::span<const double> GuardFinder::even() {
+void GuardFinder::place_evenly() {
   const double t0 = interval_.from().t, h = end_->t - t0;
   if (!(turn_parts_ <= kMost)) refuse();
   const int n = std::max(along_ ? kAlong : kLeast, static_cast<int>(turn_parts_));
   inside_.clear();
   for (int k = 1; k < n; ++k) inside_.push_back(t0 + h * k / n);
-  return inside_;
 }
 
-// Instants down to a part from the start of the step, each by an eighth of its time before the next. Whatever turns steadily makes half a turn
-// or more between some of them, whichever its speed.
-std::span<const double> GuardFinder::sparse() {
+// Down to a part from the start of the step, each by an eighth of its time before the next. Whatever turns steadily
+// makes half a turn or more between some of them, whichever its speed.
+void GuardFinder::place_sparsely() {
   const double t0 = interval_.from().t, h = end_->t - t0;
   inside_.clear();
   for (double x = 1 - kEighth; x * turn_parts_ > 1; x *= 1 - kEighth) inside_.push_back(t0 + h * x);
   std::ranges::reverse(inside_);
-  return inside_;
 }
 
-void GuardFinder::sample(std::span<const double> inside) {
+void GuardFinder::sample() {
   times_.assign(1, interval_.from().t), values_.clear();
   for (const Guard& g : guards_) values_.push_back(g.from);
-  for (const double t : inside) {
+  for (const double t : inside_) {
     times_.push_back(t);
     const Sample state(dynamics_, look(t), interval_.report());
     for (const Guard& g : guards_) values_.push_back(value(g, state));

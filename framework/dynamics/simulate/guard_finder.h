@@ -75,8 +75,8 @@ class GuardFinder {
   /// Whether no more than the ends needs to be looked at if a guard is far from zero there by its rates. Throws StepError
   /// if a body turns by more than numbers hold.
   bool is_short() { return measure(), turn_parts_ <= 1 && !along_; }
-  /// Finds where each guard is met, and has the step end at the first instant; false if that is its end, or none. Throws as
-  /// is_short(), and if a body turns by more than can be looked at.
+  /// Finds where each guard is met, and ends the step at the first instant; false if that is its end, or none. Throws
+  /// as is_short(), and if a body turns by more than can be looked at.
   bool find_and_cut(State& end);
   std::span<Guard> guards() { return guards_; }
   /// Its value at t, by the method.
@@ -92,9 +92,9 @@ class GuardFinder {
   void measure();
   bool must_look_closely();
   [[noreturn]] void refuse() const;
-  std::span<const double> even();
-  std::span<const double> sparse();
-  void sample(std::span<const double> inside);
+  void place_evenly();
+  void place_sparsely();
+  void sample();
   void fit();
   const State& look(double t);
   double value(const Guard&, const Sample&);

@@ -91,7 +91,8 @@ struct Approach {
   double off = 0;  // m
 };
 
-/// Gauss-Newton steps onto rows, to `goal`, m, or within the tolerance of projections to their rounding. Counted angles follow.
+/// Gauss-Newton steps onto rows, to `goal`, m, or within the tolerance of projections to their rounding. Counted
+/// angles follow.
 Approach approach(Dynamics& dynamics, StartRows& rows, State& state, double goal, int most) {
   constexpr double kFalls = 0.9;
   constexpr int kStalls = 5;  // in a row
