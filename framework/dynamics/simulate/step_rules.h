@@ -6,8 +6,6 @@
 
 namespace lockstep {
 
-/// Relative, of lengths of steps: what differs by less is the same step.
-inline constexpr double kSameStep = 1e-9;
 inline constexpr double kLongTurn = 1;  ///< rad in a step: the run warns of more
 
 /// Relative to a step or an interval: lengths that differ by less are the same, and what is shorter is nothing.
