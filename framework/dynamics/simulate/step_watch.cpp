@@ -15,7 +15,6 @@ namespace lockstep {
 namespace {
 
 constexpr double kUnit = 1e-6;  // of |e|^2 - 1
-constexpr std::string_view kBuiltIn = "built in";
 constexpr long kApart = 16;  // steps between two looks at |C|
 
 bool same_sizes(const State& a, const State& b) {
