@@ -47,6 +47,7 @@ SaddleFactor::SaddleFactor(const MechanismMatrices& m, const SparseMat& A, bool 
 
 // Corrected as long as that helps: a long loop of joints lets the proximal term go slowly.
 VecX SaddleFactor::solve(const VecX& f) const {
+  if (f.isZero(0)) return f;
   const Eigen::Index n = scale_.size();
   VecX b = VecX::Zero(matrix_.rows());
   b.head(n) = scale_.cwiseProduct(f);
@@ -58,7 +59,7 @@ VecX SaddleFactor::solve(const VecX& f) const {
     if (!(now < 0.7 * error)) break;
     x = next, left = next_left, error = now;
   }
-  if (!(error <= kNone) && !b.isZero(0))
+  if (!(error <= kNone))
     throw SolveError("the sparse matrix of the linear equations is too badly conditioned: a solution leaves " +
                      std::to_string(error) + " of its terms; ask for a dense solution (dense_limit)");
   return scale_.cwiseProduct(x.head(n));
