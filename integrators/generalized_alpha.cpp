@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/foundation/math/limits.h"
 
 namespace lockstep {
 
@@ -17,7 +18,7 @@ constexpr int kMostIterations = 25;
 constexpr double kNewton = 1e-11;  // relative to the scene's length and the step's move: the end of Newton's iteration
 constexpr double kStalled =
     1e-8;  // relative to the same and to the first change: less that no longer shrinks is round-off
-constexpr int kMostReactions = 30;  // solutions with friction at the new multipliers
+constexpr int kMostReactions = 30;   // solutions with friction at the new multipliers
 constexpr double kReactions = 1e-6;  // relative to its first change: the end of these solutions; Newton does the rest
 constexpr double kSlow = 0.2;        // a larger ratio of two changes needs a fresh matrix
 
@@ -90,7 +91,7 @@ void GeneralizedAlpha::begin(Dynamics& dynamics, const State& state) {
 // Consistent accelerations at the start, and if the state was moved since the last step (the jump of a law).
 double GeneralizedAlpha::start_step(Dynamics& dynamics, double h) {
   output_.forget();
-  if (h_ > 0 && std::abs(start_.t - t_) <= 1e-12 * std::max(std::abs(t_), h_)) return h;
+  if (h_ > 0 && std::abs(start_.t - t_) <= kRoundOff * std::max(std::abs(t_), h_)) return h;
   const Evaluated& values = dynamics.evaluate(start_);
   vd_ = a_ = values.a;
   lambda_ = values.lambda;

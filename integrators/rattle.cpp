@@ -11,6 +11,8 @@
 
 #include <lockstep/error.h>
 #include <lockstep/stepping.h>
+#include "framework/dynamics/evaluate/projection_rule.h"
+#include "framework/foundation/math/limits.h"
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
@@ -101,7 +103,7 @@ void Rattle::refuse_unsuited(Dynamics& dynamics, const State& state) const {
       const VecX still = pushed_by(*force, dynamics.gather(moving).inputs(), state.v.size());
       moving.v = any_velocities(state.v.size(), sign);
       const VecX change = pushed_by(*force, dynamics.gather(moving).inputs(), state.v.size()) - still;
-      if (change.norm() > 1e-9 * still.norm())
+      if (change.norm() > kNegligible * still.norm())
         throw ModelError(
             fmt::format("{}: force '{}' ({}) depends on velocities, as a damper does; the method keeps the "
                         "energy{}",
@@ -186,7 +188,6 @@ void Rattle::substep(Dynamics& dynamics, double h) {
 // Solves C(q1) = 0 for mu with the matrix at q0: J(q0) d = -C(q1)/h, M d = -J(q0)^T mu. To round-off, since a residual
 // is not symplectic. Returns the evaluation at q1. Throws StepError.
 const Evaluation& Rattle::find_multipliers(Dynamics& dynamics, double h, double t) {
-  const double ulp = std::numeric_limits<double>::epsilon();
   double before = HUGE_VAL;
   for (int round = 0;; ++round) {
     drift(h);
@@ -194,7 +195,7 @@ const Evaluation& Rattle::find_multipliers(Dynamics& dynamics, double h, double 
     lead_angles(dynamics, now_, next_);
     const Evaluation& e = gather_next(dynamics);
     const double left = e.norm(C_);
-    const double floor = 1e-14 * dynamics.system().length() + 4 * ulp * next_.q.lpNorm<Eigen::Infinity>();
+    const double floor = position_rounding(dynamics.system().length(), next_.q.lpNorm<Eigen::Infinity>());
     const bool rests = round > 1 && left > 0.5 * before && left <= 100 * floor;
     if (left <= floor || rests || round == kRounds || !std::isfinite(left)) {
       left_ = left;

@@ -5,13 +5,13 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/foundation/math/limits.h"
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
 namespace {
 
 constexpr int kMostSolutions = 50;
-constexpr double kSettled = 1e-12;        // relative to the friction: the change that ends the iteration
 constexpr double kForceRoundOff = 1e-15;  // relative to all other forces: changes below it do not count
 
 // The largest force on a slot, N; moments are divided by the length.
@@ -46,7 +46,7 @@ void ReactionIteration::solve(const Evaluation& e, Factor& factor, const VecX& c
     e.react(lambda, change_);
     if (!change_.allFinite()) diagnose(all, 1);
     const double left = largest_force(change_, length), size = std::max(largest_force(added_, length), left);
-    if (left <= kSettled * size + kForceRoundOff * applied && n > 1) return;
+    if (left <= kRoundOff * size + kForceRoundOff * applied && n > 1) return;
     if (left == 0) return;
     if (n > kMostSolutions) diagnose(all, left / size);
     loaded_ = added_ + change_;
@@ -129,7 +129,7 @@ void ReactionIteration::diagnose(const Unsettled& u, double left) {
       gain < 0.9  // to and fro between two values it is 1, but for what is left of the way there
           ? "a change of it comes back as " + text::brief(gain) +
                 " of it, so that it would settle, but too slowly or by turns; let it change less steeply with them"
-          : gain < 1 + 1e-6
+          : gain < 1 + kSlight
                 ? "it jumps as a function of them; let it pass from one value to the other over a range of reactions"
                 : "a change of it changes the reactions so that it changes by " + text::brief(gain) +
                       " times as much, without limit: friction jams its joint in this way; reduce the coefficient, or "

@@ -11,16 +11,13 @@
 #include "framework/dynamics/evaluate/projection_rule.h"
 #include "framework/dynamics/evaluate/row_space.h"
 #include "framework/dynamics/solvers/graph.h"
+#include "framework/foundation/math/limits.h"
 
 namespace lockstep {
 
 namespace {
 
-constexpr double kBeside = 0.1;      // rad, or parts of the length: to the nearest pose that is looked at
-constexpr double kStill = 1e-9;      // rad/s: a slower motion is round-off
-constexpr double kRounding = 1e-12;  // of the length: what a pose on the constraints violates them by at most
-constexpr double kAgree = 1e-6;      // of C: more contradicts it
-constexpr int kMostRows = 300;       // more are not factored by QR
+constexpr double kBeside = 0.1;  // rad, or parts of the length: to the nearest pose that is looked at
 
 // Turns are measured as lengths of the whole mechanism.
 MatX rows_transposed(const Evaluation& e) {
@@ -115,7 +112,7 @@ Redundancy Dynamics::find_redundancy(const State& state) try {
   };
   const auto look_off = [&](const State& at) {
     MatX Jt = at.coordinates ? tree(at.modes).rows_transposed(system_, at) : rows_transposed(gather_rows(at));
-    const double least = kRounding * Jt.norm();  // a row that vanishes is one of round-off
+    const double least = kRoundOff * Jt.norm();  // a row that vanishes is one of round-off
     for (Eigen::Index row = 0; row < Jt.cols(); ++row)
       if (!(Jt.col(row).norm() > least)) Jt.col(row).setZero();
     const Eigen::Index n_rows = Jt.cols();
@@ -125,7 +122,7 @@ Redundancy Dynamics::find_redundancy(const State& state) try {
     const VecX& C = at.coordinates ? tree(at.modes).C : C_;
     const MatX circuits = space.circuits();
     for (Eigen::Index k = 0; k < circuits.cols(); ++k)
-      look.agrees = look.agrees && std::abs(circuits.col(k).dot(C)) <= kAgree * circuits.col(k).norm() * C.norm();
+      look.agrees = look.agrees && std::abs(circuits.col(k).dot(C)) <= kSlight * circuits.col(k).norm() * C.norm();
     return look;
   };
   State here = state;
@@ -140,7 +137,7 @@ Redundancy Dynamics::find_redundancy(const State& state) try {
     system_.motions(moving, motions);
     double speed = 0;
     for (const Motion& O : motions) speed = std::max({speed, O.v.norm() / system_.length(), O.w.norm()});
-    if (!(speed > kStill)) return false;
+    if (!(speed > kNegligible)) return false;
     for (const double angle : {kBeside, -kBeside, 2 * kBeside, -2 * kBeside, 4 * kBeside, -4 * kBeside}) try {
         State beside = here;
         advance(beside, angle / speed, moving.v);
@@ -148,9 +145,9 @@ Redundancy Dynamics::find_redundancy(const State& state) try {
         beside.t += std::copysign(time(std::abs(angle) / speed), angle);
         const bool nearest = std::abs(angle) == kBeside;
         const bool few =
-            nearest && (state.coordinates ? tree(state.modes).closure_rows : own().rows()).n_rows <= kMostRows;
+            nearest && (state.coordinates ? tree(state.modes).closure_rows : own().rows()).n_rows <= kDenseRows;
         const Look off = few ? look_off(beside) : Look{0, true};
-        if (!(project(beside, 0).after <= kRounding * system_.length())) continue;
+        if (!(project(beside, 0).after <= kRoundOff * system_.length())) continue;
         found.rows = std::min(found.rows, small(beside));
         if (few && (off.dependent < look_off(beside).dependent || !off.agrees)) found.on_constraints = true;
         poses.push_back(std::move(beside));

@@ -11,12 +11,12 @@
 #include "framework/dynamics/tree/buckets.h"
 #include "framework/dynamics/tree/moving_markers.h"
 #include "framework/dynamics/tree/spanning_tree.h"
+#include "framework/foundation/math/limits.h"
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
 
 namespace {
-
 
 // The part of a mask that a joint of the tree holds: any translations, and none, two or all of the turns. One turn alone
 // has no closed form and stays a row; in a plane it holds the angle or nothing.
@@ -91,7 +91,7 @@ std::optional<Vec3> hinge_in_plane(Mask held, const MarkerFrame& S, const Vec3& 
   if (space.turn == TreeTurn::hinge && !alone)
     return are_parallel(Vec3(S.A0 * space.hinge), normal) ? std::optional(space.hinge) : std::nullopt;
   for (int k = 0; k < 3; ++k)
-    if (includes(held, row_bit(3 + k)) && !are_perpendicular(S.A0.col(k), normal, kInPlane)) return {};
+    if (includes(held, row_bit(3 + k)) && !are_perpendicular(S.A0.col(k), normal, kNegligible)) return {};
   return Vec3(S.A0.transpose() * normal);
 }
 
@@ -105,9 +105,10 @@ Free free_in_plane(Mask held, const MarkerFrame& S, Plane plane) {
   Vec3 held_in = Vec3::Zero();  // a direction in the plane that is held
   int n_held = 0;
   for (int k = 0; k < 3; ++k)
-    if (includes(held, row_bit(k)) && are_perpendicular(S.A0.col(k), normal, kInPlane)) held_in = S.A0.col(k), ++n_held;
+    if (includes(held, row_bit(k)) && are_perpendicular(S.A0.col(k), normal, kNegligible))
+      held_in = S.A0.col(k), ++n_held;
   for (int k = 0; k < space.n_slides; ++k)
-    if (const Vec3& along = space.slide[static_cast<std::size_t>(k)]; are_perpendicular(along, normal, kInPlane))
+    if (const Vec3& along = space.slide[static_cast<std::size_t>(k)]; are_perpendicular(along, normal, kNegligible))
       f.slide[static_cast<std::size_t>(f.n_slides++)] = along;
   if (f.n_slides == 2 - n_held) return f;
   f.n_slides = 2 - n_held;
@@ -129,7 +130,7 @@ bool is_tilted(const Lock& link, Plane plane) {
   if (!overlaps(link.jointed()->rows(), Mask::e123)) return false;
   const auto [p, s] = link.pairs().front();
   const Quat turn = MarkerFrame(*s).q0 * conjugate(MarkerFrame(*p).q0);
-  return std::hypot(turn.vec()[plane.i()], turn.vec()[plane.j()]) > kInPlane;
+  return std::hypot(turn.vec()[plane.i()], turn.vec()[plane.j()]) > kNegligible;
 }
 
 // Why a link is no tree joint; "" for one that is.
@@ -225,7 +226,9 @@ std::shared_ptr<const JointTree> JointTree::of(const System& system, const std::
 
 // Of links whose rows read a memory; "" where there is none.
 std::string JointTree::refusal_of_memories(const System& system) const {
-  const auto reads_memory = [&](int link) { return system.links()[static_cast<std::size_t>(link)]->n_own_memory() > 0; };
+  const auto reads_memory = [&](int link) {
+    return system.links()[static_cast<std::size_t>(link)]->n_own_memory() > 0;
+  };
   const auto refused = [&](int link) {
     return "link '" + system.links()[static_cast<std::size_t>(link)]->name() +
            "' keeps a memory from step to step (ways), which long steps outrun";

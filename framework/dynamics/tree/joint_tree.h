@@ -16,10 +16,6 @@
 
 namespace lockstep {
 
-/// Sines of angles by which axes and rows may lie beside the plane, and lengths in parts of the mechanism's: what a
-/// mechanism is taken for planar with (System::setup).
-inline constexpr double kInPlane = 1e-9;
-
 /// How far turns against near.
 enum class TreeTurn : unsigned char {
   none,   ///< not at all

@@ -6,6 +6,7 @@
 
 #include <lockstep/error.h>
 #include "framework/dynamics/tree/absent_rows.h"
+#include "framework/foundation/math/limits.h"
 
 namespace lockstep {
 
@@ -40,9 +41,9 @@ void set_pose(const JointTree& tree, const System& system, int k, State& y) {
 // Largest numbers of a row: in the plane; along its normal; about axes in the plane; of its residual.
 struct RowParts {
   double in = 0, along = 0, about = 0, C = 0;
-  bool lies_in() const { return in > kInPlane * std::max(along, about); }
+  bool lies_in() const { return in > kNegligible * std::max(along, about); }
   // Lever arms along the normal give moments about axes in the plane, which the tree carries; a tilted axis gives more.
-  bool is_tilted() const { return along > kInPlane * in || about > kMostArm * in; }
+  bool is_tilted() const { return along > kNegligible * in || about > kMostArm * in; }
 };
 
 // Rows of the links of a table in some poses: link after link, row after row.
@@ -105,7 +106,7 @@ bool leave_out_normal_rows(const JointTree& tree, const System& system, RowTable
       const RowParts& p = parts[l][static_cast<std::size_t>(e.own[static_cast<std::size_t>(k)])];
       if (p.lies_in() && p.is_tilted()) return false;
       if (p.lies_in()) continue;
-      const bool is_met = p.C <= kInPlane * std::max(1.0, system.length()), is_normal = p.along > 0 || p.about > 0;
+      const bool is_met = p.C <= kNegligible * std::max(1.0, system.length()), is_normal = p.along > 0 || p.about > 0;
       if (!is_met || !is_normal) return false;
       if (may_have_laws(link_of(e))) return false;
       absent[l] |= 1U << k;

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <utility>
 
+#include "framework/foundation/math/limits.h"
+
 namespace lockstep {
 
 namespace {
-
-constexpr double kNone = 1e-12;  // of e0^2 + ek^2: the angle has no value
 
 double nearest(double angle, double about) { return angle + kTwoPi * std::round((about - angle) / kTwoPi); }
 
@@ -69,7 +69,7 @@ double TurnAngle::rate_of_pose(const Inputs& in) const {
   const Quat e = relative(in);
   const Vec3 ev = e.vec(), w = S.A().transpose() * Vec3(P.w() - S.w());
   const double e0 = e.w, ek = ev[axis_], n = e0 * e0 + ek * ek;
-  return n > kNone ? (e0 * e0 * w[axis_] + e0 * cross(w, ev)[axis_] + ek * w.dot(ev)) / n : 0.0;
+  return n > kRoundOff ? (e0 * e0 * w[axis_] + e0 * cross(w, ev)[axis_] + ek * w.dot(ev)) / n : 0.0;
 }
 
 const CountedAngle& AngleCounter::count(const Marker& p, const Marker& s, int axis, bool coupled) {

@@ -5,6 +5,7 @@
 #include <lockstep/error.h>
 #include <lockstep/system.h>
 #include <lockstep/text.h>
+#include "framework/foundation/math/limits.h"
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
@@ -12,11 +13,10 @@ namespace {
 
 // A particle takes no moment: whoever exerts one on it is refused. `f`: the sums of all forces.
 void check_particles(const System& system, const Inputs& in, const VecX& f) {
-  constexpr double kNone = 1e-9;  // of the force on it times the length of the mechanism: less is round-off
   const auto turned = [&](const VecX& sum) {
     for (int k = 0; k < system.n_slots(); ++k)
       if (system.slot(k).freedoms == Freedoms::particle &&
-          sum.segment<3>(6 * k + 3).norm() > kNone * sum.segment<3>(6 * k).norm() * system.length())
+          sum.segment<3>(6 * k + 3).norm() > kNegligible * sum.segment<3>(6 * k).norm() * system.length())
         return k;
     return -1;
   };

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include <lockstep/error.h>
-#include "framework/tools/analysis/limits.h"
+#include "framework/foundation/math/limits.h"
 
 namespace lockstep {
 

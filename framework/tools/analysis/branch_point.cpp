@@ -10,7 +10,7 @@
 #include <lockstep/error.h>
 #include "framework/dynamics/evaluate/row_space.h"
 #include "framework/dynamics/solvers/graph.h"
-#include "framework/tools/analysis/limits.h"
+#include "framework/foundation/math/limits.h"
 #include "framework/tools/analysis/loop_rows.h"
 #include "framework/tools/analysis/mechanism_matrices.h"
 #include "framework/tools/analysis/motion_words.h"
@@ -39,7 +39,7 @@ bool is_driven(const Evaluation& e, const std::vector<int>& rows) {
   VecX Ct = VecX::Zero(e.rows().n_rows), of_part = Ct;
   e.velocity_residual(VecX::Zero(6 * e.system().n_slots()), Ct);
   of_part(rows) = Ct(rows);
-  return !(e.norm(of_part) <= kNone);
+  return !(e.norm(of_part) <= kNegligible);
 }
 
 // Forms that stop motions. Combinations at random span what all combinations do: as many as there are different forms.
@@ -75,7 +75,7 @@ std::vector<VecX> common_zeros(const std::vector<MatX>& forms, Eigen::Index p) {
       }
       slopes.bottomRows(1) = c.transpose(), values[values.size() - 1] = 0;
       size = values.lpNorm<Eigen::Infinity>();
-      if (size <= kNone) break;
+      if (size <= kNegligible) break;
       c -= Eigen::CompleteOrthogonalDecomposition<MatX>(slopes).solve(values);
       c.normalize();
     }

@@ -13,7 +13,7 @@
 #include <lockstep/lock.h>
 #include <lockstep/relative.h>
 #include <lockstep/text.h>
-#include "framework/tools/analysis/limits.h"
+#include "framework/foundation/math/limits.h"
 #include "framework/tools/analysis/motion_words.h"
 #include "framework/tools/analysis/unknowns.h"
 

@@ -11,7 +11,7 @@
 #include <lockstep/lock.h>
 #include <lockstep/stepping.h>
 #include <lockstep/text.h>
-#include "framework/tools/analysis/limits.h"
+#include "framework/foundation/math/limits.h"
 #include "framework/tools/analysis/wild_starts.h"
 
 namespace lockstep {

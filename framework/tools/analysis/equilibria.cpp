@@ -6,7 +6,7 @@
 
 #include <lockstep/error.h>
 #include "framework/tools/analysis/equilibrium_search.h"
-#include "framework/tools/analysis/limits.h"
+#include "framework/foundation/math/limits.h"
 #include "framework/tools/analysis/wild_starts.h"
 
 namespace lockstep {

@@ -12,7 +12,7 @@
 #include <lockstep/text.h>
 #include "framework/dynamics/simulate/line_search.h"
 #include "framework/tools/analysis/equilibrium_search.h"
-#include "framework/tools/analysis/limits.h"
+#include "framework/foundation/math/limits.h"
 #include "framework/tools/analysis/motion_words.h"
 #include "framework/tools/analysis/rest_matrices.h"
 
@@ -81,7 +81,7 @@ bool EquilibriumSearch::settle(State& state) {
 }
 
 // More than rounding in a free motion.
-double EquilibriumSearch::least_shift() const { return kNone * now_.force / (heaviest_ * length_); }
+double EquilibriumSearch::least_shift() const { return kNegligible * now_.force / (heaviest_ * length_); }
 
 bool EquilibriumSearch::find_step(bool either_way) {
   return !report_.relaxed && system_.n_velocities() <= kMostDense ? find_dense_step(either_way)
@@ -242,8 +242,8 @@ bool put_into(Plane plane, const System& system, const State& from, State& state
     Pose pose = state.slot_pose(k);
     const double height = from.slot_pose(k).x[plane.n];
     const Vec3 turn = 2 * pose.q.vec();
-    if (std::abs(pose.x[plane.n] - height) > kNone * system.length() || std::abs(turn[plane.i()]) > kNone ||
-        std::abs(turn[plane.j()]) > kNone)
+    if (std::abs(pose.x[plane.n] - height) > kNegligible * system.length() || std::abs(turn[plane.i()]) > kNegligible ||
+        std::abs(turn[plane.j()]) > kNegligible)
       return false;
     pose.x[plane.n] = height;
     pose.q = normalized(Quat::from(pose.q.w, Vec3(pose.q.vec()[plane.n] * Vec3::Unit(plane.n))));

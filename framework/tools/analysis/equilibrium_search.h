@@ -8,7 +8,7 @@
 #include <lockstep/newton.h>
 #include "framework/dynamics/simulate/contacts.h"
 #include "framework/tools/analysis/forces_at_rest.h"
-#include "framework/tools/analysis/limits.h"
+#include "framework/foundation/math/limits.h"
 
 namespace lockstep {
 
@@ -83,7 +83,7 @@ class EquilibriumSearch {
   double push(std::size_t i) const;
   /// Whether its load would have to pull.
   bool pulls(std::size_t i) const {
-    return contacts_.in_force(i, state_) && contacts_.watched(i, state_) && push(i) < -kNone * now_.force;
+    return contacts_.in_force(i, state_) && contacts_.watched(i, state_) && push(i) < -kNegligible * now_.force;
   }
   /// Releases the link that pulls most. Returns whether one did.
   bool release();

@@ -8,7 +8,7 @@
 #include <Eigen/QR>
 
 #include "framework/mechanism/system/diagnose.h"
-#include "framework/tools/analysis/limits.h"
+#include "framework/foundation/math/limits.h"
 
 namespace lockstep {
 namespace {
@@ -52,7 +52,7 @@ class Balance {
     VecX scale(B_.cols());
     for (Eigen::Index k = 0; k < scale.size(); ++k) scale[k] = grip_of(k).most / std::sqrt(parts_[of_at(k)]);
     t_ = scale.asDiagonal() * MatX(B_ * scale.asDiagonal()).completeOrthogonalDecomposition().solve(b_);
-    return (B_ * t_ - b_).norm() <= kNone * b_.norm();
+    return (B_ * t_ - b_).norm() <= kNegligible * b_.norm();
   }
   /// 6 per slot.
   VecX load() const {
@@ -91,7 +91,7 @@ class Balance {
     for (Eigen::Index k = 0; k < B_.cols(); ++k)
       if (grip_of(k).most > 0 && B_.col(k).norm() > 0) acting.row(k) = B_.col(k).normalized();
     Eigen::FullPivLU<MatX> lu(acting);
-    lu.setThreshold(kNone);
+    lu.setThreshold(kNegligible);
     return lu.dimensionOfKernel() == 0 ? MatX(N.rows(), 0) : MatX(N * lu.kernel());
   }
 
@@ -144,7 +144,7 @@ FrictionLoad friction_load(Dynamics& dynamics, const ForcesAtRest& now, const Re
       return out;
     }
     if (k == 0) continue;
-    if (std::isfinite(worst) && std::abs(worst - before) <= kNone * worst) return out;
+    if (std::isfinite(worst) && std::abs(worst - before) <= kNegligible * worst) return out;
     before = worst;
     balance.weigh();
   }

@@ -18,7 +18,7 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/mechanism/system/diagnose.h"
-#include "framework/tools/analysis/limits.h"
+#include "framework/foundation/math/limits.h"
 #include "framework/tools/analysis/mechanism_matrices.h"
 
 namespace lockstep {
@@ -126,9 +126,9 @@ Unrest unrest_of(const System& system, const MechanismMatrices& at, const std::v
 std::string turns_unevenly(const System& system, const std::vector<SlotMotion>& slots, const Vec3& spin) {
   for (std::size_t k = 0; k < slots.size(); ++k) {
     const Vec3 r = left_over_spin(slots[k], spin);
-    if (r.norm() <= kNone * slots[k].w.norm()) continue;
+    if (r.norm() <= kNegligible * slots[k].w.norm()) continue;
     const Mat3 &J = system.slot(static_cast<int>(k)).J, R = skew(r);
-    if ((J * R - R * J).norm() > kNone * J.norm() * r.norm()) return system.body_of_slot(static_cast<int>(k)).name;
+    if ((J * R - R * J).norm() > kNegligible * J.norm() * r.norm()) return system.body_of_slot(static_cast<int>(k)).name;
   }
   return "";
 }
@@ -145,7 +145,7 @@ std::vector<Vec3> spins_of(const MechanismMatrices& at, const std::vector<SlotMo
   if (slots.empty() || at_rest(at, slots)) return {Vec3::Zero()};
   const Vec3 first = slots.front().A * slots.front().w;
   if (std::ranges::all_of(slots,
-                          [&](const SlotMotion& m) { return (m.A * m.w - first).norm() <= kNone * first.norm(); }))
+                          [&](const SlotMotion& m) { return (m.A * m.w - first).norm() <= kNegligible * first.norm(); }))
     spins.push_back(first);
   // Om x v = a, W x w = al, u0 + Om x x = v: the shortest Om and u0 of the least squares.
   MatX A = MatX::Zero(static_cast<Eigen::Index>(9 * slots.size()), 6);
@@ -159,7 +159,7 @@ std::vector<Vec3> spins_of(const MechanismMatrices& at, const std::vector<SlotMo
   }
   spins.emplace_back(A.completeOrthogonalDecomposition().solve(b).head<3>());
   Vec3& spin = spins.back();
-  if (spin.norm() <= kNone * first.norm()) spin.setZero();
+  if (spin.norm() <= kNegligible * first.norm()) spin.setZero();
   for (int k = 0; k < 3; ++k)
     if (std::abs(spin[k]) <= kRoundOff * spin.norm()) spin[k] = 0;
   if (!spin.isZero(0)) spins.emplace_back(Vec3::Zero());

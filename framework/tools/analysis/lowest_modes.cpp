@@ -16,7 +16,7 @@
 #include <random>
 
 #include <lockstep/error.h>
-#include "framework/tools/analysis/limits.h"
+#include "framework/foundation/math/limits.h"
 #include "framework/tools/analysis/saddle_factor.h"
 #include "framework/tools/analysis/spectrum.h"
 
@@ -52,7 +52,7 @@ class Motions {
     const double before = norm(x.cast<Complex>());
     for (int twice = 0; twice < 2; ++twice) x -= V_ * (V_.transpose() * (*M_ * x));
     const double left = norm(x.cast<Complex>());
-    return left > kNone * before ? VecX(x / left) : VecX(VecX::Zero(x.size()));
+    return left > kNegligible * before ? VecX(x / left) : VecX(VecX::Zero(x.size()));
   }
 
   const SparseMat* M_;
@@ -117,7 +117,7 @@ MatX lowest_motions(const LinearMotion& m, int count, bool redundant) {
         const VectorXcd f = (l * l - s * s) * (m.M * x) + (l - s) * (m.D * x);
         VectorXcd better = x;
         better.real() += S.solve(f.real()), better.imag() += S.solve(f.imag());
-        if (V.norm(better) > std::max(kNone, kRoundOff * std::norm(l / s)) * V.norm(x)) V.add(better, constrained);
+        if (V.norm(better) > std::max(kNegligible, kRoundOff * std::norm(l / s)) * V.norm(x)) V.add(better, constrained);
       }
       if (V.all().cols() == before) return m.D.norm() == 0 ? wanted.all() : V.all();  // damped, l has no x of its own
       if (V.all().cols() > most)

@@ -9,7 +9,7 @@
 #include <lockstep/newton.h>
 #include "framework/mechanism/system/diagnose.h"
 #include "framework/tools/analysis/forces_at_rest.h"
-#include "framework/tools/analysis/limits.h"
+#include "framework/foundation/math/limits.h"
 #include "framework/tools/analysis/loop_rows.h"
 
 namespace lockstep {

@@ -5,7 +5,7 @@
 
 #include <lockstep/export.h>
 #include <lockstep/system.h>
-#include "framework/tools/analysis/limits.h"
+#include "framework/foundation/math/limits.h"
 
 namespace lockstep {
 

@@ -11,7 +11,7 @@
 
 #include <lockstep/newton.h>
 #include "framework/tools/analysis/forces_at_rest.h"
-#include "framework/tools/analysis/limits.h"
+#include "framework/foundation/math/limits.h"
 #include "framework/tools/analysis/mechanism_matrices.h"
 #include "framework/tools/analysis/motion_words.h"
 #include "framework/tools/analysis/rest_matrices.h"

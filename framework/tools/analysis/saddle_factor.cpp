@@ -4,7 +4,7 @@
 #include <limits>
 
 #include <lockstep/error.h>
-#include "framework/tools/analysis/limits.h"
+#include "framework/foundation/math/limits.h"
 #include "framework/tools/analysis/minimal_coordinates.h"
 
 namespace lockstep {
@@ -59,7 +59,7 @@ VecX SaddleFactor::solve(const VecX& f) const {
     if (!(now < 0.7 * error)) break;
     x = next, left = next_left, error = now;
   }
-  if (!(error <= kNone))
+  if (!(error <= kNegligible))
     throw SolveError("the sparse matrix of the linear equations is too badly conditioned: a solution leaves " +
                      std::to_string(error) + " of its terms; ask for a dense solution (dense_limit)");
   return scale_.cwiseProduct(x.head(n));

@@ -9,7 +9,7 @@
 #include <numeric>
 
 #include <lockstep/error.h>
-#include "framework/tools/analysis/limits.h"
+#include "framework/foundation/math/limits.h"
 #include "framework/tools/analysis/minimal_coordinates.h"
 
 namespace lockstep {

@@ -14,7 +14,7 @@
 
 #include <lockstep/error.h>
 #include "framework/dynamics/evaluate/row_space.h"
-#include "framework/tools/analysis/limits.h"
+#include "framework/foundation/math/limits.h"
 #include "framework/tools/analysis/mechanism_matrices.h"
 #include "framework/tools/analysis/minimal_coordinates.h"
 
@@ -243,7 +243,7 @@ double accuracy_of(const VecX& derivative, const VecX& off, const LinearMotion& 
   moments.scale = std::max(moments.scale, m.length * forces.scale);
   double worst = 0;
   for (const Block& block : {of_rows[0], of_rows[1], of_rows[2], forces, moments})
-    if (block.largest > kNone * block.scale) worst = std::max(worst, block.apart / block.largest);
+    if (block.largest > kNegligible * block.scale) worst = std::max(worst, block.apart / block.largest);
   return worst;
 }
 
@@ -256,7 +256,7 @@ double accuracy_of_outputs(const MatX& derivatives, const MatX& off, const std::
     double round_off = 100 * std::numeric_limits<double>::epsilon();
     for (std::size_t other = 0; other < channels.size(); ++other)
       if (channels[other].unit == channels[k].unit)
-        round_off = std::max(round_off, kNone * largest[static_cast<Eigen::Index>(other)]);
+        round_off = std::max(round_off, kNegligible * largest[static_cast<Eigen::Index>(other)]);
     const auto row = static_cast<Eigen::Index>(k);
     if (largest[row] > round_off) worst = std::max(worst, off.row(row).maxCoeff() / largest[row]);
   }

@@ -11,6 +11,9 @@
 
 namespace lockstep {
 
+/// Mechanisms of more unknowns are not taken as dense matrices, whose factors take some seconds there.
+inline constexpr int kDenseUnknowns = 1200;
+
 using SparseMat = Eigen::SparseMatrix<double>;
 using Triplets = std::vector<Eigen::Triplet<double>>;
 

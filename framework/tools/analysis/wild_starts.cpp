@@ -5,7 +5,7 @@
 
 #include <lockstep/error.h>
 #include "framework/dynamics/simulate/start_positions.h"
-#include "framework/tools/analysis/limits.h"
+#include "framework/foundation/math/limits.h"
 
 namespace lockstep {
 Vec3 Scatter::vector(double size) {

@@ -1,4 +1,4 @@
-// What counts as nothing in the analyses: three floors, each relative to what it is compared with.
+// What counts as nothing: three floors, each relative to what it is compared with.
 #pragma once
 
 namespace lockstep {
@@ -7,11 +7,9 @@ namespace lockstep {
 inline constexpr double kRoundOff = 1e-12;
 /// Of the largest of a kind, a force, a length, an inertia, a mode: what a solution of equations leaves of a zero, when
 /// some digits of a double are lost.
-inline constexpr double kNone = 1e-9;
+inline constexpr double kNegligible = 1e-9;
 /// Of what two are compared by, loads, speeds, motions, derivatives by differences: smaller is no part, and two that
 /// differ by less are alike. Half of the digits of a double, with two to spare.
 inline constexpr double kSlight = 1e-6;
-/// Mechanisms of more unknowns are not taken as dense matrices, whose factors take some seconds there.
-inline constexpr int kDenseUnknowns = 1200;
 
 }  // namespace lockstep
