@@ -227,7 +227,14 @@ TEST_CASE("a slider rattles between two stops", "[verification][impacts]") {
   Dynamics dynamics(system, std::make_unique<SchurSolver>());
   StepLoop simulation = simulate(dynamics, way, 0.05);
   simulation.add_observer(recorder);
+  struct Jumps final : Observer {
+    long n = 0;
+    void jumped(const Sample&) override { ++n; }
+  } jumps;
+  simulation.add_observer(jumps);
   simulation.run_until(4);
+  CHECK(simulation.report().impacts == 9);
+  CHECK(jumps.n == simulation.report().impacts);  // nothing else acts
   const Table& t = recorder.table();
   const auto place = [&](double time) {
     double from = 0, x = 0, v = V;

@@ -113,16 +113,21 @@ double ContactManager::guard(std::size_t i, const Sample& sample) {
 
 // The step may hide a hit if a body turns far, or if a gap is closed at its largest rate.
 void ContactManager::add_gaps(const State& end) {
+  const auto is_free = [&](std::size_t i) { return contacts_.watched(i, end) && !contacts_.in_force(i, end); };
+  std::size_t i = 0;
+  while (i < contacts_.size() && !is_free(i)) ++i;
+  if (i == contacts_.size()) return;
   const double t0 = interval_.from().t, h = end.t - t0;
+  const bool is_short = finder_.is_short();  // which reads other inputs
   const Inputs& in = dynamics_.inputs(end);
-  for (std::size_t i = 0; i < contacts_.size(); ++i) {
-    if (!contacts_.watched(i, end) || contacts_.in_force(i, end)) continue;
+  for (; i < contacts_.size(); ++i) {
+    if (!is_free(i)) continue;
     const Contact& c = contacts_[i];
     const Gap gap = contacts_.gap(i, in);
     const double lowest = c.above(c.gap) ? std::min(c.gap.c, gap.c) : gap.c;
     const double from = c.leaves() ? c.gap.cd : height(c, std::max(c.gap.c, c.floor), t0);
     finder_.add({.owner = this, .of = i, .least = t0 + kSameLength * h, .from = from, .to = height(c, gap.c, end.t)},
-                !finder_.is_short() || lowest - c.floor <= h * std::max(std::abs(c.gap.cd), std::abs(gap.cd)));
+                !is_short || lowest - c.floor <= h * std::max(std::abs(c.gap.cd), std::abs(gap.cd)));
   }
 }
 
