@@ -1,4 +1,4 @@
-// Sides of a jump. Internal.
+// Private to the room: sides of a jump.
 #pragma once
 
 #include <lockstep/law.h>

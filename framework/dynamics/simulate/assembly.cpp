@@ -19,9 +19,8 @@
 namespace lockstep {
 namespace {
 
-constexpr double kRounding = 1e-9;  // relative: of a solve, and of velocities and energies beside others
-constexpr double kMuch = 0.1;       // of the mechanism's length, a turn, or the start's energy: more was hardly meant
-constexpr double kMissed = 1e-3;    // of the mechanism's length, turns times it: the same of what was asked for
+constexpr double kMuch = 0.1;     // of the mechanism's length, a turn, or the start's energy: more was hardly meant
+constexpr double kLittle = 1e-3;  // of its length, turns times it, of speeds or energies: less is not worth a word
 
 // What a run would refuse, m, m/s.
 double start_limit() { return StepLoopOptions{}.start_limit; }
@@ -55,7 +54,7 @@ void meet(Dynamics& dynamics, State& state, const std::vector<VelocityTarget>& t
     // Targets may depend on each other: any impulse that gives their rates will do, since all give the same motion.
     const MatX compliance = rows.lazyProduct(response);
     const VecX impulse = compliance.fullPivLu().solve(gap);
-    if ((compliance * impulse - gap).lpNorm<Eigen::Infinity>() > kRounding * std::max({1.0, left, largest})) {
+    if ((compliance * impulse - gap).lpNorm<Eigen::Infinity>() > start_limit() * std::max({1.0, left, largest})) {
       std::vector<std::string> names;
       for (const VelocityTarget& t : targets) names.push_back(t.link + "." + std::string(to_string(t.axis)));
       throw AssemblyError("start velocity: " + text::join(names) +
@@ -110,8 +109,8 @@ struct NotGiven {
 };
 
 NotGiven not_given(const System& system, const State& given, const State& assembled) {
-  const double L = system.length(), rounding = kRounding * std::max(given.v.lpNorm<Eigen::Infinity>(),
-                                                                    assembled.v.lpNorm<Eigen::Infinity>());
+  const double L = system.length(),
+               rounding = kLittle * std::max(given.v.lpNorm<Eigen::Infinity>(), assembled.v.lpNorm<Eigen::Infinity>());
   NotGiven out;
   for (int k = 0; k < system.n_slots(); ++k) {
     const Body& body = system.body_of_slot(k);
@@ -121,9 +120,9 @@ NotGiven not_given(const System& system, const State& given, const State& assemb
     const std::string name = "'" + body.name + "'";
     if (v == 0 && w == 0) {
       if (moves || turns) out.all.push_back(name);
-    } else if (v <= kRounding * w) {
+    } else if (v <= kLittle * w) {
       if (moves) out.velocity.push_back(name);
-    } else if (w <= kRounding * v && turns) {
+    } else if (w <= kLittle * v && turns) {
       out.omega.push_back(name);
     }
   }
@@ -184,7 +183,7 @@ void add_missed(Dynamics& dynamics, const State& assembled, const AssemblyOption
     const Lock& link = dynamics.system().link(target.link);
     const double value = coordinate_row(dynamics, assembled, link, target.axis).value;
     const double off = turns ? std::remainder(value - target.value, kTwoPi) : value - target.value;
-    if ((turns ? 1 : 1 / dynamics.system().length()) * std::abs(off) <= kMissed) continue;
+    if ((turns ? 1 : 1 / dynamics.system().length()) * std::abs(off) <= kLittle) continue;
     const auto shown = [&](double x) { return turns ? degrees(x) : x; };
     report.warnings.push_back(fmt::format(
         "link '{}': {} begins at {:.4g} {}, near {:.4g} {} was asked for: what else is asked for, start poses of "
@@ -218,7 +217,7 @@ LOCKSTEP_API std::string AssemblyReport::text() const {
   if (largest_move == 0 && largest_turn == 0) text += "; only velocities changed";
   if (largest_move > 0) text += fmt::format("; moved '{}' by {:.3g} m", moved_most, largest_move);
   if (largest_turn > 0) text += fmt::format("; turned '{}' by {:.3g} rad", turned_most, largest_turn);
-  if (std::abs(kinetic_after - kinetic_before) > kRounding * std::max(kinetic_before, kinetic_after))
+  if (std::abs(kinetic_after - kinetic_before) > kLittle * std::max(kinetic_before, kinetic_after))
     text += fmt::format("; kinetic energy {:.3g} J, now {:.3g} J", kinetic_before, kinetic_after);
   return text;
 }

@@ -13,7 +13,6 @@
 #include <lockstep/text.h>
 #include "framework/dynamics/solvers/scales.h"
 #include "framework/mechanism/system/diagnose.h"
-#include "motionlaws/side.h"
 
 namespace lockstep {
 
@@ -108,7 +107,7 @@ void check_velocities(Dynamics& dynamics, const State& state, double left, doubl
       advice));
 }
 
-double before_jump(double jump, double span) { return 100 * kEarly * std::max(std::abs(jump), span); }
+double before_jump(double jump, double span) { return 1e-10 * std::max(std::abs(jump), span); }
 
 void cross_rest(Dynamics& dynamics, State& state, double t, StateRate& rate) {
   const double h = t - state.t;

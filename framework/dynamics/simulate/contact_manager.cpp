@@ -126,8 +126,13 @@ void ContactManager::add_gaps(const State& end) {
     const Gap gap = contacts_.gap(i, in);
     const double lowest = c.above(c.gap) ? std::min(c.gap.c, gap.c) : gap.c;
     const double from = c.leaves() ? c.gap.cd : height(c, std::max(c.gap.c, c.floor), t0);
-    finder_.add({.owner = this, .of = i, .least = t0 + kSameLength * h, .from = from, .to = height(c, gap.c, end.t)},
-                !is_short || lowest - c.floor <= h * std::max(std::abs(c.gap.cd), std::abs(gap.cd)));
+    const bool near = !is_short || lowest - c.floor <= h * std::max(std::abs(c.gap.cd), std::abs(gap.cd));
+    finder_.add({.owner = this,
+                 .of = i,
+                 .least = t0 + kSameLength * h,
+                 .from = from,
+                 .to = height(c, gap.c, end.t),
+                 .inside = near});
   }
 }
 
@@ -143,9 +148,8 @@ void ContactManager::add_pulls(const State& end) {
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const Contact& c = contacts_[i];
     if (!contacts_.in_force(i, end) || !(c.push_now < -limit)) continue;
-    finder_.add(
-        {.owner = this, .of = i, .least = least, .from = c.push, .to = c.push_now, .at = c.push > 0 ? kNever : least},
-        true);
+    const double at = c.push > 0 ? kNever : least;
+    finder_.add({.owner = this, .of = i, .least = least, .from = c.push, .to = c.push_now, .at = at});
   }
 }
 

@@ -140,8 +140,7 @@ void EventLocator::add_guards(const State& end) {
                  .tolerance = e.tolerance,
                  .after = w.last + 2 * e.tolerance,  // the same instant again does not count
                  .from = w.value,
-                 .to = value_of(i, end)},
-                true);
+                 .to = value_of(i, end)});
   }
 }
 

@@ -45,9 +45,10 @@ void GuardFinder::refuse() const {
 
 bool GuardFinder::find_and_cut(State& end) {
   if (guards_.empty()) return false;
-  if (inside_wanted_ && must_look_closely()) {
+  if (std::ranges::any_of(guards_, &Guard::inside) && must_look_closely()) {
     place_evenly(), sample();
-    for (std::size_t k = 0; k < guards_.size(); ++k) search(k);
+    for (std::size_t k = 0; k < guards_.size(); ++k)
+      if (guards_[k].inside) search(k);
   }
   search_outputs();
   const bool is_cut = first() < end.t;
@@ -70,7 +71,7 @@ bool GuardFinder::must_look_closely() {
       const double g = seen(k, j).g;
       least = std::min(least, std::abs(g)), low = std::min(low, g), high = std::max(high, g);
     }
-    if (!(least > 2 * (high - low))) return true;
+    if (guards_[k].inside && !(least > 2 * (high - low))) return true;
   }
   return false;
 }
@@ -109,7 +110,7 @@ void GuardFinder::sample() {
   for (const double t : inside_) {
     times_.push_back(t);
     const Sample state(dynamics_, look(t), interval_.report());
-    for (const Guard& g : guards_) values_.push_back(value(g, state));
+    for (const Guard& g : guards_) values_.push_back(g.inside ? value(g, state) : g.from);
   }
   times_.push_back(end_->t);
   for (const Guard& g : guards_) values_.push_back(g.to);

@@ -40,6 +40,7 @@ struct Guard {
   double after = -kNever;   ///< instants up to this one do not count
   double least = -kNever;   ///< one before this counts as this
   double from = 0, to = 0;  ///< values at the ends of the step
+  bool inside = true;       ///< false if the ends of the step show that it is met nowhere but at outputs, perhaps
   double at = kNever;       ///< where it is met; infinity: nowhere in this step
 
   /// Strictly from one side: a guard that is zero at first does not cross.
@@ -68,10 +69,9 @@ class GuardFinder {
   /// Forgets all guards, to look at the step that ended with `end`, which must outlive the look.
   void begin(const State& end) {
     end_ = &end, kept_ = false, fits_ = false, turn_parts_ = 0;
-    guards_.clear(), times_.clear(), inside_wanted_ = false;
+    guards_.clear(), times_.clear();
   }
-  /// `inside`: false if the ends of the step show that it is met nowhere but at outputs, perhaps.
-  void add(const Guard& g, bool inside) { guards_.push_back(g), inside_wanted_ = inside_wanted_ || inside; }
+  void add(const Guard& g) { guards_.push_back(g); }
   /// Whether no more than the ends needs to be looked at if a guard is far from zero there by its rates. Throws StepError
   /// if a body turns by more than numbers hold.
   bool is_short() { return measure(), turn_parts_ <= 1 && !along_; }
@@ -115,10 +115,9 @@ class GuardFinder {
   const State* end_ = nullptr;
   std::vector<Guard> guards_;
   double turn_parts_ = 0;  // by the turn alone; 0: not measured
-  bool inside_wanted_ = false;
-  bool along_ = false;  // laws alone move all
-  bool kept_ = false;   // the method, for shorter steps
-  bool fits_ = false;   // the cubic is that of this step
+  bool along_ = false;     // laws alone move all
+  bool kept_ = false;      // the method, for shorter steps
+  bool fits_ = false;      // the cubic is that of this step
   std::vector<double> inside_, times_, values_, here_, before_;
   State guess_;
   VecX rate0_, rate1_;  // dq/dt at the ends
