@@ -8,14 +8,9 @@
 
 #include <lockstep/error.h>
 #include "framework/dynamics/simulate/step_rules.h"
+#include "framework/foundation/math/limits.h"
 
 namespace lockstep {
-
-namespace {
-
-constexpr double kSameInstant = 1e-12;  // relative to max(|t|, length of the run): closer instants are merged
-
-}  // namespace
 
 void Clock::start(double t) {
   t_start_ = t;
@@ -28,7 +23,7 @@ void Clock::start(double t) {
 
 double Clock::span() const { return std::isfinite(t_end_) ? t_end_ - t_start_ : 0; }
 
-double Clock::same_instant(double t) const { return kSameInstant * std::max(std::abs(t), span()); }
+double Clock::same_instant(double t) const { return kRoundOff * std::max(std::abs(t), span()); }
 
 double Clock::horizon(double t) const {
   const double left = std::isfinite(t_end_) ? t_end_ - t : 1.0;
@@ -62,7 +57,7 @@ double Clock::step_towards(double t, const Target& target, double largest) const
   if (!info_.adaptive) {
     const double size = largest > 0 ? largest : options_.step;
     const double end = largest > 0 ? t + size : anchor_ + static_cast<double>(n_from_anchor_ + 1) * size;
-    return end >= target.reach - kSameLength * size ? left : end - t;
+    return end >= target.reach - kNegligible * size ? left : end - t;
   }
   double h = advised_ > 0 ? advised_ : kNever;
   if (options_.step > 0) h = std::min(h, options_.step);
@@ -98,7 +93,7 @@ double Clock::output_time(long k) const {
   if (!times.empty()) return k < static_cast<long>(times.size()) ? times[static_cast<std::size_t>(k)] : kNever;
   if (!(options_.output > 0)) return kNever;
   const double t = t_start_ + static_cast<double>(k) * options_.output;
-  return std::abs(t - t_end_) < kSameLength * options_.output ? t_end_ : t;
+  return std::abs(t - t_end_) < kNegligible * options_.output ? t_end_ : t;
 }
 
 bool Clock::output_due(double t) const {

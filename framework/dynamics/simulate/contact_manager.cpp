@@ -10,16 +10,10 @@
 
 #include <lockstep/error.h>
 #include "framework/dynamics/simulate/contact_manager.h"
-#include "framework/dynamics/simulate/step_rules.h"
 #include "framework/dynamics/solvers/scales.h"
+#include "framework/foundation/math/limits.h"
 
 namespace lockstep {
-namespace {
-
-constexpr double kPull = 1e-9;  // relative to the largest force: what counts as a pull, more than rests as rounding
-
-}  // namespace
-
 void ContactManager::lay_out() {
   contacts_.lay_out(dynamics_.system(), dynamics_.options().stabilization);
   const std::size_t n = contacts_.size();
@@ -129,7 +123,7 @@ void ContactManager::add_gaps(const State& end) {
     const bool near = !is_short || lowest - c.floor <= h * std::max(std::abs(c.gap.cd), std::abs(gap.cd));
     finder_.add({.owner = this,
                  .of = i,
-                 .least = t0 + kSameLength * h,
+                 .least = t0 + kNegligible * h,
                  .from = from,
                  .to = height(c, gap.c, end.t),
                  .inside = near});
@@ -142,9 +136,9 @@ void ContactManager::add_pulls(const State& end) {
   for (std::size_t i = 0; i < contacts_.size(); ++i) any_in_force = any_in_force || contacts_.in_force(i, end);
   if (!any_in_force) return;
   const Solution& v = evaluate_pushes(end);
-  const double limit = kPull * std::max(v.lambda.size() > 0 ? v.lambda.lpNorm<Eigen::Infinity>() : 0.0,
-                                        v.evaluation.force().lpNorm<Eigen::Infinity>());
-  const double t0 = interval_.from().t, least = t0 + kSameLength * (end.t - t0);
+  const double limit = kNegligible * std::max(v.lambda.size() > 0 ? v.lambda.lpNorm<Eigen::Infinity>() : 0.0,
+                                              v.evaluation.force().lpNorm<Eigen::Infinity>());
+  const double t0 = interval_.from().t, least = t0 + kNegligible * (end.t - t0);
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const Contact& c = contacts_[i];
     if (!contacts_.in_force(i, end) || !(c.push_now < -limit)) continue;

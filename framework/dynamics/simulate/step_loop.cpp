@@ -14,6 +14,7 @@
 #include "framework/dynamics/simulate/start_positions.h"
 #include "framework/dynamics/simulate/step_loop_parts.h"
 #include "framework/dynamics/simulate/step_rules.h"
+#include "framework/foundation/math/limits.h"
 
 namespace lockstep {
 
@@ -227,7 +228,7 @@ void StepLoop::warn_at_start() {
         "nothing to stabilise: in joint coordinates the links hold by themselves; take the formulation omega to see "
         "drift");
   if (const double between = parts_->clock.shortest_output();
-      !method.adaptive && !parts_->interval.has_dense() && options_.step > (1 + kSameLength) * between)
+      !method.adaptive && !parts_->interval.has_dense() && options_.step > (1 + kNegligible) * between)
     warn(
         fmt::format("{} steps of {:g} s end at the outputs, {:g} s apart, since it cannot interpolate: ask for outputs "
                     "less often, or for smaller steps",

@@ -15,6 +15,7 @@
 #include "framework/dynamics/simulate/uncounted.h"
 #include "framework/dynamics/tree/joint_tree.h"
 #include "framework/dynamics/tree/slender_bodies.h"
+#include "framework/foundation/math/limits.h"
 
 namespace lockstep {
 
@@ -159,7 +160,7 @@ std::string StepLoop::Parts::why_steps_end(Dynamics& dynamics, const State& stat
   if (clock.advised() * fastest_rate(dynamics, state) > kLongStep)
     return "; its motion needs steps of that length: end it earlier (until)";
   const std::string varies =
-      who_varies(dynamics, state, std::max(10 * clock.advised(), 1e-9 * std::max(1.0, std::abs(state.t))));
+      who_varies(dynamics, state, std::max(10 * clock.advised(), kNegligible * std::max(1.0, std::abs(state.t))));
   return below_rounding(dynamics.system(), state, tolerance) + (varies.empty() ? "" : "; " + varies);
 }
 

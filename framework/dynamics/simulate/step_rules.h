@@ -8,9 +8,6 @@ namespace lockstep {
 
 inline constexpr double kLongTurn = 1;  ///< rad in a step: the run warns of more
 
-/// Relative to a step or an interval: lengths that differ by less are the same, and what is shorter is nothing.
-inline constexpr double kSameLength = 1e-9;
-
 /// The shortest step, s, at t that is no round-off beside t and the length of the run.
 inline double least_step(double t, double span) { return 1e-13 * std::max(std::abs(t), span); }
 

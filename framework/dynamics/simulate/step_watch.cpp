@@ -8,13 +8,12 @@
 #include <string>
 
 #include <lockstep/error.h>
-#include "framework/dynamics/simulate/step_rules.h"
+#include "framework/foundation/math/limits.h"
 
 namespace lockstep {
 
 namespace {
 
-constexpr double kUnit = 1e-6;  // of |e|^2 - 1
 constexpr long kApart = 16;  // steps between two looks at |C|
 
 bool same_sizes(const State& a, const State& b) {
@@ -36,9 +35,9 @@ std::string wrong_time(double t0, double t1, double h, const StepReport& report)
     return fmt::format("ended at t = {} s after h = {} s", t1, report.h);
   const double rounding = 1e-14 * std::max(std::abs(t0), std::abs(t1));
   if (!(t1 > t0) || !(report.h > 0)) return fmt::format("ended at t = {:.17g} s and did not advance", t1);
-  if (t1 - t0 > (1 + kSameLength) * h + rounding)
+  if (t1 - t0 > (1 + kNegligible) * h + rounding)
     return fmt::format("made {:.9g} s, more than the {:.9g} s asked for", t1 - t0, h);
-  if (std::abs(t1 - t0 - report.h) > kSameLength * report.h + rounding)
+  if (std::abs(t1 - t0 - report.h) > kNegligible * report.h + rounding)
     return fmt::format("made {:.9g} s and reports {:.9g} s", t1 - t0, report.h);
   return {};
 }
@@ -55,7 +54,7 @@ std::string wrong_numbers(const State& to) {
 std::string wrong_quaternion(const State& to, const System& system) {
   for (int k = 0; !to.coordinates && k < system.n_slots(); ++k) {
     const double length2 = to.q.segment<4>(7 * k + 3).squaredNorm();
-    if (std::abs(length2 - 1) > kUnit)
+    if (std::abs(length2 - 1) > kSlight)
       return fmt::format(
           "left the quaternion of body '{}' with a length of {:.9g}; call Dynamics::normalize at its end",
           system.body_of_slot(k).name, std::sqrt(length2));
