@@ -96,7 +96,7 @@ double EmbeddedRungeKutta::start_step(Dynamics& dynamics, double h) {
   h_ = h_followed_ = 0;
   dense_ready_ = false;
   passage_->start_step();
-  first_done_ = passage_->first_stage(dynamics, start_, stages_);
+  first_done_ = passage_->evaluate(dynamics, start_, 0, 0, 1, stages_);
   if (follows && first_done_ && !fixed())
     watch_.observe(h_before, gap_.v, stages_.k(scheme_.late_stage).v, stages_.k(0).v,
                    start_.coordinates ? 1.0 : dynamics.system().length());
@@ -105,10 +105,9 @@ double EmbeddedRungeKutta::start_step(Dynamics& dynamics, double h) {
 
 Attempt EmbeddedRungeKutta::attempt(Dynamics& dynamics, double h) {
   Attempt made;
-  if (!first_done_) first_done_ = passage_->first_stage(dynamics, start_, stages_);
-  const bool evaluated =
-      first_done_ && stages_.evaluate(dynamics, start_, h, 1, scheme_.tableau.n_stages, passage_->stages_on());
-  if (passage_->enters(stages_)) {
+  if (!first_done_) first_done_ = passage_->evaluate(dynamics, start_, 0, 0, 1, stages_);
+  const bool evaluated = first_done_ && passage_->evaluate(dynamics, start_, h, 1, scheme_.tableau.n_stages, stages_);
+  if (passage_->enters()) {
     first_done_ = false;
     made.next = fixed() ? h : passage_->longest(h);
     return made;
@@ -119,9 +118,7 @@ Attempt EmbeddedRungeKutta::attempt(Dynamics& dynamics, double h) {
     return made;
   }
   if (evaluated) made.error = estimate(h);
-  made.shifted = passage_->must_shift(stages_, made.error);
-  if (made.shifted) made.next = passage_->shift(stages_, h, made.error);
-  made.accepted = evaluated && !made.shifted && made.error <= passage_->limit();
+  made.accepted = evaluated && passage_->accepts(h, made.error);
   return made;
 }
 
@@ -130,15 +127,13 @@ void EmbeddedRungeKutta::finish_step(Dynamics&, StepReport& report) {
   landed_t_ = landed_.t;
   report.manifold = passage_->stages_on() == StagesOn::manifold;
   report.stiff = watch_.stiff();
-  passage_->finish_step(stages_, report);
+  passage_->finish_step(report);
   if (fixed() || end_.v.size() == 0) return;
   stages_.sum(h_, gap_w_, gap_);
   gap_.v += landed_.v - end_.v;
 }
 
-ProjectReport EmbeddedRungeKutta::project_end(Dynamics& dynamics, State& y) {
-  return lockstep::project_end(dynamics, y, passage_->stages_on());
-}
+ProjectReport EmbeddedRungeKutta::project_end(Dynamics& dynamics, State& y) { return passage_->land(dynamics, y); }
 
 double EmbeddedRungeKutta::estimate(double h) {
   norm_.scale(start_, stages_.k(0), h, end_);
@@ -150,7 +145,7 @@ double EmbeddedRungeKutta::estimate(double h) {
 }
 
 std::string EmbeddedRungeKutta::advice() const {
-  if (watch_.stiff() && !passage_->near(stages_))
+  if (watch_.stiff() && !passage_->near())
     return "damped fast modes limit it (stiffness): use an implicit method (--integrator radau5 or "
            "generalized_alpha)";
   return AdaptiveStepper::advice();
@@ -179,7 +174,7 @@ bool EmbeddedRungeKutta::dense(double t, State& out) const {
 // p0 = y1 - y0, p1 = h k(t0) - p0, p2 = p0 - h k(t1) - p1, p3 ... = h sum d_i k_i
 void EmbeddedRungeKutta::prepare_dense() const {
   const Tableau& tableau = scheme_.tableau;
-  stages_.evaluate(*dynamics_, start_, h_, tableau.n_stages, tableau.n_all, passage_->stages_on());
+  passage_->evaluate(*dynamics_, start_, h_, tableau.n_stages, tableau.n_all, stages_);
   const auto each = [&](auto part, auto state_part) {
     VecX &p0 = poly_[0].*part, &p1 = poly_[1].*part, &p2 = poly_[2].*part;
     p0 = end_.*state_part - start_.*state_part;
@@ -219,9 +214,7 @@ double EmbeddedRungeKutta::first_step(Dynamics& dynamics, const State& state, do
   if (fixed()) return 0;
   h_ = h_followed_ = 0;  // the end of the last step is used as scratch
   dense_ready_ = false;
-  const double guess = AdaptiveStepper::first_step(dynamics, state, largest);
-  copy_motion(state, start_);
-  return passage_->first_step(dynamics, start_, stages_, guess, largest);
+  return AdaptiveStepper::first_step(dynamics, state, largest);
 }
 
 }  // namespace lockstep

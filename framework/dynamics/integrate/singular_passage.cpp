@@ -4,61 +4,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
+#include <utility>
 
 #include <lockstep/error.h>
 #include "framework/dynamics/integrate/speed_of.h"
 #include "framework/dynamics/solvers/graph.h"
-#include "framework/dynamics/solvers/stop_rule.h"
 
 namespace lockstep {
 
 namespace {
 
-constexpr double kTurn = 0.5;          // rad per step, with the stages on the constraints
-constexpr double kFirstTurn = 0.1;     // rad: a first step that leads out of a singular position
-constexpr double kSingular = 1e-2;     // indicator below which the stages go onto the constraints: this,
-constexpr double kUnusual = 0.1;       // or this part of the one in regular positions, if that is less;
-constexpr double kRegular = 3;         // and times which they leave them again
-constexpr double kNowhere = 1e-7;      // indicator below which it only reflects the proximal term,
-constexpr double kShareOfNear = 1e-3;  // or this part of the limit to what is near, if that is less
-constexpr double kBothSides = 1e-9;    // relative accuracy of rates from both sides
-constexpr double kShortTurn = 1e-3;  // rad: in a step that turns less, errors near a singular position are round-off's,
-constexpr double kNoiseOfSteps = 3e-12;  // if they are within this, relative, over the indicator
-constexpr double kUnmet = 1e-6;          // residual of rows that could not be met, where no position is near
-constexpr double kRoundOff = 1e-17;      // relative round-off of the accelerations times the indicator
-constexpr double kShrunk = 0.3;          // of the longest plain step
-constexpr double kShift = 0.93;          // a step that avoids an ill-conditioned end,
-constexpr int kShifts = 12;              // attempted this many times; then the best of them is taken,
-constexpr double kCross = 100;           // with an error up to this
-constexpr double kLeast = 0.1;           // of the step: one that only leads to where the next should begin
+constexpr double kTurn = 0.5;        // rad per step, with the stages on the constraints
+constexpr double kSingular = 1e-2;   // indicator below which the stages go onto the constraints: this,
+constexpr double kUnusual = 0.1;     // or this part of the one in regular positions, if that is less;
+constexpr double kRegular = 3;       // and times which they leave them again
+constexpr double kRoundOff = 1e-13;  // rad: of a position after its projection, in a row of forty bays
+
+// Relative, of the accelerations at this distance from a singular position, rad.
+double round_off(double distance) { return kRoundOff / (distance * distance * distance); }
 
 }  // namespace
-
-// Angular velocity of the body that turns fastest at y, rad/s.
-double SingularPassage::fastest_turn(const State& y) {
-  if (!y.coordinates) return lockstep::fastest_turn(y.v);
-  motions_.resize(static_cast<std::size_t>(y.coordinates->n_slots() + 1));  // the ground, at rest, is never written
-  y.coordinates->motions(y, motions_);
-  return lockstep::fastest_turn(motions_);
-}
-
-// Time in which the body that turns fastest at the start of the step turns by this angle, s.
-double SingularPassage::time_to_turn(double angle) const {
-  return rate_of_turn_ > 0 ? angle / rate_of_turn_ : HUGE_VAL;
-}
-
-// Rates from both sides are found with the bodies' own coordinates.
-bool SingularPassage::find_both_sides(Dynamics& dynamics, const State& y) {
-  if (!y.coordinates) return both_sides_.find(dynamics, y, rate_);
-  State slots = y;
-  dynamics.to_slots(slots);
-  both_sides_.begin(slots);
-  StateRate rate = sized_like(slots);
-  const bool found = both_sides_.find(dynamics, slots, rate);
-  if (found) dynamics.read_rates(y, rate, rate_);
-  both_sides_ = SingularRate();  // nothing stays of a look at the slots
-  return found;
-}
 
 double near_singular_below(double regular) { return std::min(kSingular, kUnusual * regular); }
 
@@ -67,141 +33,126 @@ void SingularPassage::begin(const Tableau& tableau, const State& state, Dynamics
   const bool has_rows = !state.coordinates || state.coordinates->has_rows();
   active_ = has_rows && (when_ == StagesWhen::manifold ||
                          (when_ == StagesWhen::automatic && projects && has_loops(dynamics.system(), state.modes)));
-  near_ = begun_ = entered_ = on_constraints_ = false;
-  below_ = 0;
-  longest_plain_ = 0;
-  ahead_ = HUGE_VAL;
-  const double* c = tableau.c;
-  nodes_.assign(c, c + tableau.n_stages);
-  std::ranges::sort(nodes_);
-  nodes_.erase(std::unique(nodes_.begin(), nodes_.end()), nodes_.end());
-  last_ = static_cast<int>(std::max_element(c, c + tableau.n_stages) - c);
-  inner_ = 0;
-  for (int i = 0; i < tableau.n_stages; ++i)
-    if (c[i] < c[last_] && c[i] > c[inner_]) inner_ = i;
+  near_ = begun_ = on_constraints_ = false;
+  seen_ = {}, below_ = 0;
   if (!active_) return;
-  if (!state.coordinates) both_sides_.begin(state);  // else states in the slots' own coordinates are looked at
-  rate_ = sized_like(state);
   const Redundancy redundancy = dynamics.redundancy(state);
   below_ = near_singular_below(redundancy.regular), on_constraints_ = redundancy.on_constraints;
+  a_.clear();
+  for (int i = 0; i < tableau.n_all; ++i) a_.emplace_back(tableau.a + i * tableau.stride, i);
+  stage_ = state, rate_ = sized_like(state);
+  if (!state.coordinates) both_sides_.begin(state);
 }
 
 void SingularPassage::start_step() {
   const bool always = active_ && (when_ == StagesWhen::manifold || on_constraints_);
   on_ = always || near_ ? StagesOn::manifold : StagesOn::plain;
-  shifts_ = 0, limit_ = 1, unplaced_ = 0, best_ = {0, kCross}, entered_ = false;
+  longer_ = 0;
 }
 
-bool SingularPassage::first_stage(Dynamics& dynamics, const State& y, Stages& stages) {
-  if (active()) rate_of_turn_ = fastest_turn(y);
-  if (!stages.evaluate(dynamics, y, 0, 0, 1, on_)) return false;
-  if (!active() || !ill_conditioned(stages, 0)) return true;
+bool SingularPassage::evaluate(Dynamics& dynamics, const State& y, double h, int first, int last, Stages& stages) {
+  if (!active_) return stages.evaluate(dynamics, y, h, first, last, on_);
+  if (first == 0) {
+    dynamics.system().motions(y, motions_);
+    rate_of_turn_ = fastest_turn(motions_);
+  }
+  seen_ = first == 0 ? Seen{} : first == 1 ? first_ : seen_;
+  for (int i = first; i < last; ++i) {
+    if (!evaluate(dynamics, y, h, i, stages)) return false;
+    if (i == 0) first_ = seen_;
+    if (near() && on_ == StagesOn::plain && i < stages.tableau().n_stages) break;  // to be repeated
+  }
+  return true;
+}
+
+// One stage. In the position itself rows contradict one another.
+bool SingularPassage::evaluate(Dynamics& dynamics, const State& y, double h, int i, Stages& stages) {
+  std::exception_ptr refused;
+  try {
+    if (!stages.evaluate(dynamics, y, h, i, i + 1, on_)) return false;
+  } catch (const SolveError&) {
+    if (on_ == StagesOn::plain) throw;
+    refused = std::current_exception();
+  }
+  const Conditioning c = refused ? Conditioning{0, 0} : stages.conditioning(i);
+  seen_.indicator = std::min(seen_.indicator, c.indicator()), seen_.limit = false;
+  if (!near() || on_ == StagesOn::plain || round_off(std::sqrt(c.indicator())) < relative_) return true;
+  if (y.z.size() > 0) stage_.z = y.z;
+  stages.combine(y, h, a_[static_cast<std::size_t>(i)], stage_);
+  stage_.t = y.t + stages.tableau().c[i] * h;
+  const Sides sides = take_limit(dynamics, stage_, c.indicator());
+  constexpr double d = SingularRate::kDelta;
+  const double direct = round_off(sides == Sides::differ ? 0.5 * d : distance_);
+  const double limit = std::max(error_, round_off(d - distance_));
+  seen_.limit = sides == Sides::agree && limit < direct;
+  seen_.accuracy += seen_.limit ? limit : direct;
+  if (seen_.limit) stages.put(i, rate_);
+  if (refused && !seen_.limit) std::rethrow_exception(refused);
+  if (sides != Sides::differ || begun_ || i > 0) return true;
+  throw StepError(
+      fmt::format("{}: at t = {:.9g} s the links do not determine how the motion continues (smallest relative pivot "
+                  "{:.2g}): it is a singular position, from which several motions continue or none, or rows nearly "
+                  "depend on others; start slightly off it, with the intended velocity, take away a link that "
+                  "repeats another (lockstep check names them), or take --solver dense",
+                  method_, y.t, c.pivot),
+      y.t);
+}
+
+// Both sides are looked at in the bodies' own coordinates. In others nothing stays of a look.
+SingularRate::Sides SingularPassage::take_limit(Dynamics& dynamics, State& state, double detector) {
+  if (!state.coordinates) {
+    const Sides sides = both_sides_.find(dynamics, state, detector, rate_);
+    distance_ = both_sides_.distance(), error_ = both_sides_.error();
+    return sides;
+  }
   const bool held_rows = dynamics.holds_rows();
-  from_both_sides_ = find_both_sides(dynamics, y);
-  if (!held_rows) dynamics.forget_rows(y);  // what was asked once does not keep the rows of all links
-  if (from_both_sides_) {
-    stages.put(0, rate_);
-    limit_ = std::max(limit_, kBothSides / relative_);
-  } else if (!begun_) {
-    throw StepError(
-        fmt::format("{}: at t = {:.9g} s the links do not determine how the motion continues (smallest relative pivot "
-                    "{:.2g}): it is a singular position, from which several motions continue or none, or rows nearly "
-                    "depend on others; start slightly off it, with the intended velocity, take away a link that "
-                    "repeats another (lockstep check names them), or take --solver dense",
-                    method_, y.t, stages.conditioning(0).pivot),
-        y.t);
+  State slots = state;
+  dynamics.to_slots(slots);
+  both_sides_.begin(slots);
+  StateRate rate = sized_like(slots);
+  const Sides sides = both_sides_.find(dynamics, slots, detector, rate);
+  distance_ = both_sides_.distance(), error_ = both_sides_.error();
+  both_sides_ = SingularRate();
+  if (sides == Sides::agree) {
+    dynamics.to_formulation(slots, &state);
+    state = std::move(slots);
+    dynamics.read_rates(state, rate, rate_);
   }
-  return true;
+  if (!held_rows) dynamics.forget_rows(state);
+  return sides;
 }
 
-double SingularPassage::longest(double h) {
-  if (on_ == StagesOn::plain) return h;
-  unplaced_ = std::min(h, time_to_turn(kTurn));
-  return straddle(unplaced_);
+double SingularPassage::longest(double h) const {
+  return on_ == StagesOn::manifold && rate_of_turn_ > 0 ? std::min(h, kTurn / rate_of_turn_) : h;
 }
 
-// At most h: the step whose nodes are farthest from the position ahead, or one to where such a step begins.
-double SingularPassage::straddle(double h) const {
-  if (!(ahead_ < 2 * h)) return h;
-  double widest = 0, before = 0, farthest = 0, best = h;
-  for (std::size_t i = 1; i < nodes_.size(); ++i) {
-    const double half = 0.5 * (nodes_[i] - nodes_[i - 1]), middle = 0.5 * (nodes_[i] + nodes_[i - 1]);
-    if (half > widest) widest = half, before = ahead_ - middle * h;
-    const double with = ahead_ / middle;  // a step of this length has the position in the middle of the gap
-    if (with > h || half * with <= farthest) continue;
-    farthest = half * with;
-    best = i == 1 ? h : with;  // the position is next to the start: any long step keeps away
-  }
-  if (before >= h) return h;
-  return before > 0 ? std::max(before, kLeast * h) : best;
-}
-
-bool SingularPassage::enters(const Stages& stages) {
-  if (!active_ || on_ == StagesOn::manifold || !near(stages)) return false;
+bool SingularPassage::enters() {
+  if (on_ == StagesOn::manifold || !near()) return false;
   on_ = StagesOn::manifold;
-  entered_ = true;
   return true;
 }
 
-// The next step would begin where stage last_ is.
-bool SingularPassage::must_shift(const Stages& stages, double error) const {
-  if (on_ == StagesOn::plain || shifts_ == kShifts || ill_conditioned(stages, 0)) return false;
-  return ill_conditioned(stages, last_) || (error > limit_ && near(stages));
+bool SingularPassage::accepts(double h, double error) {
+  if (!(error > 1)) return error <= 1;
+  return error <= seen_.accuracy / relative_ && std::exchange(longer_, std::max(longer_, h)) > 0;
 }
 
-double SingularPassage::shift(const Stages& stages, double h, double error) {
-  if (h * rate_of_turn_ < kShortTurn && !ill_conditioned(stages, last_)) {  // what is left of the error is round-off
-    limit_ = std::max(limit_, kNoiseOfSteps / (stages.indicator() * relative_));
-    if (error <= limit_) return h;
-  }
-  if (error < best_.error && !ill_conditioned(stages, last_)) best_ = {h, error};
-  if (++shifts_ < kShifts) return kShift * h;
-  if (best_.h == 0) return unplaced_;  // wherever it ends it is ill-conditioned: that is no place to avoid
-  limit_ = kCross;
-  return best_.h;
+// What rounding leaves of the velocities leads off the branch, and is in the energy by its square.
+ProjectReport SingularPassage::land(Dynamics& dynamics, State& end) {
+  ProjectReport report;
+  const bool noisy = seen_.limit && round_off(distance_) * distance_ > std::sqrt(relative_);
+  if (noisy) report.before = dynamics.violation_of_closures(end);
+  if (!noisy || take_limit(dynamics, end, 0) != Sides::agree) return project_end(dynamics, end, on_);
+  report.after = dynamics.violation_of_closures(end);
+  return report;
 }
 
-// The indicator falls as the square of the distance: its root is found along the last two nodes.
-void SingularPassage::finish_step(const Stages& stages, StepReport& report) {
+void SingularPassage::finish_step(StepReport& report) {
   if (!active_) return;
   begun_ = true;
-  // Plain stages shorten the steps towards a singular position; on the constraints they may be as long as before.
-  if (on_ == StagesOn::plain) longest_plain_ = std::max(longest_plain_, report.h);
-  if (entered_ && report.h < kShrunk * longest_plain_) report.h_next = longest_plain_;
-  if (report.rejected == 0) report.h_next = std::max(report.h_next, unplaced_);
-  if (report.error > 1) report.h_next = std::max(report.h_next, report.h);  // shorter ones have as much round-off
-  // It ends where accelerations are uncertain: the next step is to lead out of there, as a first one would.
-  if (on_ == StagesOn::manifold && rate_of_turn_ > 0 && ill_conditioned(stages, last_))
-    report.h_next = std::max(report.h_next, kFirstTurn / rate_of_turn_);
-  const double* c = stages.tableau().c;
-  const double s0 = std::sqrt(stages.conditioning(inner_).detector),
-               s1 = std::sqrt(stages.conditioning(last_).detector);
-  const bool falls = s1 < s0 && std::isfinite(s0);
-  ahead_ = falls ? report.h * (c[last_] - c[inner_]) * s1 / (s0 - s1) : HUGE_VAL;
-  const double now = stages.indicator();
-  near_ = when_ == StagesWhen::automatic && now < (on_ == StagesOn::manifold ? kRegular : 1.0) * below_;
-  below_ = std::max(below_, near_singular_below(now));
-}
-
-double SingularPassage::first_step(Dynamics& dynamics, const State& y, Stages& stages, double guess, double largest) {
-  if (!active()) return guess;
-  on_ = StagesOn::manifold;
-  from_both_sides_ = false;
-  first_stage(dynamics, y, stages);
-  return from_both_sides_ ? std::min(largest, std::max(guess, time_to_turn(kFirstTurn))) : guess;
-}
-
-bool SingularPassage::near(const Stages& stages) const { return stages.indicator() < below_; }
-
-// Accelerations are uncertain where the rows could not be met, and by round-off divided by the indicator. Where that has
-// not fallen, no position is near: in large mechanisms round-off leaves more of the rows than their tolerance everywhere,
-// and beside slender rods all indicators are small.
-bool SingularPassage::ill_conditioned(const Stages& stages, int stage) const {
-  const Conditioning& c = stages.conditioning(stage);
-  const bool faded = c.detector < below_;
-  const double most = faded ? std::max(kRowTolerance, kBothSides * std::sqrt(c.detector)) : kUnmet;
-  const double share = std::min(1.0, kShareOfNear * below_ / kNowhere);  // if bodies differ much in inertia
-  return c.residual > most || c.detector < kNowhere * share || (faded && c.detector * relative_ < kRoundOff * share);
+  report.h_next = std::max(report.h_next, longer_);
+  near_ = when_ == StagesWhen::automatic && seen_.indicator < (on_ == StagesOn::manifold ? kRegular : 1) * below_;
+  if (std::isfinite(seen_.indicator)) below_ = std::max(below_, near_singular_below(seen_.indicator));
 }
 
 }  // namespace lockstep

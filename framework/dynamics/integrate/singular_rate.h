@@ -1,4 +1,4 @@
-// SingularRate: the rates at a state that moves through a singular position.
+// SingularRate: the limits of a motion at a state in a singular position, or close to it.
 #pragma once
 
 #include <array>
@@ -7,27 +7,45 @@
 
 namespace lockstep {
 
-// In a singular position the rows do not determine the branch that the motion follows; a little before and a little behind they do.
+// In a singular position the rows do not determine the branch that the motion follows; a little before and a little
+// behind they do. Of a place, a velocity or a rate x on the constraints, with P the projection:
 //
-//   a(+-d) at P(q (+) +-d v/|v|),  m(d) = (a(d) + a(-d))/2,  a = (15 m(d) - 6 m(2 d) + m(3 d))/10 + O(d^6)
+//   x(+-d) at P(q (+) +-d v/|v|),  m(d) = (x(d) + x(-d))/2
+//   x = (56 m(d) - 28 m(2d) + 8 m(3d) - m(4d))/35 + O(d^8)
+//
+// Without m(4d) it is x' = (15 m(d) - 6 m(2d) + m(3d))/10 + O(d^6), and x - x' an estimate of what both leave out. At
+// the distance e, rounding leaves eps/e of the place, eps/e^2 of the velocity and eps/e^3 of the accelerations.
 
-/// Rates at a singular position, from both of its sides.
+/// State and rates in a singular position, from both of its sides.
 class LOCKSTEP_API SingularRate {
  public:
+  static constexpr double kDelta = 0.03;  ///< d, rad: rounding and what the formula leaves are both small
+
   /// Sizes the scratch for states like this one.
   void begin(const State&);
-  /// Finds the rates from states 0.01, 0.02 and 0.03 rad (or parts of System::length) away on both sides along the
-  /// velocity; accurate to about 1e-9. False, with `out` untouched, when the mechanism is at rest, when it cannot be
-  /// brought onto the constraints or evaluated there (a law begins or ends), or when the sides disagree: then several
-  /// motions continue from here.
-  bool find(Dynamics&, const State&, StateRate& out);
+  /// What both sides of a state are: those of a position that is closer than half of d, of none that is so close, or of
+  /// one from which several motions continue.
+  enum class Sides { agree, farther, differ };
+  /// Finds the rates from states d to 4 d (or parts of System::length) away on both sides along the velocity, and the
+  /// state on the constraints that they are of. `detector`: SolveReport::detector at the state, from which those beside
+  /// it show how far the position is. With `out` and the state untouched `differ` is also the answer when the mechanism
+  /// is at rest, or when it cannot be brought onto the constraints or evaluated there (a law begins or ends).
+  Sides find(Dynamics&, State&, double detector, StateRate& out);
+  double distance() const { return distance_; }  ///< of the position by the last find(), rad
+  double error() const { return error_; }        ///< relative, of the accelerations that it found
 
  private:
-  bool probe(Dynamics&, const State&, double delta, double time, StateRate& mean);
+  bool probe(Dynamics&, const State&, double angle, double time, std::size_t i);
 
-  State off_;  // the state to one side
-  StateRate ahead_, behind_;
-  std::array<StateRate, 3> mean_;
+  struct Side {
+    State at;
+    StateRate rate;
+  };
+  Side ahead_, behind_;
+  std::array<Side, 4> mean_;
+  double detector_ = 0;  // geometric mean of those on both sides
+  double largest_ = 0;   // acceleration
+  double distance_ = 0, error_ = 0;
 };
 
 }  // namespace lockstep
