@@ -1,4 +1,5 @@
 #include "framework/tools/precision/work_precision_chart.h"
+#include "framework/foundation/math/limits.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -12,7 +13,6 @@
 namespace lockstep {
 namespace {
 
-constexpr double kNegligible = 1e-9;  // m, m/s, J, N
 constexpr double kLeast = 1e-16;      // drawn instead of zero
 constexpr std::size_t kMostRemarks = 8, kMostLetters = 185;
 
