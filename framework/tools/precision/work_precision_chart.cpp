@@ -1,5 +1,4 @@
 #include "framework/tools/precision/work_precision_chart.h"
-#include "framework/foundation/math/limits.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -9,6 +8,7 @@
 #include <optional>
 
 #include <lockstep/error.h>
+#include "framework/foundation/math/limits.h"
 
 namespace lockstep {
 namespace {
