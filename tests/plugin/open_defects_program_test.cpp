@@ -22,8 +22,8 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 constexpr double kG = 9.81;
-const std::string kOneIdea = "One idea", kOneText = "One text", kSmallProgram = "A small program",
-                  kPlainWords = "Plain words", kAnswers = "Answers";
+const std::string kOneIdea = "One idea", kSmallProgram = "A small program", kPlainWords = "Plain words",
+                  kAnswers = "Answers";
 const std::string kDoubtfulReactions = "uncertain by more than 1 %", kDoubtfulTolerance = "was not reached in";
 
 std::string quoted(const std::string& path) { return "'" + path + "'"; }
@@ -198,9 +198,8 @@ TEST_CASE("the softest stiffness of an unstable equilibrium is that of what grow
                 std::abs(softest - stiffness) < 1e-6 * std::abs(stiffness));
 }
 
-// Alone each copy makes 17 steps at most; in lanes those that come beside their flat position make 100 to 200 at this
-// tolerance (which of the 16 depends on the rounding), and a thousand at 1e-10.
-TEST_CASE("copies in lanes pass singular positions in as many steps as alone", "[defect][one text]") {
+// Those that come beside their flat position made 100 to 200 at this tolerance, and a thousand at 1e-10.
+TEST_CASE("copies in lanes pass singular positions in as many steps as alone", "[defect]") {
   const std::string sweep =
       "sweep " + quoted(std::string(paths::kSource) + "/tests/verification/scenes/parallelogram.json") +
       " --vary bodies.bar.rod.mass=0.666:0.668:16 --tolerance 1e-7 --jobs 1 --until 0.71 --set run.max_steps=1000 ";
@@ -226,11 +225,11 @@ TEST_CASE("copies in lanes pass singular positions in as many steps as alone", "
   const long in_lanes = most("lanes.csv"), single = most("alone.csv");
   CAPTURE(in_lanes, single);
   CHECK(single < 60);
-  expect_defect("lanes_parallelogram", kOneText, in_lanes > 3 * single, in_lanes <= 2 * single);
+  CHECK(in_lanes <= 2 * single);
 }
 
-// To 0.71 s, beyond the first flat position, about 20 steps are enough; a run that ends 1.5e-4 rad behind it creeps.
-TEST_CASE("a run that ends beside a flat position makes no more steps than one that passes it", "[defect][one idea]") {
+// To 0.71 s, beyond the first flat position, about 20 steps are enough; a run that ends 1.5e-4 rad behind it crept.
+TEST_CASE("a run that ends beside a flat position makes no more steps than one that passes it", "[defect]") {
   const std::string scene = quoted(std::string(paths::kSource) + "/tests/verification/scenes/parallelogram.json");
   const auto steps_to = [&](const std::string& until, const std::string& tolerance) {
     const Called ran = run(scene, "beside_flat",
@@ -246,7 +245,7 @@ TEST_CASE("a run that ends beside a flat position makes no more steps than one t
     beside = std::max(beside, steps_to("0.7", tolerance)), beyond = std::max(beyond, steps_to("0.71", tolerance));
   CAPTURE(beside, beyond);
   CHECK(beyond < 60);
-  expect_defect("steps beside a flat position", kOneIdea, beside > 100, beside <= 60);
+  CHECK(beside <= 60);
 }
 
 // A crank of 18 mm in place of 15 mm: at 171 degrees the legs are drawn straight.

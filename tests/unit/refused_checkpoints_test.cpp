@@ -71,7 +71,7 @@ TEST_CASE("a number of a checkpoint that no run has is refused by what it is", "
         {"the saved state is not finite: the checkpoint is damaged",
          "the saved number of outputs is below zero: the checkpoint is damaged",
          "the saved outputs do not belong to the time of the saved state: the checkpoint is damaged",
-         "the saved state does not fit the system", "the saved history of the steps is that of another mechanism",
+         "the saved state does not fit the system", "dop853: the saved history is that of another mechanism",
          "the run was saved with 0 events and has 1; add the same before it is loaded",
          "the run was saved with the event 'kate' where it has 'late' now"}},
        {"radau5", {"radau5: the saved history is that of another mechanism"}},
