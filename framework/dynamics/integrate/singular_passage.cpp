@@ -41,7 +41,6 @@ void SingularPassage::begin(const Tableau& tableau, const State& state, Dynamics
   a_.clear();
   for (int i = 0; i < tableau.n_all; ++i) a_.emplace_back(tableau.a + i * tableau.stride, i);
   stage_ = state, rate_ = sized_like(state);
-  if (!state.coordinates) both_sides_.begin(state);
 }
 
 void SingularPassage::start_step() {
@@ -76,14 +75,15 @@ bool SingularPassage::evaluate(Dynamics& dynamics, const State& y, double h, int
   }
   const Conditioning c = refused ? Conditioning{0, 0} : stages.conditioning(i);
   seen_.indicator = std::min(seen_.indicator, c.indicator()), seen_.limit = false;
-  if (!near() || on_ == StagesOn::plain || round_off(std::sqrt(c.indicator())) < relative_) return true;
+  if (!near() || on_ == StagesOn::plain || round_off(std::sqrt(c.detector)) < relative_) return true;
   if (y.z.size() > 0) stage_.z = y.z;
   stages.combine(y, h, a_[static_cast<std::size_t>(i)], stage_);
   stage_.t = y.t + stages.tableau().c[i] * h;
-  const Sides sides = take_limit(dynamics, stage_, c.indicator());
+  const Sides sides = both_sides_.find(dynamics, stage_, c.detector, rate_);
   constexpr double d = SingularRate::kDelta;
-  const double direct = round_off(sides == Sides::differ ? 0.5 * d : distance_);
-  const double limit = std::max(error_, round_off(d - distance_));
+  const double distance = both_sides_.distance();
+  const double direct = round_off(sides == Sides::differ ? 0.5 * d : distance);
+  const double limit = std::max(both_sides_.error(), round_off(d - distance));
   seen_.limit = sides == Sides::agree && limit < direct;
   seen_.accuracy += seen_.limit ? limit : direct;
   if (seen_.limit) stages.put(i, rate_);
@@ -96,30 +96,6 @@ bool SingularPassage::evaluate(Dynamics& dynamics, const State& y, double h, int
                   "repeats another (lockstep check names them), or take --solver dense",
                   method_, y.t, c.pivot),
       y.t);
-}
-
-// Both sides are looked at in the bodies' own coordinates. In others nothing stays of a look.
-SingularRate::Sides SingularPassage::take_limit(Dynamics& dynamics, State& state, double detector) {
-  if (!state.coordinates) {
-    const Sides sides = both_sides_.find(dynamics, state, detector, rate_);
-    distance_ = both_sides_.distance(), error_ = both_sides_.error();
-    return sides;
-  }
-  const bool held_rows = dynamics.holds_rows();
-  State slots = state;
-  dynamics.to_slots(slots);
-  both_sides_.begin(slots);
-  StateRate rate = sized_like(slots);
-  const Sides sides = both_sides_.find(dynamics, slots, detector, rate);
-  distance_ = both_sides_.distance(), error_ = both_sides_.error();
-  both_sides_ = SingularRate();
-  if (sides == Sides::agree) {
-    dynamics.to_formulation(slots, &state);
-    state = std::move(slots);
-    dynamics.read_rates(state, rate, rate_);
-  }
-  if (!held_rows) dynamics.forget_rows(state);
-  return sides;
 }
 
 double SingularPassage::longest(double h) const {
@@ -140,9 +116,9 @@ bool SingularPassage::accepts(double h, double error) {
 // What rounding leaves of the velocities leads off the branch, and is in the energy by its square.
 ProjectReport SingularPassage::land(Dynamics& dynamics, State& end) {
   ProjectReport report;
-  const bool noisy = seen_.limit && round_off(distance_) * distance_ > std::sqrt(relative_);
+  const bool noisy = seen_.limit && round_off(both_sides_.distance()) * both_sides_.distance() > std::sqrt(relative_);
   if (noisy) report.before = dynamics.violation_of_closures(end);
-  if (!noisy || take_limit(dynamics, end, 0) != Sides::agree) return project_end(dynamics, end, on_);
+  if (!noisy || both_sides_.find(dynamics, end, 0, rate_) != Sides::agree) return project_end(dynamics, end, on_);
   report.after = dynamics.violation_of_closures(end);
   return report;
 }

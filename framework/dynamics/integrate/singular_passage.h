@@ -68,7 +68,6 @@ class LOCKSTEP_API SingularPassage {
   };
   using Sides = SingularRate::Sides;
   bool evaluate(Dynamics&, const State& y, double h, int i, Stages&);
-  Sides take_limit(Dynamics&, State&, double detector);
 
   StagesWhen when_;
   const char* method_;
@@ -78,7 +77,6 @@ class LOCKSTEP_API SingularPassage {
   double relative_ = 1e-6;       // tolerance
   std::vector<Weights> a_;
   SingularRate both_sides_;
-  double distance_ = 0, error_ = 0;  // by the last look at both sides
   StateRate rate_;
   State stage_;
   std::vector<Motion> motions_;

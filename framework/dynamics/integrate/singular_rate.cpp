@@ -4,17 +4,19 @@
 #include <cmath>
 
 #include <lockstep/error.h>
-#include "framework/dynamics/integrate/speed_of.h"
+#include <lockstep/stepping.h>
 
 namespace lockstep {
 
 namespace {
 
-// Relative to the largest acceleration, v^2/L included: no motion changes so much within 8 d.
+// Relative to the largest acceleration, v^2/L included: no motion changes so much within 2 d.
 constexpr double kDisagree = 0.2;
 
-// The largest component; rotations are multiplied by the length L.
-double largest_component(const VecX& a, double L) {
+// The largest component; rotations of slots are multiplied by the length L.
+template <class Vector>  // an expression, too
+double largest_component(const State& of, const Eigen::MatrixBase<Vector>& a, double L) {
+  if (of.coordinates) return a.template lpNorm<Eigen::Infinity>();
   double most = 0;
   for (Eigen::Index i = 0; i < a.size(); ++i) most = std::max(most, (i % 6 < 3 ? 1.0 : L) * std::abs(a[i]));
   return most;
@@ -22,14 +24,19 @@ double largest_component(const VecX& a, double L) {
 
 }  // namespace
 
-void SingularRate::begin(const State& state) {
-  const StateRate scratch{VecX::Zero(state.q.size()), VecX::Zero(state.v.size()), VecX::Zero(state.s.size())};
-  ahead_ = behind_ = {state, scratch};
+void SingularRate::size_for(const State& state) {
+  if (ahead_.at.q.size() == state.q.size() && ahead_.at.coordinates == state.coordinates) return;
+  ahead_ = behind_ = {state, sized_like(state)};
   mean_.fill(ahead_);
+  motions_.resize(static_cast<std::size_t>(state.coordinates ? state.coordinates->n_slots() : state.v.size() / 6) + 1);
 }
 
 SingularRate::Sides SingularRate::find(Dynamics& dynamics, State& state, double detector, StateRate& out) {
-  const double L = dynamics.system().length(), speed = speed_of(state.v, L);
+  size_for(state);
+  const double L = dynamics.system().length();
+  double speed = 0;
+  dynamics.system().motions(state, motions_);
+  for (const Motion& O : motions_) speed = std::max({speed, O.v.norm() / L, O.w.norm()});
   distance_ = largest_ = 0;
   if (!(speed > 0)) return Sides::differ;
   for (std::size_t i = 0; i < mean_.size(); ++i) {
@@ -46,14 +53,12 @@ SingularRate::Sides SingularRate::find(Dynamics& dynamics, State& state, double 
   limit([](const Side& m) -> const VecX& { return m.at.v; }, state.v);
   limit([](const Side& m) -> const VecX& { return m.rate.v; }, out.v);
   limit([](const Side& m) -> const VecX& { return m.rate.s; }, out.s);
+  limit([](const Side& m) -> const VecX& { return m.rate.followed; }, out.followed);
+  out.largest_a = ahead_.rate.largest_a, out.largest_alpha = ahead_.rate.largest_alpha;
   ahead_.rate.v = 1.5 * mean_[0].rate.v - 0.6 * mean_[1].rate.v + 0.1 * mean_[2].rate.v - out.v;
-  error_ = largest_component(ahead_.rate.v, L) / largest_;
+  error_ = largest_component(state, ahead_.rate.v, L) / largest_;
   dynamics.normalize(state);
-  for (int k = 0; k < dynamics.system().n_slots(); ++k) {  // (1.8), as in Dynamics::rate
-    const Quat q = Quat::from(state.q.segment<4>(7 * k + 3));
-    out.q.segment<3>(7 * k) = state.v.segment<3>(6 * k);
-    out.q.segment<4>(7 * k + 3) = rate(q, Vec3(state.v.segment<3>(6 * k + 3))).coefficients();
-  }
+  kinematic_rate(state, out.q);
   return Sides::agree;
 }
 
@@ -64,17 +69,20 @@ bool SingularRate::probe(Dynamics& dynamics, const State& state, double angle, d
     at = state;
     dynamics.advance(at, sign * time, state.v);
     at.t = state.t + sign * time;
-    for (int round = 0; round < 2; ++round)  // once more for the velocities, with the factor of this position
-      if (!dynamics.project(at, 0).converged) return false;
+    if (!dynamics.project(at, 0).converged) return false;
+    if (!at.coordinates) dynamics.project(at, 0);  // the velocities once more, with the factor of this position
     detector_ *= std::sqrt(dynamics.rates_with_report(at, rate).detector);
   }
   const double L = dynamics.system().length(), speed = angle / time;
   const double scale =
-      std::max({largest_component(ahead_.rate.v, L), largest_component(behind_.rate.v, L), speed * speed * L});
-  if (!(largest_component(ahead_.rate.v - behind_.rate.v, L) <= kDisagree * scale)) return false;
+      std::max({largest_component(state, ahead_.rate.v, L), largest_component(state, behind_.rate.v, L),
+                speed * speed * (state.coordinates ? 1 : L)});
+  const bool nearest = i == 0;  // farther off what turns with the bodies differs by as much
+  if (nearest && !(largest_component(state, ahead_.rate.v - behind_.rate.v, L) <= kDisagree * scale)) return false;
   Side& mean = mean_[i];
   mean.at.q = 0.5 * (ahead_.at.q + behind_.at.q), mean.at.v = 0.5 * (ahead_.at.v + behind_.at.v);
   mean.rate.v = 0.5 * (ahead_.rate.v + behind_.rate.v), mean.rate.s = 0.5 * (ahead_.rate.s + behind_.rate.s);
+  mean.rate.followed = 0.5 * (ahead_.rate.followed + behind_.rate.followed);
   largest_ = std::max(largest_, scale);
   return true;
 } catch (const Error&) {  // a law that begins or ends here: a spline, or one of a plugin or the host

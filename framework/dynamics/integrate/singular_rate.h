@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include <lockstep/dynamics.h>
 
@@ -21,8 +22,6 @@ class LOCKSTEP_API SingularRate {
  public:
   static constexpr double kDelta = 0.03;  ///< d, rad: rounding and what the formula leaves are both small
 
-  /// Sizes the scratch for states like this one.
-  void begin(const State&);
   /// What both sides of a state are: those of a position that is closer than half of d, of none that is so close, or of
   /// one from which several motions continue.
   enum class Sides { agree, farther, differ };
@@ -35,6 +34,8 @@ class LOCKSTEP_API SingularRate {
   double error() const { return error_; }        ///< relative, of the accelerations that it found
 
  private:
+  /// Sizes the scratch for states like this one, if it is not. What comes near no such position takes no memory.
+  void size_for(const State&);
   bool probe(Dynamics&, const State&, double angle, double time, std::size_t i);
 
   struct Side {
@@ -43,6 +44,7 @@ class LOCKSTEP_API SingularRate {
   };
   Side ahead_, behind_;
   std::array<Side, 4> mean_;
+  std::vector<Motion> motions_;
   double detector_ = 0;  // geometric mean of those on both sides
   double largest_ = 0;   // acceleration
   double distance_ = 0, error_ = 0;
