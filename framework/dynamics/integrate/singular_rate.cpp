@@ -44,7 +44,7 @@ SingularRate::Sides SingularRate::find(Dynamics& dynamics, State& state, double 
     if (!probe(dynamics, state, angle, angle / speed, i)) return Sides::differ;
     if (i > 0) continue;
     distance_ = kDelta * std::sqrt(detector / detector_);  // the detector falls as the square of the distance
-    if (!(distance_ < 0.5 * kDelta)) return Sides::farther;
+    if (!(2 * distance_ < kDelta)) return Sides::farther;
   }
   const auto limit = [&](auto&& part, VecX& x) {
     x = (56 * part(mean_[0]) - 28 * part(mean_[1]) + 8 * part(mean_[2]) - part(mean_[3])) / 35;
