@@ -138,6 +138,7 @@ TEST_CASE("rates of integrated states in a flat position come from both sides of
   dynamics.set_up();
   State s = flat.system.start();
   SingularRate through;
+  through.begin(s);
   StateRate k = sized_like(s);
   REQUIRE(through.find(dynamics, s, 0, k) == SingularRate::Sides::agree);
   CHECK(k.s[sum.first()] == Approx(0.5).epsilon(1e-9));

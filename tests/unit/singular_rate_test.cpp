@@ -66,6 +66,7 @@ bool finds_rates(Bays& bays) {
   Dynamics dynamics = schur_dynamics(bays.system);
   State s = bays.system.start();
   SingularRate through;
+  through.begin(s);
   StateRate k{VecX::Zero(s.q.size()), VecX::Zero(s.v.size()), VecX::Zero(0)};
   return through.find(dynamics, s, 0, k) == SingularRate::Sides::agree;
 }
@@ -78,6 +79,7 @@ TEST_CASE("rates in a flat position come from both sides of it", "[unit][dynamic
   Dynamics dynamics = schur_dynamics(bays.system);
   const State s = bays.system.start();
   SingularRate through;
+  through.begin(s);
   StateRate k{VecX::Zero(s.q.size()), VecX::Zero(s.v.size()), VecX::Zero(0)}, solved = k;
   State limit = s;
   REQUIRE(through.find(dynamics, limit, 0, k) == SingularRate::Sides::agree);

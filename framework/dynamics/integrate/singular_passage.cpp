@@ -10,6 +10,7 @@
 #include <lockstep/error.h>
 #include "framework/dynamics/integrate/speed_of.h"
 #include "framework/dynamics/solvers/graph.h"
+#include "framework/dynamics/solvers/stop_rule.h"
 
 namespace lockstep {
 
@@ -41,6 +42,7 @@ void SingularPassage::begin(const Tableau& tableau, const State& state, Dynamics
   a_.clear();
   for (int i = 0; i < tableau.n_all; ++i) a_.emplace_back(tableau.a + i * tableau.stride, i);
   stage_ = state, rate_ = sized_like(state);
+  both_sides_.begin(state);
 }
 
 void SingularPassage::start_step() {
@@ -82,13 +84,14 @@ bool SingularPassage::evaluate(Dynamics& dynamics, const State& y, double h, int
   const Sides sides = both_sides_.find(dynamics, stage_, c.detector, rate_);
   constexpr double d = SingularRate::kDelta;
   const double distance = both_sides_.distance();
-  const double direct = round_off(sides == Sides::differ ? 0.5 * d : distance);
+  const double direct = round_off(sides == Sides::differ ? std::max(0.5 * d, std::sqrt(c.detector)) : distance);
   const double limit = std::max(both_sides_.error(), round_off(d - distance));
   seen_.limit = sides == Sides::agree && limit < direct;
   seen_.accuracy += seen_.limit ? limit : direct;
   if (seen_.limit) stages.put(i, rate_);
   if (refused && !seen_.limit) std::rethrow_exception(refused);
-  if (sides != Sides::differ || begun_ || i > 0) return true;
+  const bool inside = c.detector < 10 * kProximalOfMatrix;  // no more than proximal terms leave
+  if (sides != Sides::differ || begun_ || i > 0 || !inside) return true;
   throw StepError(
       fmt::format("{}: at t = {:.9g} s the links do not determine how the motion continues (smallest relative pivot "
                   "{:.2g}): it is a singular position, from which several motions continue or none, or rows nearly "

@@ -1,10 +1,12 @@
 #include "framework/dynamics/integrate/singular_rate.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <lockstep/error.h>
 #include <lockstep/stepping.h>
+#include "framework/dynamics/integrate/speed_of.h"
 
 namespace lockstep {
 
@@ -12,6 +14,10 @@ namespace {
 
 // Relative to the largest acceleration, v^2/L included: no motion changes so much within 2 d.
 constexpr double kDisagree = 0.2;
+
+// Of the means at d to 4 d, and at d to 3 d.
+constexpr std::array kWeights = {56.0 / 35, -28.0 / 35, 8.0 / 35, -1.0 / 35};
+constexpr std::array kShorter = {1.5, -0.6, 0.1, 0.0};
 
 // The largest component; rotations of slots are multiplied by the length L.
 template <class Vector>  // an expression, too
@@ -24,45 +30,35 @@ double largest_component(const State& of, const Eigen::MatrixBase<Vector>& a, do
 
 }  // namespace
 
-void SingularRate::size_for(const State& state) {
-  if (ahead_.at.q.size() == state.q.size() && ahead_.at.coordinates == state.coordinates) return;
+void SingularRate::begin(const State& state) {
   ahead_ = behind_ = {state, sized_like(state)};
-  mean_.fill(ahead_);
-  motions_.resize(static_cast<std::size_t>(state.coordinates ? state.coordinates->n_slots() : state.v.size() / 6) + 1);
+  v_ = state.v, shorter_ = ahead_.rate.v;
 }
 
 SingularRate::Sides SingularRate::find(Dynamics& dynamics, State& state, double detector, StateRate& out) {
-  size_for(state);
   const double L = dynamics.system().length();
-  double speed = 0;
-  dynamics.system().motions(state, motions_);
-  for (const Motion& O : motions_) speed = std::max({speed, O.v.norm() / L, O.w.norm()});
+  const double speed = state.coordinates ? state.v.lpNorm<Eigen::Infinity>() : speed_of(state.v, L);
   distance_ = largest_ = 0;
   if (!(speed > 0)) return Sides::differ;
-  for (std::size_t i = 0; i < mean_.size(); ++i) {
+  for (VecX* x : {&out.q, &out.v, &out.s, &out.followed, &v_, &shorter_}) x->setZero();
+  for (std::size_t i = 0; i < kWeights.size(); ++i) {
     const double angle = static_cast<double>(i + 1) * kDelta;
-    if (!probe(dynamics, state, angle, angle / speed, i)) return Sides::differ;
+    if (!probe(dynamics, state, angle, angle / speed, i, out)) return Sides::differ;
     if (i > 0) continue;
     distance_ = kDelta * std::sqrt(detector / detector_);  // the detector falls as the square of the distance
     if (!(2 * distance_ < kDelta)) return Sides::farther;
   }
-  const auto limit = [&](auto&& part, VecX& x) {
-    x = (56 * part(mean_[0]) - 28 * part(mean_[1]) + 8 * part(mean_[2]) - part(mean_[3])) / 35;
-  };
-  limit([](const Side& m) -> const VecX& { return m.at.q; }, state.q);
-  limit([](const Side& m) -> const VecX& { return m.at.v; }, state.v);
-  limit([](const Side& m) -> const VecX& { return m.rate.v; }, out.v);
-  limit([](const Side& m) -> const VecX& { return m.rate.s; }, out.s);
-  limit([](const Side& m) -> const VecX& { return m.rate.followed; }, out.followed);
+  state.q = out.q, state.v = v_;  // the place until now
   out.largest_a = ahead_.rate.largest_a, out.largest_alpha = ahead_.rate.largest_alpha;
-  ahead_.rate.v = 1.5 * mean_[0].rate.v - 0.6 * mean_[1].rate.v + 0.1 * mean_[2].rate.v - out.v;
-  error_ = largest_component(state, ahead_.rate.v, L) / largest_;
+  shorter_ -= out.v;
+  error_ = largest_component(state, shorter_, L) / largest_;
   dynamics.normalize(state);
   kinematic_rate(state, out.q);
   return Sides::agree;
 }
 
-bool SingularRate::probe(Dynamics& dynamics, const State& state, double angle, double time, std::size_t i) try {
+bool SingularRate::probe(Dynamics& dynamics, const State& state, double angle, double time, std::size_t i,
+                         StateRate& out) try {
   detector_ = 1;
   for (const double sign : {1.0, -1.0}) {
     auto& [at, rate] = sign > 0 ? ahead_ : behind_;
@@ -77,12 +73,13 @@ bool SingularRate::probe(Dynamics& dynamics, const State& state, double angle, d
   const double scale =
       std::max({largest_component(state, ahead_.rate.v, L), largest_component(state, behind_.rate.v, L),
                 speed * speed * (state.coordinates ? 1 : L)});
-  const bool nearest = i == 0;  // farther off what turns with the bodies differs by as much
-  if (nearest && !(largest_component(state, ahead_.rate.v - behind_.rate.v, L) <= kDisagree * scale)) return false;
-  Side& mean = mean_[i];
-  mean.at.q = 0.5 * (ahead_.at.q + behind_.at.q), mean.at.v = 0.5 * (ahead_.at.v + behind_.at.v);
-  mean.rate.v = 0.5 * (ahead_.rate.v + behind_.rate.v), mean.rate.s = 0.5 * (ahead_.rate.s + behind_.rate.s);
-  mean.rate.followed = 0.5 * (ahead_.rate.followed + behind_.rate.followed);
+  if (i == 0 && !(largest_component(state, ahead_.rate.v - behind_.rate.v, L) <= kDisagree * scale)) return false;
+  for (const Side* side : {&ahead_, &behind_}) {
+    const double w = 0.5 * kWeights[i];
+    out.q += w * side->at.q, v_ += w * side->at.v, out.v += w * side->rate.v;
+    out.s += w * side->rate.s, out.followed += w * side->rate.followed;
+    shorter_ += 0.5 * kShorter[i] * side->rate.v;
+  }
   largest_ = std::max(largest_, scale);
   return true;
 } catch (const Error&) {  // a law that begins or ends here: a spline, or one of a plugin or the host

@@ -1,9 +1,6 @@
 // SingularRate: the limits of a motion at a state in a singular position, or close to it.
 #pragma once
 
-#include <array>
-#include <vector>
-
 #include <lockstep/dynamics.h>
 
 namespace lockstep {
@@ -22,29 +19,29 @@ class LOCKSTEP_API SingularRate {
  public:
   static constexpr double kDelta = 0.03;  ///< d, rad: rounding and what the formula leaves are both small
 
+  /// Sizes the scratch for states like this one.
+  void begin(const State&);
   /// What both sides of a state are: those of a position that is closer than half of d, of none that is so close, or of
   /// one from which several motions continue.
   enum class Sides { agree, farther, differ };
   /// Finds the rates from states d to 4 d (or parts of System::length) away on both sides along the velocity, and the
   /// state on the constraints that they are of. `detector`: SolveReport::detector at the state, from which those beside
-  /// it show how far the position is. With `out` and the state untouched `differ` is also the answer when the mechanism
+  /// it show how far the position is. With the state untouched `differ` is also the answer when the mechanism
   /// is at rest, or when it cannot be brought onto the constraints or evaluated there (a law begins or ends).
   Sides find(Dynamics&, State&, double detector, StateRate& out);
   double distance() const { return distance_; }  ///< of the position by the last find(), rad
   double error() const { return error_; }        ///< relative, of the accelerations that it found
 
  private:
-  /// Sizes the scratch for states like this one, if it is not. What comes near no such position takes no memory.
-  void size_for(const State&);
-  bool probe(Dynamics&, const State&, double angle, double time, std::size_t i);
+  bool probe(Dynamics&, const State&, double angle, double time, std::size_t i, StateRate& out);
 
   struct Side {
     State at;
     StateRate rate;
   };
   Side ahead_, behind_;
-  std::array<Side, 4> mean_;
-  std::vector<Motion> motions_;
+  VecX v_;               // the limit of the velocities
+  VecX shorter_;         // the accelerations without 4 d
   double detector_ = 0;  // geometric mean of those on both sides
   double largest_ = 0;   // acceleration
   double distance_ = 0, error_ = 0;
