@@ -48,7 +48,7 @@ SingularRate::Sides SingularRate::find(Dynamics& dynamics, State& state, double 
     distance_ = kDelta * std::sqrt(detector / detector_);  // the detector falls as the square of the distance
     if (!(2 * distance_ < kDelta)) return Sides::farther;
   }
-  state.q = out.q, state.v = v_;  // the place until now
+  state.q += out.q, state.v += v_;
   out.largest_a = ahead_.rate.largest_a, out.largest_alpha = ahead_.rate.largest_alpha;
   shorter_ -= out.v;
   error_ = largest_component(state, shorter_, L) / largest_;
@@ -76,8 +76,8 @@ bool SingularRate::probe(Dynamics& dynamics, const State& state, double angle, d
   if (i == 0 && !(largest_component(state, ahead_.rate.v - behind_.rate.v, L) <= kDisagree * scale)) return false;
   for (const Side* side : {&ahead_, &behind_}) {
     const double w = 0.5 * kWeights[i];
-    out.q += w * side->at.q, v_ += w * side->at.v, out.v += w * side->rate.v;
-    out.s += w * side->rate.s, out.followed += w * side->rate.followed;
+    out.q += w * (side->at.q - state.q), v_ += w * (side->at.v - state.v);  // whose rounding is small
+    out.v += w * side->rate.v, out.s += w * side->rate.s, out.followed += w * side->rate.followed;
     shorter_ += 0.5 * kShorter[i] * side->rate.v;
   }
   largest_ = std::max(largest_, scale);

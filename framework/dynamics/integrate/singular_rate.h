@@ -17,7 +17,7 @@ namespace lockstep {
 /// State and rates in a singular position, from both of its sides.
 class LOCKSTEP_API SingularRate {
  public:
-  static constexpr double kDelta = 0.03;  ///< d, rad: rounding and what the formula leaves are both small
+  static constexpr double kDelta = 0.04;  ///< d, rad: rounding and what the formula leaves are both small
 
   /// Sizes the scratch for states like this one.
   void begin(const State&);
