@@ -83,9 +83,10 @@ TEST_CASE("rates in a flat position come from both sides of it", "[unit][dynamic
   StateRate k{VecX::Zero(s.q.size()), VecX::Zero(s.v.size()), VecX::Zero(0)}, solved = k;
   State limit = s;
   REQUIRE(through.find(dynamics, limit, 0, k) == SingularRate::Sides::agree);
+  // d^8 = 7e-12, and d^6 = 4e-9 without the last of four distances
   CHECK((limit.q - s.q).norm() < 1e-11);
-  CHECK((limit.v - s.v).norm() < 1e-11);
-  CHECK(through.error() < 1e-9);
+  CHECK((limit.v - s.v).norm() < 1e-10);
+  CHECK(through.error() < 4e-9);
   const double exact = bays.acceleration(0);
   CAPTURE(n, exact);
   for (int i = 0; i <= n; ++i) {
@@ -93,7 +94,7 @@ TEST_CASE("rates in a flat position come from both sides of it", "[unit][dynamic
     CHECK(k.v[6 * slot + 5] == Approx(exact).epsilon(1e-8));
   }
   dynamics.rate(s, solved);
-  CHECK((k.q - solved.q).norm() < 1e-11);
+  CHECK((k.q - solved.q).norm() < 1e-10);
   if (n > 1) CHECK((k.v - solved.v).norm() > 0.1);  // what one solve makes of it
 }
 
