@@ -5,6 +5,7 @@
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 #include <lockstep/scene.h>
 #include <lockstep/sweep.h>
 #include "framework/tools/program/detail_rows.h"
+#include "framework/tools/program/files.h"
 #include "framework/tools/scene_run/scene_run.h"
 #include "tests/support/catch.h"
 #include "tests/support/gnuplot_here.h"
@@ -138,6 +140,18 @@ TEST_CASE("a path of a long run goes through rows of one instant each", "[runner
     keep_worst(off, std::abs(std::hypot(x[i] - (*left + *right) / 2, y[i] - (*low + *high) / 2) - radius));
   CHECK(radius > 100);
   CHECK(off < 0.5);
+}
+
+TEST_CASE("the rows of a picture have the columns that are drawn, and no others", "[runner]") {
+  const std::string text = R"({"lockstep": 1, "bodies": [{"name": "b", "particle": 1, "position": [1, 0, 0]}],
+    "run": {"until": 1, "record": ["b.x", {"y": "b.y"}, "b.vx", "b.vy"], "draw": [["y"]]}})";
+  const Registry registry = builtin_registry();
+  Mechanism m = build_mechanism(scene_from_text(text, "s.json"), registry);
+  const auto recorder = make_recorder(m);
+  const auto drawn = drawn_columns(recorder->table(), m.run.draw, {{.x = "b.x", .y = "b.vx"}});
+  CHECK(drawn == std::set<std::string>{"b.vx", "b.x", "y"});
+  CHECK(make_recorder(m, &drawn)->table().names() == std::vector<std::string>{"t", "b.x", "y", "b.vx"});
+  CHECK(drawn_columns(recorder->table(), {}, {}) == std::set<std::string>{"b.vx", "b.vy", "b.x", "y"});
 }
 
 // x = cos(w t): between rows half a swing apart the picture's rows lie on the curve.

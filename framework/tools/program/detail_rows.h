@@ -14,7 +14,8 @@ namespace lockstep {
 /// steps of a method without it; before and after jumps.
 class PictureRows final : public DetailObserver {
  public:
-  /// `own`: a recorder of the columns that are drawn, which `rows` has, too. `spacing`: of the rows, s; infinity: none but at jumps.
+  /// `own`: a recorder of the columns that are drawn, which `rows` has, too. `spacing`: of the rows, s; infinity: none
+  /// but at jumps.
   PictureRows(std::unique_ptr<Recorder> own, const Recorder& rows, double spacing);
   double spacing() const override { return spacing_; }
   void start(const Sample&) override;
