@@ -196,15 +196,20 @@ void EventLocator::note_left_zero(const Guard& g) {
     left_zero_.push_back(events_[g.of].name);
 }
 
-EventLocator::Due EventLocator::due(std::size_t i, double t) const {
-  if (!events_[i].on) return Due::no;
-  if (events_[i].value) return watched_[i].met ? Due::by_condition : Due::no;
-  return !watched_[i].over && reaches(events_[i].at, t) ? Due::by_time : Due::no;
+bool EventLocator::by_time(std::size_t i, double t) const {
+  return events_[i].on && !events_[i].value && !watched_[i].over && reaches(events_[i].at, t);
+}
+
+const std::vector<std::size_t>& EventLocator::due(double t) {
+  due_.clear();
+  for (std::size_t i = 0; i < events_.size(); ++i)
+    if (by_time(i, t) || (events_[i].on && watched_[i].met)) due_.push_back(i);
+  return due_;
 }
 
 bool EventLocator::any_due(double t) const {
   for (std::size_t i = 0; i < events_.size(); ++i)
-    if (due(i, t) == Due::by_time) return true;
+    if (by_time(i, t)) return true;
   return false;
 }
 

@@ -13,6 +13,8 @@ namespace lockstep {
 
 /// The force of this name; null: there is none.
 const Force* force_named(const System&, const std::string& name);
+/// Whether it does more than to end the run.
+inline bool changes_state(const Event& e) { return !e.activate.empty() || !e.deactivate.empty() || e.change; }
 
 class EventLocator : public GuardOwner {
  public:
@@ -44,9 +46,8 @@ class EventLocator : public GuardOwner {
   /// A step to t is accepted: events by time that were off up to then are missed.
   void pass(double t);
 
-  enum class Due { no, by_time, by_condition };
-  /// Whether event i happens at t.
-  Due due(std::size_t i, double t) const;
+  /// Numbers of the events that happen at t; valid until the next call.
+  const std::vector<std::size_t>& due(double t);
   /// Whether an event by time happens at t.
   bool any_due(double t) const;
   /// Forgets the conditions met in a step that was taken back.
@@ -77,6 +78,7 @@ class EventLocator : public GuardOwner {
   double guard(std::size_t event, const Sample&) override;
   double value_of(std::size_t event, const State&);
   bool reaches(double instant, double t) const { return instant <= t + clock_.same_instant(t); }
+  bool by_time(std::size_t event, double t) const;
   void note_left_zero(const Guard&);
   void note_nearest(std::size_t k, double t);
 
@@ -87,6 +89,7 @@ class EventLocator : public GuardOwner {
   std::deque<Event> events_;  // a deque, so that references stay valid
   std::vector<Watched> watched_;
   std::vector<std::string> left_zero_;
+  std::vector<std::size_t> due_;
 };
 
 }  // namespace lockstep

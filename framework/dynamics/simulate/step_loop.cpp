@@ -70,7 +70,7 @@ void StepLoop::set_state(State state) {
     check_start(dynamics_, state, options_.start_limit);
     state_ = std::move(state);
     report_ = {};
-    begun_ = false, parts_->due.clear();
+    begun_ = false, parts_->due = {};
   });
 }
 
@@ -104,10 +104,10 @@ const SimulationReport& StepLoop::run_until(double t) {
     try {
       go_to(t, true);
     } catch (...) {
-      finish(Errors::dropped);
+      finish();
       throw;
     }
-    finish(Errors::thrown);
+    if (const std::exception_ptr of_observer = finish()) std::rethrow_exception(of_observer);
   });
   return report_;
 }
@@ -123,7 +123,7 @@ const SimulationReport& StepLoop::advance(double h) {
 
 // A stop that a switching call came to is kept for the call that follows.
 void StepLoop::aim_at(double end) {
-  if (parts_->due.empty() && !keeps_stop_) report_.stopped = false, report_.stopped_by.clear();
+  if (parts_->due.what == Due::nothing && !keeps_stop_) report_.stopped = false, report_.stopped_by.clear();
   keeps_stop_ = false;
   parts_->clock.set_end(end, state_.t);
 }
@@ -182,7 +182,7 @@ void StepLoop::start_run() {
   try {
     make_start();
   } catch (...) {
-    keep_state(state, state_), report_ = report, begun_ = false, parts_->due.clear();
+    keep_state(state, state_), report_ = report, begun_ = false, parts_->due = {};
     throw;
   }
 }
@@ -201,14 +201,13 @@ void StepLoop::make_start() {
   p.contacts.start(state_);
   if (!p.contacts.empty()) settle_contacts();
   begun_ = true;
-  const IntegratorInfo& method = p.interval.method();
-  measures_turns_ = !method.adaptive || method.implicit, warned_of_turns_ = false;
+  warned_of_turns_ = false;
   const Sample sample(dynamics_, state_, p.interval.report());
   for (p.started = 0; p.started < observers_.size(); ++p.started) {
     Observer& o = *observers_[p.started];
     observer_code(o, p.started, state_.t, [&] { o.start(sample); });
   }
-  p.fall_due({Due::row}), deliver();
+  if (p.clock.output_due(state_.t)) p.fall_due(Due::only_row), deliver();
   to_coordinates(p.before_change);
   dynamics_.forget_rows(state_);  // only the start was asked for all of them
   begin_inputs();
@@ -216,8 +215,7 @@ void StepLoop::make_start() {
   stale_ = false;
   warn_at_start();
   if (!p.contacts.empty()) p.contacts.note(state_, true);
-  p.acted = false, p.cause.clear(), p.refusal.clear();
-  p.fall_due({Due::events, Due::contacts, Due::jumped}), deliver();
+  p.fall_due(Due::events), deliver();
 }
 
 void StepLoop::warn_at_start() {
@@ -284,21 +282,15 @@ const Inputs* StepLoop::end_step(double wanted) {
     const bool touched = p.contacts.meet(state_), met = p.events.meet(state_, is_cut);
     if ((met || touched) && state_.t < target.reach) landed = false;
     const bool jump = landed && target.jump;
-    p.refusal.clear();
-    if (jump) cross_jump(target.t);
+    std::string refusal = jump ? cross_jump(target.t) : "";
     const Inputs* const seen = dynamics_.accept(state_);
     if (landed || met || touched) p.clock.set_anchor(state_.t);
-    p.acted = touched || met || jump;
-    p.cause.clear();
-    if (touched || jump) p.cause = touched ? "an impact" : "the jump of a law";
-    if (jump)
-      p.fall_due({Due::rows, Due::step, Due::row, Due::progress, Due::before_jump, Due::jump, Due::events,
-                  Due::contacts, Due::jumped});
-    else if (p.events.empty() && p.contacts.empty())
-      p.fall_due({Due::rows, Due::step, Due::row, Due::progress});
-    else
-      p.fall_due(
-          {Due::rows, Due::step, Due::row, Due::progress, Due::before_jump, Due::events, Due::contacts, Due::jumped});
+    p.fall_due(Due::rows, {.acted = touched || met || jump,
+                           .jump = jump,
+                           .cause = touched ? "an impact"
+                                    : jump  ? "the jump of a law"
+                                            : "",
+                           .refusal = std::move(refusal)});
     return seen;
   } catch (...) {
     keep_state(p.interval.from(), state_);
@@ -327,14 +319,11 @@ void StepLoop::note_step(double t0, const Sample& sample) {
 
 // Crosses the last part of a step to a jump with the rates on its left side; the error is quadratic in its length. What
 // the laws of a tree do on that side becomes the bodies' own.
-void StepLoop::cross_jump(double t) {
-  if (state_.coordinates && !state_.coordinates->followed().empty()) {
-    keep_state(state_, parts_->before_change);
-    dynamics_.to_slots(state_);
-  }
+std::string StepLoop::cross_jump(double t) {
+  if (state_.coordinates && !state_.coordinates->followed().empty()) parts_->to_slots(dynamics_, state_);
   const PositionJump jump(dynamics_, state_);
   cross_rest(dynamics_, state_, t, parts_->crossing);
-  parts_->refusal = jump.refusal(dynamics_, state_, options_.start_limit);
+  return jump.refusal(dynamics_, state_, options_.start_limit);
 }
 
 void StepLoop::begin_method() {

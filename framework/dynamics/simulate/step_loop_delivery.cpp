@@ -44,7 +44,7 @@ void tell(const std::vector<Observer*>& observers, Delivery& now, double t, cons
 void StepLoop::deliver() { deliver(Sample(dynamics_, state_, parts_->interval.report())); }
 
 void StepLoop::deliver(const Sample& sample) {
-  for (std::vector<Delivery>& due = parts_->due; !due.empty(); due.pop_back()) hand_over(due.back(), sample);
+  for (Delivery& due = parts_->due; due.what != Due::nothing; due.go_on()) hand_over(due, sample);
 }
 
 void StepLoop::hand_over(Delivery& now, const Sample& sample) {
@@ -55,10 +55,8 @@ void StepLoop::hand_over(Delivery& now, const Sample& sample) {
     case Due::step:
       return tell(observers_, now, state_.t, [&](Observer& o) { o.step(sample); });
     case Due::row:
-      if (!p.clock.output_due(state_.t)) return;
-      [[fallthrough]];
-    case Due::last_row:
-      return output(now, sample);
+      if (p.clock.output_due(state_.t)) output(now, sample);
+      return;
     case Due::progress:
       if (now.called++ > 0 || !progress || function_code("progress", progress, state_.t, state_)) return;
       report_.stopped = true;
@@ -70,22 +68,26 @@ void StepLoop::hand_over(Delivery& now, const Sample& sample) {
         if (auto* const detailed = dynamic_cast<DetailObserver*>(&o)) detailed->before_jump(sample);
       });
     case Due::jump:
-      if (!p.refusal.empty()) throw AssemblyError(p.refusal);
+      if (!p.change.jump) return;
+      if (!p.change.refusal.empty()) throw AssemblyError(p.change.refusal);
       make_consistent("the jump of a law");
       return to_coordinates(p.before_change);
     case Due::events:
-      fire_events();
-      return;
+      return fire_events();
     case Due::contacts:
       if (p.contacts.empty()) return;
-      if (p.acted) settle_contacts();
-      return p.contacts.note(state_, p.acted);
+      if (p.change.acted) settle_contacts();
+      return p.contacts.note(state_, p.change.acted);
     case Due::jumped: {
-      if (!p.acted) return;
+      if (!p.change.acted) return;
       Sample after(dynamics_, state_, p.interval.report());
-      after.cause = p.cause;
+      after.cause = p.change.cause;
       return tell(observers_, now, state_.t, [&](Observer& o) { o.jumped(after); });
     }
+    case Due::only_row:
+      return output(now, sample);
+    case Due::nothing:
+      return;
   }
 }
 
@@ -164,20 +166,16 @@ std::string StepLoop::Parts::why_steps_end(Dynamics& dynamics, const State& stat
   return below_rounding(dynamics.system(), state, tolerance) + (varies.empty() ? "" : "; " + varies);
 }
 
-bool StepLoop::Parts::acts(double t) const {
-  bool act = by_call != nullptr || !cause.empty();
-  for (std::size_t i = 0; i < events.size() && !act; ++i)
-    act = (!events[i].activate.empty() || !events[i].deactivate.empty() || events[i].change) &&
-          events.due(i, t) != EventLocator::Due::no;
-  return act;
+bool StepLoop::Parts::acts(double t) {
+  return by_call != nullptr || !change.cause.empty() ||
+         std::ranges::any_of(events.due(t), [&](std::size_t i) { return changes_state(events[i]); });
 }
 
 void StepLoop::output_end() {
-  if (parts_->clock.end_due(state_.t)) parts_->fall_due({Due::last_row}), deliver();
+  if (parts_->clock.end_due(state_.t)) parts_->fall_due(Due::only_row), deliver();
 }
 
-// Of the observers that were started. Their errors are dropped if another is in flight.
-void StepLoop::finish(Errors of_observers) {
+std::exception_ptr StepLoop::finish() {
   std::exception_ptr first;
   const Sample sample(dynamics_, state_, parts_->interval.report());
   for (std::size_t i = 0; i < parts_->started; ++i) {
@@ -187,12 +185,12 @@ void StepLoop::finish(Errors of_observers) {
       if (!first) first = std::current_exception();
     }
   }
-  if (first && of_observers == Errors::thrown) std::rethrow_exception(first);
+  return first;
 }
 
 // Methods that control their error see what a turn does to it, implicit ones only what it does to their Newton steps.
 void StepLoop::measure_turns(double h, const Sample& sample) {
-  if (!measures_turns_) return;
+  if (const IntegratorInfo& method = parts_->interval.method(); method.adaptive && !method.implicit) return;
   const Inputs& in = sample.inputs();
   double most = 0;  // rad^2/s^2
   int fastest = 0;

@@ -15,10 +15,9 @@ namespace lockstep {
 namespace {
 
 // Of the events that are due at t none may undo what another does: their order would decide.
-void refuse_contradictions(const EventLocator& events, std::size_t first, double t) {
+void refuse_contradictions(const EventLocator& events, const std::vector<std::size_t>& due, double t) {
   std::map<std::string, std::string> on, off;  // name -> event
-  for (std::size_t i = first; i < events.size(); ++i) {
-    if (events.due(i, t) == EventLocator::Due::no) continue;
+  for (const std::size_t i : due) {
     for (const std::string& name : events[i].activate) on.emplace(name, events[i].name);
     for (const std::string& name : events[i].deactivate) off.emplace(name, events[i].name);
   }
@@ -65,8 +64,7 @@ void check_change(const System& system, const Event& e, const State& before, con
 
 // What is due at the present time acts before the next step.
 void StepLoop::settle_now() {
-  parts_->acted = false, parts_->cause.clear();
-  parts_->fall_due({Due::before_jump, Due::events, Due::contacts, Due::jumped});
+  parts_->fall_due(Due::before_jump);
   deliver();
 }
 
@@ -88,10 +86,10 @@ void StepLoop::switch_now(const char* call, const Event& change) {
     start();
     struct Switched {
       const Event*& by_call;
-      std::vector<Delivery>& due;
+      Delivery& due;
       ~Switched() {
         by_call = nullptr;
-        if (!due.empty() && due.back().what <= Due::events) due.clear();
+        if (due.what <= Due::events) due = {};
       }
     } switched{parts_->by_call, parts_->due};
     parts_->by_call = &change;
@@ -100,53 +98,42 @@ void StepLoop::switch_now(const char* call, const Event& change) {
   });
 }
 
-// Fires the events that are due at the present state; returns whether any changed it. All of an instant or none.
-bool StepLoop::fire_events() {
+// Fires the events that are due at the present state. All of an instant or none.
+void StepLoop::fire_events() {
   EventLocator& events = parts_->events;
-  const auto due = [&](std::size_t i) { return events.due(i, state_.t) != EventLocator::Due::no; };
-  std::size_t first = 0;
-  while (first < events.size() && !due(first)) ++first;
-  if (first == events.size() && parts_->by_call == nullptr) return false;
-  keep_state(state_, parts_->before_events);
-  bool changed = false;
-  try {
-    changed = apply_events(first);
-  } catch (...) {
-    keep_state(parts_->before_events, state_);
-    throw;
-  }
-  bool rewound = false;
-  for (std::size_t i = first; i < events.size(); ++i) {
-    if (!due(i)) continue;
-    rewound = rewound || events.due(i, state_.t) == EventLocator::Due::by_condition;
+  const std::vector<std::size_t>& due = events.due(state_.t);
+  if (due.empty() && parts_->by_call == nullptr) return;
+  const bool changed = parts_->or_as_before(state_, [&] { return apply_events(due); });
+  bool cut = false;
+  for (const std::size_t i : due) {
+    cut = cut || events[i].value;
     if (events[i].stop) {
       report_.stopped = true;
       report_.stopped_by += (report_.stopped_by.empty() ? "" : ", ") + events[i].name;
     }
     events.done(i, state_.t);
   }
-  parts_->acted = parts_->acted || changed;
-  if (changed || rewound) begin_method();
-  return changed;
+  parts_->change.acted = parts_->change.acted || changed;
+  if (changed || cut) begin_method();
 }
 
-bool StepLoop::apply_events(std::size_t first) {
+// Returns whether any changed the state.
+bool StepLoop::apply_events(const std::vector<std::size_t>& due) {
   const EventLocator& events = parts_->events;
-  refuse_contradictions(events, first, state_.t);
+  refuse_contradictions(events, due, state_.t);
   std::string names;
   const auto act = [&](const Event& e, const std::string& who, const std::string& next) {
-    if (e.activate.empty() && e.deactivate.empty() && !e.change) return;
-    if (state_.coordinates) keep_state(state_, parts_->before_change), dynamics_.to_slots(state_);
+    if (!changes_state(e)) return;
+    parts_->to_slots(dynamics_, state_);
     apply(e, who);
     names += names.empty() ? who : next;
   };
-  for (std::size_t i = first; i < events.size(); ++i)
-    if (events.due(i, state_.t) != EventLocator::Due::no)
-      act(events[i], "event '" + events[i].name + "'", ", '" + events[i].name + "'");
+  for (const std::size_t i : due) act(events[i], "event '" + events[i].name + "'", ", '" + events[i].name + "'");
   if (parts_->by_call != nullptr) act(*parts_->by_call, "a call", " and a call");
   if (names.empty()) return false;
   make_consistent(names);
-  parts_->cause += (parts_->cause.empty() ? "" : " and ") + names;
+  std::string& cause = parts_->change.cause;
+  cause += (cause.empty() ? "" : " and ") + names;
   return true;
 }
 
@@ -170,7 +157,6 @@ void StepLoop::apply(const Event& e, const std::string& who) {
     const State before = state_;
     user_code("event", e.name, before.t, [&] { e.change(state_); });
     check_change(system(), e, before, state_);
-    system().check_size(state_);
   }
   if (!state_.q.allFinite() || !state_.v.allFinite() || !state_.s.allFinite())
     throw NonFiniteError(fmt::format("{} made the state not finite at t = {:.9g} s", who, state_.t), state_.t);
@@ -182,18 +168,12 @@ void StepLoop::apply(const Event& e, const std::string& who) {
 
 // Impacts are those of the bodies; where nothing comes of it, the state is what it was.
 void StepLoop::settle_contacts() {
-  const bool converted = state_.coordinates != nullptr;
-  keep_state(state_, parts_->before_events);
-  if (converted) keep_state(state_, parts_->before_change), dynamics_.to_slots(state_);
-  ContactManager::Settled settled;
-  try {
-    settled = parts_->contacts.settle(state_);
-    parts_->clock.last().touch(settled.touched);
-  } catch (...) {
-    keep_state(parts_->before_events, state_);
-    throw;
-  }
-  if (converted && !settled.restart) keep_state(parts_->before_change, state_);
+  const ContactManager::Settled settled = parts_->or_as_before(state_, [&] {
+    parts_->to_slots(dynamics_, state_);
+    return parts_->contacts.settle(state_);
+  });
+  parts_->clock.last().touch(settled.touched);
+  if (!settled.restart) keep_state(parts_->kept, state_);
   if (settled.impact) ++report_.impacts;
   if (!settled.resting.empty()) make_consistent(settled.resting);
   if (settled.impact) dynamics_.accept(state_);  // counted turns continue at the new speeds

@@ -79,8 +79,7 @@ bool StepLoop::cross_inputs() {
   note_inputs();  // what fails from here on is gone on with
   if (state_.coordinates) keep_state(state_, parts_->before_change);
   keep_state(slots, state_);
-  parts_->acted = true, parts_->cause = "the jump of a law", parts_->refusal.clear();
-  parts_->fall_due({Due::before_jump, Due::jump, Due::events, Due::contacts, Due::jumped});
+  parts_->fall_due(Due::before_jump, {.acted = true, .jump = true, .cause = "the jump of a law"});
   deliver();
   return true;
 }

@@ -5,8 +5,8 @@
 
 #include <cstddef>
 #include <exception>
-#include <initializer_list>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <lockstep/error.h>
@@ -14,6 +14,7 @@
 #include "framework/dynamics/simulate/clock.h"
 #include "framework/dynamics/simulate/contact_manager.h"
 #include "framework/dynamics/simulate/event_locator.h"
+#include "framework/dynamics/simulate/keep_state.h"
 #include "framework/dynamics/simulate/step_interval.h"
 #include "framework/dynamics/simulate/user_code.h"
 
@@ -21,7 +22,7 @@ namespace lockstep {
 
 class DetailObserver;
 
-/// What is due after a step, in the order in which it is done. It is done with when it did not throw.
+/// What is due after a step, one after the other up to `jumped`, or a row alone. It is done with when it did not throw.
 enum class Due {
   rows,         ///< the outputs inside the step, and what lies between them
   step,         ///< Observer::step
@@ -32,12 +33,23 @@ enum class Due {
   events,       ///< the events that fall due
   contacts,     ///< impacts, contacts and releases
   jumped,       ///< Observer::jumped, if something acted
-  last_row      ///< the output of the end of a run
+  only_row,     ///< the output of the start or end of a run
+  nothing
 };
 
 struct Delivery {
-  Due what;
+  Due what = Due::nothing;
   std::size_t called = 0;  ///< so many observers were called
+
+  void go_on() { *this = {what < Due::jumped ? static_cast<Due>(static_cast<int>(what) + 1) : Due::nothing}; }
+};
+
+/// What changed the state at the end of a step, or between two.
+struct Change {
+  bool acted = false;     ///< something did,
+  bool jump = false;      ///< a law jumps
+  std::string cause{};    ///< and what, in words
+  std::string refusal{};  ///< why no motion follows the jump of a law; "" where one does
 };
 
 struct StepLoop::Parts {
@@ -46,32 +58,40 @@ struct StepLoop::Parts {
         interval(of.dynamics_, *of.method_),
         finder(of.dynamics_, interval, clock),
         events(of.dynamics_, interval, clock, finder),
-        contacts(of.dynamics_, interval, finder, of.options_.start_limit) {
-    due.reserve(static_cast<std::size_t>(Due::last_row) + 1);
-  }
+        contacts(of.dynamics_, interval, finder, of.options_.start_limit) {}
 
   Clock clock;
   StepInterval interval;
   GuardFinder finder;
   EventLocator events;
   ContactManager contacts;
-  StateRate crossing;   // scratch for cross_jump
-  State before_change;  // in the coordinates of the formulation: turns are counted on from there
-  State before_events;
-  Clock::Target target;       // of the present step
-  std::size_t started = 0;    // observers that were started
-  std::vector<Delivery> due;  // after the last step, the last one first; what threw stays until the run goes on
-  std::string refusal;        // why no motion follows the jump of a law at its end; "" where one does
-  bool acted = false;         // whether something changed the state at its end,
-  std::string cause;          // and what
+  StateRate crossing;       // scratch for cross_jump
+  State before_change;      // in the coordinates of the formulation: turns are counted on from there
+  State kept;               // of or_as_before
+  Clock::Target target;     // of the present step
+  std::size_t started = 0;  // observers that were started
+  Delivery due;             // after the last step; what threw stays until the run goes on
+  Change change;            // at its end
 
   const Event* by_call = nullptr;  // what a call switches
 
   std::vector<DetailObserver*> detailed;  // of the observers
-  /// Begins a list of what is due.
-  void fall_due(std::initializer_list<Due> list) {
-    due.clear();
-    for (const Due* what = list.end(); what != list.begin();) due.push_back({*--what});
+  /// From now on this is due, and what follows it.
+  void fall_due(Due first, Change at_end = {}) { change = std::move(at_end), due = {first}; }
+  /// Calls `act`; what it throws leaves the state as it was.
+  template <class Act>
+  auto or_as_before(State& state, Act&& act) {
+    keep_state(state, kept);
+    try {
+      return act();
+    } catch (...) {
+      keep_state(kept, state);
+      throw;
+    }
+  }
+  /// To the slots' own coordinates, from where turns are counted on.
+  void to_slots(Dynamics& dynamics, State& state) {
+    if (state.coordinates) keep_state(state, before_change), dynamics.to_slots(state);
   }
   /// Shows states inside of the last step, from t0 to t1.
   void show_inside(DetailObserver& to, Dynamics& dynamics, double t0, double t1);
@@ -80,7 +100,7 @@ struct StepLoop::Parts {
   /// tolerance (infinite for fixed steps), and what varies most. For the end of a message: "" or "; ...".
   std::string why_steps_end(Dynamics& dynamics, const State& state, double tolerance) const;
   /// Whether something acts at the end of the last step, t: an impact, a law's jump, an event that changes something, a call.
-  bool acts(double t) const;
+  bool acts(double t);
 };
 
 template <class Act>

@@ -91,7 +91,7 @@ std::string difference(const std::string& saved, const std::string& now) {
 
 void StepLoop::save(Snapshot& out) {
   if (!begun_) throw ModelError("a run that has not begun cannot be saved; call run_until() or step() first");
-  if (!parts_->due.empty())
+  if (parts_->due.what != Due::nothing)
     throw ModelError(
         "the run cannot be saved: what follows its last step is not done, after an error or in the midst of it; run on "
         "first");
@@ -138,7 +138,7 @@ void StepLoop::load(SnapshotReader in) {
     try {
       load_parts(in);
     } catch (...) {
-      if (!begun_) state_ = std::move(before), dynamics_.to_slots(state_), report_ = {}, parts_->due.clear();
+      if (!begun_) state_ = std::move(before), dynamics_.to_slots(state_), report_ = {}, parts_->due = {};
       throw;
     }
   });
@@ -160,8 +160,6 @@ void StepLoop::load_parts(SnapshotReader& in) {
   state_ = std::move(state), p.before_change = std::move(before), report_ = std::move(report);
   for (std::size_t k = 0; k < inputs.size(); ++k) dynamics_.control_inputs()[k].set(inputs[k]);
   stale_ = stale, warned_of_turns_ = warned, keeps_stop_ = false;
-  const IntegratorInfo& method = p.interval.method();
-  measures_turns_ = !method.adaptive || method.implicit;
   p.interval.start(state_);
   begin_inputs();
   p.clock.load(of_clock), p.clock.last().begin(state_.t);
@@ -169,7 +167,7 @@ void StepLoop::load_parts(SnapshotReader& in) {
   if (options_.output > 0 && !(p.clock.next_output() >= state_.t))  // what lies behind is past between two steps
     throw ModelError("the saved outputs do not belong to the time of the saved state: the checkpoint is damaged");
   SnapshotReader work = in.get_part();
-  p.acted = false, p.cause.clear(), p.refusal.clear(), p.due.clear();
+  p.change = {}, p.due = {};
   p.started = 0;
   if (const long n = in.get_count(); n != static_cast<long>(observers_.size()))
     throw ModelError(fmt::format("the run was saved with {} observers and has {}; add the same, in the same order", n,

@@ -1,6 +1,7 @@
 // The step loop, its events and observers.
 #pragma once
 
+#include <exception>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -285,9 +286,10 @@ class LOCKSTEP_API StepLoop {
   void settle_now();
   void begin_steps();
   void begin_method();
-  void cross_jump(double t);
-  bool fire_events();
-  bool apply_events(std::size_t first);
+  /// Returns why no motion follows the jump; "" where one does.
+  std::string cross_jump(double t);
+  void fire_events();
+  bool apply_events(const std::vector<std::size_t>& due);
   void apply(const Event&, const std::string& who);
   void settle_contacts();
   void make_consistent(const std::string& cause);
@@ -303,8 +305,8 @@ class LOCKSTEP_API StepLoop {
   /// To the coordinates of the formulation, where the method takes them, counting on from the turns of `near`; else to the
   /// slots' own.
   void to_coordinates(const State& near);
-  enum class Errors { thrown, dropped };
-  void finish(Errors of_observers);
+  /// Finishes the observers that were started. Returns the first error of theirs; null where there was none.
+  std::exception_ptr finish();
   void measure_turns(double h, const Sample&);
   void warn_of_turns();
   void warn_at_start();
@@ -319,7 +321,7 @@ class LOCKSTEP_API StepLoop {
   SimulationReport report_;
   std::unique_ptr<Parts> parts_;
   bool begun_ = false, running_ = false, stale_ = false;  // stale: the method's history is that of a failed step
-  bool measures_turns_ = false, warned_of_turns_ = false;
+  bool warned_of_turns_ = false;
   bool has_laws_ = false;            // links may read inputs, by laws
   bool keeps_stop_ = false;          // the last call switched: a stop that it came to is still to end a run
   std::vector<double> inputs_seen_;  // values of the inputs
