@@ -54,8 +54,8 @@ bool GuardFinder::find_and_cut(State& end) {
   const bool is_cut = first() < end.t;
   if (is_cut)
     interval_.cut(first(), end);
-  else if (kept_)
-    interval_.restore_method();
+  else
+    interval_.put_back_method();
   return is_cut;
 }
 
@@ -74,11 +74,6 @@ bool GuardFinder::must_look_closely() {
     if (guards_[k].inside && !(least > 2 * (high - low))) return true;
   }
   return false;
-}
-
-void GuardFinder::keep_method() {
-  if (!kept_) interval_.keep_method();
-  kept_ = true;
 }
 
 double GuardFinder::first() const {

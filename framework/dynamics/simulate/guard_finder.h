@@ -68,7 +68,7 @@ class GuardFinder {
 
   /// Forgets all guards, to look at the step that ended with `end`, which must outlive the look.
   void begin(const State& end) {
-    end_ = &end, kept_ = false, fits_ = false, turn_parts_ = 0;
+    end_ = &end, fits_ = false, turn_parts_ = 0;
     guards_.clear(), times_.clear();
   }
   void add(const Guard& g) { guards_.push_back(g); }
@@ -81,7 +81,6 @@ class GuardFinder {
   std::span<Guard> guards() { return guards_; }
   /// Its value at t, by the method.
   Sampled own(const Guard& g, double t) {
-    keep_method();
     return {t, g.owner->guard(g.of, Sample(dynamics_, interval_.at(t), interval_.report()))};
   }
   /// What was seen of the k-th guard, in order, the start of the step first.
@@ -105,7 +104,6 @@ class GuardFinder {
   void search_turn(Guard&, Sampled a, Sampled middle, Sampled b);
   void search_outputs();
   void meet(Guard&, Sampled a, Sampled b);
-  void keep_method();
   bool of_method(const Guard&, Sampled& a, Sampled& b);
   double first() const;
 
@@ -116,7 +114,6 @@ class GuardFinder {
   std::vector<Guard> guards_;
   double turn_parts_ = 0;  // by the turn alone; 0: not measured
   bool along_ = false;     // laws alone move all
-  bool kept_ = false;      // the method, for shorter steps
   bool fits_ = false;      // the cubic is that of this step
   std::vector<double> inside_, times_, values_, here_, before_;
   State guess_;

@@ -16,7 +16,7 @@ bool names_thing(std::string_view message) { return message.find(" '") != std::s
 }  // namespace
 
 void StepInterval::start(const State& state) {
-  keep_state(state, from_), keep_state(state, inside_);
+  keep_state(state, from_);
   report_ = {};
   remembers_ = false;
 }
@@ -29,10 +29,11 @@ void StepInterval::begin(const State& state) {
 
 void StepInterval::make(State& state, double h, bool has_guards) {
   keep_state(state, from_);
+  is_back_ = false;
   if (!has_dense_ && has_guards) before_.clear(), method_.save(before_);
   try {
     report_ = named(method_, from_.t, [&] { return method_.step(dynamics_, state, h); });
-    watch_.check(from_, state, h, report_);
+    check_step(dynamics_.system(), method_, from_, state, h, report_);
   } catch (const StepError& error) {
     state = from_;
     if (info_.adaptive || method_.origin() != "built in" || names_thing(error.what())) throw;
@@ -60,24 +61,22 @@ const State& StepInterval::at(double t) {
   }
   inside_ = from_;
   if (t <= from_.t) return inside_;
+  if (!is_back_) after_.clear(), method_.save(after_);
+  is_back_ = true;
   SnapshotReader before(before_);
   method_.restore(before);
   for (double left = t - from_.t; left > 0; left = t - inside_.t) {
     before_part_ = inside_;
-    StepReport part = named(method_, inside_.t, [&] { return method_.step(dynamics_, inside_, left); });
-    watch_.check(before_part_, inside_, left, part);
+    const StepReport part = named(method_, inside_.t, [&] { return method_.step(dynamics_, inside_, left); });
+    check_step(dynamics_.system(), method_, before_part_, inside_, left, part);
     if (part.h >= left) break;
   }
   inside_.t = t;
   return inside_;
 }
 
-void StepInterval::keep_method() {
-  if (!has_dense_) after_.clear(), method_.save(after_);
-}
-
-void StepInterval::restore_method() {
-  if (SnapshotReader after(after_); !has_dense_) method_.restore(after);
+void StepInterval::put_back_method() {
+  if (SnapshotReader after(after_); is_back_) method_.restore(after);
 }
 
 void StepInterval::cut(double t, State& state) {

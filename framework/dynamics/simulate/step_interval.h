@@ -8,8 +8,7 @@ namespace lockstep {
 
 class StepInterval {
  public:
-  StepInterval(Dynamics& dynamics, Integrator& method)
-      : dynamics_(dynamics), method_(method), info_(method.info()), watch_(dynamics, method) {}
+  StepInterval(Dynamics& dynamics, Integrator& method) : dynamics_(dynamics), method_(method), info_(method.info()) {}
 
   /// Starts a new run from this state.
   void start(const State&);
@@ -19,8 +18,8 @@ class StepInterval {
   /// it was. Without guards nobody asks for states inside it but of dense output.
   void make(State& state, double h, bool has_guards);
 
-  /// After n steps: see StepWatch::check_again().
-  void check_again(const State& at, long n, double& largest) { watch_.check_again(at, n, largest); }
+  /// After n steps: see measure_violation().
+  void measure(const State& at, long n) { measure_violation(dynamics_, method_, at, n, report_); }
 
   const IntegratorInfo& method() const { return info_; }
   /// Whether the method may keep accelerations from step to step. Those with a scheme() evaluate each stage anew, and so do
@@ -33,12 +32,10 @@ class StepInterval {
   bool has_dense() const { return has_dense_; }
 
   /// The state at t inside the step, on the constraints, valid until the next call: by dense output, or for a method
-  /// without it by a shorter step, before which keep_method() is called.
+  /// without it by a shorter step.
   const State& at(double t);
-  /// Remembers the method at the end of the step, before shorter steps are made,
-  void keep_method();
-  /// and puts it back there.
-  void restore_method();
+  /// Puts the method back to the end of the step, if shorter ones were made.
+  void put_back_method();
   /// The state at t becomes the end of the step.
   void cut(double t, State& state);
 
@@ -59,11 +56,11 @@ class StepInterval {
   Dynamics& dynamics_;
   Integrator& method_;
   const IntegratorInfo info_;
-  StepWatch watch_;
   State from_, inside_, before_part_, slots_;
   Snapshot before_, after_;  // the method's memory around the step
   StepReport report_;
   bool has_dense_ = false;
+  bool is_back_ = false;  // the method is inside the step, after shorter ones
   bool remembers_ = false;
   VecX acted_, acts_, C_, Cd_;
 };

@@ -308,12 +308,12 @@ void StepLoop::note_step(double t0, const Sample& sample) {
                     "passes zero again",
                     name, report_.steps == 1 ? "the start" : fmt::format("t = {:.9g} s, when it was added", t0)));
   measure_turns(step.h, sample);
+  parts_->interval.measure(state_, report_.steps);
   report_.rejected += step.rejected;
   if (step.manifold) ++report_.manifold_steps;
   if (step.stiff && !(report_.stiff_since <= state_.t) && may_damp(dynamics_, state_)) report_.stiff_since = state_.t;
   const double largest_before = report_.largest_violation;
   if (!(step.violation_after <= report_.largest_violation)) report_.largest_violation = step.violation_after;
-  parts_->interval.check_again(state_, report_.steps, report_.largest_violation);
   warn_of_drift(largest_before);
 }
 

@@ -62,28 +62,29 @@ std::string wrong_quaternion(const State& to, const System& system) {
   return {};
 }
 
+bool is_built_in(const Integrator& method) { return method.origin() == "built in"; }
+
 // In every 16th step, and in 1, 2, 4, 8.
 bool is_due(long n) { return n % kApart == 0 || (n < kApart && (n & (n - 1)) == 0); }
 
 }  // namespace
 
-void StepWatch::check(const State& from, const State& to, double h, StepReport& report) {
+void check_step(const System& system, const Integrator& method, const State& from, const State& to, double h,
+                const StepReport& report) {
   std::string wrong;
-  if (!is_built_in_) wrong = wrong_parts(from, to);
+  if (!is_built_in(method)) wrong = wrong_parts(from, to);
   if (wrong.empty()) wrong = wrong_time(from.t, to.t, h, report);
   if (wrong.empty()) wrong = wrong_numbers(to);
-  if (wrong.empty()) wrong = wrong_quaternion(to, dynamics_.system());
+  if (wrong.empty()) wrong = wrong_quaternion(to, system);
   if (!wrong.empty())
-    throw StepError(fmt::format("{}: the step from t = {:.9g} s {}", method_.info().name, from.t, wrong), from.t);
-  if (!is_built_in_ && has_closures(to))
-    if (const double found = dynamics_.violation_of_closures(to); !(report.violation_after >= found))
-      report.violation_after = found;
+    throw StepError(fmt::format("{}: the step from t = {:.9g} s {}", method.info().name, from.t, wrong), from.t);
 }
 
-void StepWatch::check_again(const State& at, long n, double& largest) {
-  if (!is_built_in_ || !is_due(n) || !has_closures(at)) return;
-  const double found = dynamics_.violation_of_closures(at);
-  if (!(found <= largest)) largest = found;
+void measure_violation(Dynamics& dynamics, const Integrator& method, const State& at, long n, StepReport& report) {
+  const bool has_closures = !at.coordinates || at.coordinates->has_rows();
+  if (!has_closures || (is_built_in(method) && !is_due(n))) return;
+  if (const double found = dynamics.violation_of_closures(at); !(found <= report.violation_after))
+    report.violation_after = found;
 }
 
 }  // namespace lockstep
