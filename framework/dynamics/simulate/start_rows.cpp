@@ -16,20 +16,6 @@ namespace {
 
 using Decomposition = Eigen::CompleteOrthogonalDecomposition<MatX>;
 
-/// P against S.
-Quat relative_turn(const Inputs& in, const MarkerFrame& P, const MarkerFrame& S) {
-  return conjugate(in.slot(S.slot).e * S.at(in.t).q) * (in.slot(P.slot).e * P.at(in.t).q);
-}
-
-double angle_about(const Quat& e, int k) { return std::remainder(2 * std::atan2(e.vec()[k], e.w), kTwoPi); }
-
-/// g of theta' = w g, theta = 2 atan2(ek, e0), axes of S: g = (e0^2 k + e0 (e x k) + ek e) / (e0^2 + ek^2).
-Vec3 gradient_of_turn(const Quat& e, int k) {
-  const Vec3 ev = e.vec(), axis = Vec3::Unit(k);
-  const double size = e.w * e.w + ev[k] * ev[k];
-  return size > 0 ? Vec3((e.w * e.w * axis + e.w * cross(ev, axis) + ev[k] * ev) / size) : axis;
-}
-
 }  // namespace
 
 double nearest_branch(double angle, double about) { return angle + kTwoPi * std::round((about - angle) / kTwoPi); }
@@ -45,40 +31,30 @@ const Lock& paired_link(const System& system, const std::string& name, Axis axis
 CoordinateRow coordinate_row(Dynamics& dynamics, const State& state, const Lock& link, Axis which) {
   const auto [p, s] = link.pairs().front();
   const MarkerFrame P(*p), S(*s);
-  const Inputs& in = dynamics.inputs(state);
-  const auto O1 = kernel::body(in.slot(P.slot)), O2 = kernel::body(in.slot(S.slot));
-  const auto mP = kernel::marker<true, true>(P.at(in.t)), mS = kernel::marker<true, true>(S.at(in.t));
+  const RelativePair<Reads::both, true> pair(P, S, dynamics.inputs(state));
   const int k = axis_index(which) % 3;
-  const auto axis = vec::vector(Vec3(Vec3::Unit(k)));
   CoordinateRow out;
-  const auto row_of = [&](const auto& r) {
+  out.value = pair.y()[k];
+  using Gradient = Vec7T<double>;
+  Gradient of_rate = Gradient::Unit(k), of_value = of_rate;
+  if (is_rotation(which)) {
+    const double e0 = pair.y()[3], ek = pair.y()[4 + k], size = e0 * e0 + ek * ek;
+    const Vec3 e = pair.y().tail<3>(), axis = Vec3::Unit(k);
+    of_rate << Vec3::Zero(), -2 * ek, 2 * (e0 * axis + cross(axis, e));  // w = 2 (e0 e' - e0' e + e x e'), axes of S
+    out.value = std::remainder(2 * std::atan2(ek, e0), kTwoPi);
+    of_value = size > 0 ? Gradient((e0 * Gradient::Unit(4 + k) - ek * Gradient::Unit(3)) * 2 / size) : of_rate;
+  }
+  const auto row_of = [&](const Gradient& gradient) {
+    const PulledRow pulled = pair.pull(gradient);
     VecX row = VecX::Zero(6 * dynamics.system().n_slots());
-    const auto put = [&](int slot, double sign, const auto& v, const auto& w) {
-      if (slot == kGround) return;
-      row.segment<3>(6 * slot) += sign * vec::as<Vec3>(v);
-      row.segment<3>(6 * slot + 3) += vec::as<Vec3>(w);
+    const auto put = [&](int slot, const Vec3& v, const Vec3& w) {
+      if (slot != kGround) row.segment<3>(6 * slot) += v, row.segment<3>(6 * slot + 3) += w;
     };
-    put(P.slot, 1, r.v, r.w1), put(S.slot, -1, r.v, r.w2);
+    put(P.slot, pulled.v, pulled.w1), put(S.slot, -pulled.v, pulled.w2);
     return row;
   };
-  if (is_rotation(which)) {
-    const auto about = [&](const auto& n) {
-      const auto n2 = mS.A * n;
-      return row_of(kernel::angular_velocity_row(O1.A, O2.A * n2, n2));
-    };
-    const Quat e = relative_turn(in, P, S);
-    out.value = angle_about(e, k);
-    out.rate = dot(axis, kernel::relative_angular_velocity(O1, O2, mP, mS));
-    out.of_rate = about(axis);
-    out.of_value = about(vec::vector(gradient_of_turn(e, k)));
-  } else {
-    const auto n2 = mS.A * axis, n = O2.A * n2;
-    const auto at = kernel::position(O1, O2, mP, mS);
-    const MarkerInWorld in_p = in_world(P, in), in_s = in_world(S, in);
-    out.value = in_s.A.col(k).dot(Vec3(in_p.x - in_s.x));
-    out.rate = dot(axis, kernel::position_rate(mS, at, kernel::velocity(O1, O2, mP, at)));
-    out.of_rate = out.of_value = row_of(kernel::translation_row(O1.A, mP.u, at.s, n, n2));
-  }
+  out.rate = of_rate.dot(pair.yd());
+  out.of_rate = row_of(of_rate), out.of_value = row_of(of_value);
   return out;
 }
 

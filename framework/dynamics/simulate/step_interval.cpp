@@ -2,6 +2,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <utility>
+
 #include <lockstep/error.h>
 #include "framework/dynamics/integrate/culprit.h"
 #include "framework/dynamics/simulate/keep_state.h"
@@ -76,7 +78,7 @@ const State& StepInterval::at(double t) {
 }
 
 void StepInterval::put_back_method() {
-  if (SnapshotReader after(after_); is_back_) method_.restore(after);
+  if (SnapshotReader after(after_); std::exchange(is_back_, false)) method_.restore(after);
 }
 
 void StepInterval::cut(double t, State& state) {
