@@ -133,8 +133,7 @@ NotGiven not_given(const System& system, const State& given, const State& assemb
 // take to where they begin.
 bool only_laws_move(Dynamics& dynamics, const State& given) {
   const Evaluation& e = dynamics.gather_rows(given);
-  VecX C, Cd;
-  e.residuals(C, Cd);
+  VecX C = Residuals(e).C;
   for (const RowEntry& entry : e.rows().entries) {
     const Lock& link = *dynamics.system().links()[static_cast<std::size_t>(entry.link)];
     for (int k = 0; k < entry.m; ++k)

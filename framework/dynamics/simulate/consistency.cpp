@@ -82,8 +82,7 @@ double start_distance(const Evaluation& e, const VecX& C) {
 void check_start(Dynamics& dynamics, const State& s, double limit) {
   const Evaluation& at = dynamics.gather_rows(s);
   check_gradients(at);
-  VecX C, Cd;
-  at.residuals(C, Cd);
+  const VecX C = Residuals(at).C;
   const double c = start_distance(at, C);
   if (!(c <= limit))
     throw AssemblyError(
@@ -97,14 +96,12 @@ void check_velocities(Dynamics& dynamics, const State& state, double left, doubl
                       const char* advice) {
   if (left <= limit) return;
   const Evaluation& at = dynamics.gather_rows(state);
-  VecX C, Cd;
-  at.residuals(C, Cd);
   throw AssemblyError(fmt::format(
       "{} at t = {:.9g} s leaves inconsistent velocities: they violate the constraints by {:.3g} m/s (limit {:.3g} "
       "m/s), most of all {}; two laws may drive one coordinate{}, or the position is a dead centre, where a driven "
       "coordinate cannot move: {}look at the drives of these links",
-      cause, state.t, left, limit, worst_rows(at, row_sizes(at, Cd)), or_against_stops(dynamics.system(), at.rows()),
-      advice));
+      cause, state.t, left, limit, worst_rows(at, row_sizes(at, Residuals(at).Cd)),
+      or_against_stops(dynamics.system(), at.rows()), advice));
 }
 
 double before_jump(double jump, double span) { return 1e-10 * std::max(std::abs(jump), span); }
@@ -148,14 +145,13 @@ void check_links(Dynamics& dynamics, const State& state, const std::vector<std::
                  const std::string& cause, double limit) {
   const Evaluation& at = dynamics.gather_rows(state);
   const RowTable& rows = at.rows();
+  const VecX sizes = row_sizes(at, Residuals(at).C);
   for (const std::string& name : links) {
     const Lock& link = dynamics.system().link(name);
     const int entry = rows.entry_of_link[static_cast<std::size_t>(link.number())];
     if (entry < 0) continue;
     const RowEntry& e = rows.entries[static_cast<std::size_t>(entry)];
-    VecX c = VecX::Zero(rows.n_rows);
-    for (int k = 0; k < e.m; ++k) c[e.first_row + k] = rows.block(e).C(k);
-    const double violation = at.norm(c);
+    const double violation = sizes.segment(e.first_row, e.m).lpNorm<Eigen::Infinity>();
     if (!(violation <= limit))
       throw AssemblyError(
           fmt::format("{} activates link '{}' at t = {:.9g} s, where it is {:.3g} m apart (limit {:.3g} m); "
@@ -182,21 +178,15 @@ void make_consistent(Dynamics& dynamics, State& state, const std::string& cause,
   dynamics.accept(state);
 }
 
-PositionJump::PositionJump(Dynamics& dynamics, const State& state) {
-  dynamics.gather_rows(state).residuals(before_, rates_before_);
-}
+PositionJump::PositionJump(Dynamics& dynamics, const State& state) : before_(dynamics.gather_rows(state)) {}
 
 bool PositionJump::changes_rows(Dynamics& dynamics, const State& state) const {
-  VecX C, Cd;
-  dynamics.gather_rows(state).residuals(C, Cd);
-  return C != before_ || Cd != rates_before_;
+  return Residuals(dynamics.gather_rows(state)) != before_;
 }
 
 std::string PositionJump::refusal(Dynamics& dynamics, const State& state, double limit) const {
   const Evaluation& at = dynamics.gather_rows(state);
-  VecX C, Cd;
-  at.residuals(C, Cd);
-  C -= before_;
+  const VecX C = Residuals(at).C - before_.C;
   const double jump = at.norm(C);
   if (jump <= limit) return "";
   return fmt::format(

@@ -9,6 +9,12 @@
 
 namespace lockstep {
 
+/// C and Jh v + Ct of the rows of an evaluation.
+struct Residuals {
+  explicit Residuals(const Evaluation& at) { at.residuals(C, Cd); }
+  bool operator==(const Residuals&) const = default;
+  VecX C, Cd;
+};
 /// Each row's number as Evaluation::norm counts it, m, or of rates m/s.
 VecX row_sizes(const Evaluation&, const VecX&);
 /// Names of the three rows with the largest sizes, with these.
@@ -56,7 +62,7 @@ class PositionJump {
   std::string refusal(Dynamics&, const State&, double limit) const;
 
  private:
-  VecX before_, rates_before_;
+  Residuals before_;
 };
 
 }  // namespace lockstep

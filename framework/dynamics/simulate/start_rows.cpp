@@ -9,6 +9,7 @@
 #include <lockstep/error.h>
 #include <lockstep/relative.h>
 #include <lockstep/text.h>
+#include "framework/dynamics/simulate/consistency.h"
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
@@ -147,8 +148,7 @@ bool TargetRows::is_led(const Lock& link, int drive) const {
 }
 
 void TargetRows::take_links(const Evaluation& e) {
-  VecX C, Cd;
-  e.residuals(C, Cd);
+  VecX C = Residuals(e).C;
   const Eigen::Index most = n_ + static_cast<Eigen::Index>(targets_.size());
   E_.setZero(C.size() + most, n_), c_.setZero(C.size() + most), exact_ = C.size();
   S_.setZero(most, n_), r_.setZero(most), soft_ = 0;
