@@ -11,6 +11,7 @@
 #include <lockstep/log.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/evaluate/projection_rule.h"
+#include "framework/dynamics/integrate/speed_of.h"
 #include "framework/dynamics/simulate/consistency.h"
 #include "framework/dynamics/simulate/line_search.h"
 #include "framework/dynamics/simulate/start_rows.h"
@@ -71,12 +72,7 @@ void cayley_move(State& state, double share, const VecX& d) {
   }
 }
 
-/// The largest turn of a step or between two states, rad.
-double largest_turn(const VecX& d) {
-  double most = 0;
-  for (int k = 0; 6 * k < d.size(); ++k) most = std::max(most, d.segment<3>(6 * k + 3).norm());
-  return most;
-}
+/// Between two states, rad.
 double largest_turn(const State& a, const State& b) {
   double most = 0;
   for (int k = 0; 7 * k < a.q.size(); ++k)
@@ -271,7 +267,7 @@ class StartSearch {
     for (double share = 0; share < 1; arrive()) {
       ask(1);
       if (rows.look(state) <= goal_) return true;
-      share = std::min(1.0, kTurn / largest_turn(rows.step()));
+      share = std::min(1.0, kTurn / fastest_turn(rows.step()));
       for (;; share *= 0.25) {
         if (share < kLeastPart) return false;
         ask(share);
@@ -305,7 +301,7 @@ class StartSearch {
       const double cost = rows.cost();
       VecX d = rows.downhill();
       if (cost == 0 || d.size() == 0 || d.lpNorm<Eigen::Infinity>() <= goal_) return;
-      d *= std::min(1.0, kTurn / std::max(kTurn, largest_turn(d)));
+      d *= std::min(1.0, kTurn / std::max(kTurn, fastest_turn(d)));
       const auto falls = [&](double share) {
         cayley_move(state_, share, d);
         count(dynamics_, state_, state_, false);

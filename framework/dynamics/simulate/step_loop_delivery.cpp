@@ -9,6 +9,7 @@
 #include <lockstep/error.h>
 #include <lockstep/log.h>
 #include "framework/dynamics/integrate/culprit.h"
+#include "framework/dynamics/integrate/speed_of.h"
 #include "framework/dynamics/simulate/detail_observer.h"
 #include "framework/dynamics/simulate/step_loop_parts.h"
 #include "framework/dynamics/simulate/step_rules.h"
@@ -114,11 +115,9 @@ void StepLoop::output(Delivery& now, const Sample& sample) {
 // On the grid of its spacing. A state that cannot be made is left out: no result hangs on it.
 void StepLoop::Parts::show_inside(DetailObserver& to, Dynamics& dynamics, double t0, double t1) {
   const double h = to.spacing();
-  if (!(h < t1 - t0 + h)) return;  // infinite
-  double k = std::floor(t0 / h) + 1;
-  if (!(k * h < t1)) return;
+  if (!std::isfinite(h)) return;
   const Uncounted uncounted(dynamics);
-  for (; k * h < t1; ++k) {
+  for (double k = std::floor(t0 / h) + 1; k * h < t1; ++k) {
     try {
       if (!(k * h > t0)) continue;
       const Sample sample(dynamics, interval.at(k * h), interval.report());
@@ -132,14 +131,6 @@ void StepLoop::Parts::show_inside(DetailObserver& to, Dynamics& dynamics, double
 }
 
 namespace {
-
-// Of the slot that turns, or moves beside the size of the mechanism, fastest, 1/s.
-double fastest_rate(Dynamics& dynamics, const State& state) {
-  double most = 0;
-  for (const Motion& O : dynamics.inputs(state).motions)
-    most = std::max({most, O.w.norm(), O.v.norm() / dynamics.system().length()});
-  return most;
-}
 
 // Who keeps steps short in joint coordinates whatever the state is; "" for nobody.
 std::string below_rounding(const System& system, const State& state, double tolerance) {
@@ -159,7 +150,9 @@ std::string StepLoop::Parts::why_steps_end(Dynamics& dynamics, const State& stat
   constexpr double kLongStep = 1e-3;
   const LastSteps& last = clock.last();
   if (const std::string links = contacts.who_was_touched(last); !links.empty()) return "; " + links;
-  if (clock.advised() * fastest_rate(dynamics, state) > kLongStep)
+  State slots = state;
+  dynamics.to_slots(slots);
+  if (clock.advised() * speed_of(slots.v, dynamics.system().length()) > kLongStep)
     return "; its motion needs steps of that length: end it earlier (until)";
   const std::string varies =
       who_varies(dynamics, state, std::max(10 * clock.advised(), kNegligible * std::max(1.0, std::abs(state.t))));

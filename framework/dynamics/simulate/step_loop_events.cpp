@@ -1,8 +1,9 @@
 // What changes the state between two steps: events, and the links that come into force by them or by contact.
 #include <spdlog/fmt/fmt.h>
 
-#include <map>
+#include <algorithm>
 #include <string>
+#include <tuple>
 
 #include <lockstep/error.h>
 #include "framework/dynamics/simulate/consistency.h"
@@ -16,18 +17,15 @@ namespace {
 
 // Of the events that are due at t none may undo what another does: their order would decide.
 void refuse_contradictions(const EventLocator& events, const std::vector<std::size_t>& due, double t) {
-  std::map<std::string, std::string> on, off;  // name -> event
-  for (const std::size_t i : due) {
-    for (const std::string& name : events[i].activate) on.emplace(name, events[i].name);
-    for (const std::string& name : events[i].deactivate) off.emplace(name, events[i].name);
-  }
-  for (const auto& [name, event] : on)
-    if (const auto other = off.find(name); other != off.end())
-      throw ModelError(
-          {.thing = {.kind = "event", .name = event},
-           .problem = fmt::format("it activates '{}' at t = {:.9g} s, and event '{}' deactivates it at the "
-                                  "same instant; remove '{}' from one of them, or let one come later",
-                                  name, t, other->second, name)});
+  for (const std::size_t on : due)
+    for (const std::size_t off : due)
+      for (const std::string& name : events[on].activate)
+        if (std::ranges::find(events[off].deactivate, name) != events[off].deactivate.end())
+          throw ModelError(
+              {.thing = {.kind = "event", .name = events[on].name},
+               .problem = fmt::format("it activates '{}' at t = {:.9g} s, and event '{}' deactivates it at the "
+                                      "same instant; remove '{}' from one of them, or let one come later",
+                                      name, t, events[off].name, name)});
 }
 
 // What a change may not touch: the sizes of the state, its time, and what is in force. `before`: the state that the
