@@ -88,30 +88,12 @@ double kinetic_energy(Dynamics& dynamics, const State& state) {
   return 0.5 * twice;
 }
 
-// Bodies that have a velocity now, by what was not given of it.
-struct NotGiven {
-  std::vector<std::string> all, velocity, omega;
-
-  /// "no start velocity is given for 'coupler', 'rocker'; ..."; "" where all are given.
-  std::string text() const {
-    std::string words;
-    const auto say = [&](const char* what, std::vector<std::string> names) {
-      constexpr std::size_t kMost = 5;
-      if (names.empty()) return;
-      if (names.size() > kMost) names.resize(kMost), names.emplace_back("...");
-      words += (words.empty() ? "" : "; ") + std::string(what) + text::join(names);
-    };
-    say("no start velocity is given for ", all);
-    say("an angular velocity, but no \"velocity\" of the frame's origin is given for ", velocity);
-    say("a \"velocity\", but no angular one (\"omega_world\") is given for ", omega);
-    return words;
-  }
-};
-
-NotGiven not_given(const System& system, const State& given, const State& assembled) {
+// Bodies that have a velocity now, by what was not given of it: "no start velocity is given for 'coupler', 'rocker'; ...";
+// "" where all are given.
+std::string not_given(const System& system, const State& given, const State& assembled) {
   const double L = system.length(),
                rounding = kLittle * std::max(given.v.lpNorm<Eigen::Infinity>(), assembled.v.lpNorm<Eigen::Infinity>());
-  NotGiven out;
+  std::vector<std::string> all, velocity, omega;
   for (int k = 0; k < system.n_slots(); ++k) {
     const Body& body = system.body_of_slot(k);
     const Twist asked = body_twist(body, given), has = body_twist(body, assembled);
@@ -119,14 +101,24 @@ NotGiven not_given(const System& system, const State& given, const State& assemb
     const bool moves = has.v.norm() > rounding, turns = has.w.norm() > rounding;
     const std::string name = "'" + body.name + "'";
     if (v == 0 && w == 0) {
-      if (moves || turns) out.all.push_back(name);
+      if (moves || turns) all.push_back(name);
     } else if (v <= kLittle * w) {
-      if (moves) out.velocity.push_back(name);
+      if (moves) velocity.push_back(name);
     } else if (w <= kLittle * v && turns) {
-      out.omega.push_back(name);
+      omega.push_back(name);
     }
   }
-  return out;
+  std::string words;
+  const auto say = [&](const char* what, std::vector<std::string> names) {
+    constexpr std::size_t kMost = 5;
+    if (names.empty()) return;
+    if (names.size() > kMost) names.resize(kMost), names.emplace_back("...");
+    words += (words.empty() ? "" : "; ") + std::string(what) + text::join(names);
+  };
+  say("no start velocity is given for ", all);
+  say("an angular velocity, but no \"velocity\" of the frame's origin is given for ", velocity);
+  say("a \"velocity\", but no angular one (\"omega_world\") is given for ", omega);
+  return words;
 }
 
 // Whether the start poses fit the links but for their drives: a mechanism drawn in its zero position, which its drives
@@ -166,7 +158,7 @@ void add_warnings(Dynamics& dynamics, const State& given, const State& assembled
         report.turned_most, report.largest_turn));
   const double lost = report.kinetic_before - report.kinetic_after;
   if (!(lost > kMuch * report.kinetic_before)) return;
-  const std::string missing = not_given(system, given, assembled).text();
+  const std::string missing = not_given(system, given, assembled);
   report.warnings.push_back(fmt::format(
       "assembly took {:.3g} J of the {:.3g} J that the start velocities give, as the links do not allow them: {}", lost,
       report.kinetic_before,
@@ -176,12 +168,10 @@ void add_warnings(Dynamics& dynamics, const State& given, const State& assembled
 
 // What was asked for by a weight and is not there: against it count the start poses of the bodies, and other coordinates.
 void add_missed(Dynamics& dynamics, const State& assembled, const AssemblyOptions& options, AssemblyReport& report) {
-  for (const CoordinateTarget& target : options.coordinates) {
-    if (!std::isfinite(target.weight) || target.weight == 0) continue;
-    const bool turns = is_rotation(target.axis);
-    const Lock& link = dynamics.system().link(target.link);
-    const double value = coordinate_row(dynamics, assembled, link, target.axis).value;
-    const double off = turns ? std::remainder(value - target.value, kTwoPi) : value - target.value;
+  for (const StartTarget& target : targets_of(dynamics.system(), assembled, options)) {
+    if (target.exact()) continue;
+    const bool turns = target.turns();
+    const double off = target.value(dynamics, assembled, target.asked) - target.asked;
     if ((turns ? 1 : 1 / dynamics.system().length()) * std::abs(off) <= kLittle) continue;
     const auto shown = [&](double x) { return turns ? degrees(x) : x; };
     report.warnings.push_back(fmt::format(
@@ -189,8 +179,8 @@ void add_missed(Dynamics& dynamics, const State& assembled, const AssemblyOption
         "bodies among it, counts against it; ask for it exactly (\"position\"), or let its body go anywhere "
         "(\"assembled\": "
         "\"free\")",
-        target.link, to_string(target.axis), shown(target.value + off), turns ? "deg" : "m", shown(target.value),
-        turns ? "deg" : "m"));
+        target.link->name(), to_string(target.axis), shown(target.asked + off), turns ? "deg" : "m",
+        shown(target.asked), turns ? "deg" : "m"));
   }
 }
 
