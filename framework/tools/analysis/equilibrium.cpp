@@ -11,8 +11,8 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/simulate/line_search.h"
-#include "framework/tools/analysis/equilibrium_search.h"
 #include "framework/foundation/math/limits.h"
+#include "framework/tools/analysis/equilibrium_search.h"
 #include "framework/tools/analysis/motion_words.h"
 #include "framework/tools/analysis/rest_matrices.h"
 
@@ -92,7 +92,7 @@ bool EquilibriumSearch::find_dense_step(bool either_way) {
   const RestMatrices A(*now_.e, now_.lambda);
   if (A.N.cols() == 0) return false;
   const VecX g = A.at.forces_in(now_.r);
-  const RestMotions motions(A);
+  const ModalBasis motions = A.modal_basis();
   const MatX& K = motions.K;
   VecX share = motions.U.transpose() * g, y;
   if (!motions.has_potential) y = MatX(K + shift_ * MatX::Identity(K.rows(), K.cols())).partialPivLu().solve(share);

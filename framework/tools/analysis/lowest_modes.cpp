@@ -24,7 +24,6 @@ namespace lockstep {
 namespace {
 
 using Complex = std::complex<double>;
-using MatXc = Eigen::MatrixXcd;
 using Eigen::VectorXcd;
 
 // Motions that are orthonormal in M.
@@ -68,23 +67,6 @@ double largest_rate(const LinearMotion& m) {
   return rate;
 }
 
-// The lowest modes in a basis: zeros first.
-struct Lowest {
-  Lowest(const LinearMotion& m, const MatX& V, Eigen::Index count) {
-    const Spectrum found = spectrum_of(problem_in(m, V));
-    const Eigen::Index zeros = std::min(found.rigid.cols(), count),
-                       others = std::min(found.vectors.cols(), count - zeros);
-    l.assign(static_cast<std::size_t>(zeros), 0.0);
-    l.insert(l.end(), found.values.begin(), found.values.begin() + others);
-    x.resize(V.rows(), zeros + others);
-    x << (V * found.rigid.leftCols(zeros)).cast<Complex>(), V.cast<Complex>() * found.vectors.leftCols(others);
-    if (!found.values.empty()) rate = std::abs(found.values.front());
-  }
-  std::vector<Complex> l;
-  MatXc x;
-  double rate = HUGE_VAL;  // |l| of the lowest that is not zero
-};
-
 }  // namespace
 
 MatX lowest_motions(const LinearMotion& m, int count, bool redundant) {
@@ -103,21 +85,23 @@ MatX lowest_motions(const LinearMotion& m, int count, bool redundant) {
             constrained);
     start = 0;
     for (;;) {
-      const Lowest lowest(m, V.all(), count);
+      std::vector<Eigenvalue> lowest = spectrum_of(m, V.all()).all;  // zeros first
+      const auto first = std::ranges::find_if(lowest, [](const Eigenvalue& e) { return e.l != 0.0; });
+      const double rate = first != lowest.end() ? std::abs(first->l) : HUGE_VAL;
+      if (lowest.size() > static_cast<std::size_t>(count)) lowest.erase(lowest.begin() + count, lowest.end());
       Motions wanted(m.M);
-      for (const auto& x : lowest.x.colwise()) wanted.add(x, constrained);
-      if (s > 2 * lowest.rate) {  // on with a shift below the lowest
-        s = 0.5 * lowest.rate, V = wanted;
+      for (const Eigenvalue& e : lowest) wanted.add(e.x, constrained);
+      if (s > 2 * rate) {  // on with a shift below the lowest
+        s = 0.5 * rate, V = wanted;
         break;
       }
       const Eigen::Index before = V.all().cols();
-      for (std::size_t k = 0; k < lowest.l.size(); ++k) {
-        const VectorXcd x = lowest.x.col(static_cast<Eigen::Index>(k));
-        const Complex l = lowest.l[k];
+      for (const auto& [l, bound, x] : lowest) {
         const VectorXcd f = (l * l - s * s) * (m.M * x) + (l - s) * (m.D * x);
         VectorXcd better = x;
         better.real() += S.solve(f.real()), better.imag() += S.solve(f.imag());
-        if (V.norm(better) > std::max(kNegligible, kRoundOff * std::norm(l / s)) * V.norm(x)) V.add(better, constrained);
+        if (V.norm(better) > std::max(kNegligible, kRoundOff * std::norm(l / s)) * V.norm(x))
+          V.add(better, constrained);
       }
       if (V.all().cols() == before) return m.D.norm() == 0 ? wanted.all() : V.all();  // damped, l has no x of its own
       if (V.all().cols() > most)

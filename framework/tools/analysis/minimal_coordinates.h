@@ -32,9 +32,4 @@ Eigen::LLT<MatX> mass_factor(const MatX& M);
 /// that is redundant everywhere does not.
 void refuse_singular_pose(Dynamics&, const State&, const MechanismMatrices&, const MinimalCoordinates&);
 
-/// What the unrest of a still state may add to w^2, 1/s^2; frozen coefficients are those of their instant.
-inline double unrest_share(const LinearMotion& m) {
-  return m.unrest.is_still() ? m.unrest.acceleration / m.length : 0.0;
-}
-
 }  // namespace lockstep

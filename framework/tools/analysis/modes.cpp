@@ -42,6 +42,7 @@ std::vector<BodyShape> shape_of(const System& system, const State& state, const 
 
 Mode::Kind kind_of(Complex l) {
   if (l.imag() != 0) return Mode::Kind::oscillation;
+  if (l == 0.0) return Mode::Kind::rigid;
   return l.real() < 0 ? Mode::Kind::decay : Mode::Kind::growth;
 }
 
@@ -84,14 +85,10 @@ Modes find_modes(Dynamics& dynamics, const State& given, const ModesOptions& opt
   out.complete = static_cast<int>(motion.unknowns.size()) <= options.dense_limit;
   const int count = options.count > 0 || out.complete ? options.count : 20;
   const MatX N = basis_of(dynamics, state, motion, count, out);
-  const Spectrum found = spectrum_of(problem_in(motion, N));
+  const Spectrum found = spectrum_of(motion, N);
   out.zeros = found.zeros, out.zero_bound = found.zero_bound;
-  const auto shape = [&](const Eigen::VectorXcd& y) { return shape_of(system, state, motion, N.cast<Complex>() * y); };
-  for (Eigen::Index k = 0; k < found.rigid.cols(); ++k)
-    out.modes.push_back({Mode::Kind::rigid, 0.0, found.zero_bound, shape(found.rigid.col(k).cast<Complex>())});
-  for (std::size_t k = 0; k < found.values.size(); ++k)
-    out.modes.push_back({kind_of(found.values[k]), found.values[k], found.bounds[k],
-                         shape(found.vectors.col(static_cast<Eigen::Index>(k)))});
+  for (const Eigenvalue& e : found.all)
+    out.modes.push_back({kind_of(e.l), e.l, e.bound, shape_of(system, state, motion, e.x)});
   if (count > 0 && static_cast<std::size_t>(count) < out.modes.size()) {
     out.modes.resize(static_cast<std::size_t>(count));
     out.complete = false;

@@ -10,8 +10,8 @@
 #include <Eigen/Eigenvalues>
 
 #include <lockstep/newton.h>
-#include "framework/tools/analysis/forces_at_rest.h"
 #include "framework/foundation/math/limits.h"
+#include "framework/tools/analysis/forces_at_rest.h"
 #include "framework/tools/analysis/mechanism_matrices.h"
 #include "framework/tools/analysis/motion_words.h"
 #include "framework/tools/analysis/rest_matrices.h"
@@ -20,7 +20,7 @@ namespace lockstep {
 
 RestMatrices::RestMatrices(const Evaluation& e, const VecX& lambda) : at(e.system()), N(free_motions(e)) {
   const VecX turned = at.lengths().cwiseInverse();
-  const auto in_lengths = [&](const SparseMat& A) { return MatX(turned.asDiagonal() * A * turned.asDiagonal()); };
+  const auto in_lengths = [&](const SparseMat& A) { return SparseMat(turned.asDiagonal() * A * turned.asDiagonal()); };
   NewtonMatrix newton;
   newton.gather(e, lambda);
   M = in_lengths(mass_of(e.system(), at)), K = in_lengths(tangent_of(newton.tangents(), false, at));
@@ -32,19 +32,16 @@ RestMatrices::RestMatrices(const Evaluation& e, const VecX& lambda) : at(e.syste
     const auto [row, column] = newton.tangents().pairs()[p];
     at.add(row, column, Mat6::Constant(block.cwiseAbs().maxCoeff()), sizes);
   }
-  size_K = at.square(sizes);
   const VecX loads = largest_loads(e, lambda);
-  for (Eigen::Index i = 0; i < size_K.rows(); ++i)
-    size_K(i, i) += loads[at.places()[static_cast<std::size_t>(i)] / 6] / e.system().length();
+  for (int i = 0; i < at.n(); ++i)
+    sizes.emplace_back(i, i, loads[at.places()[static_cast<std::size_t>(i)] / 6] / e.system().length());
+  size_K = at.square(sizes);
 }
 
 namespace {
 
 // Of the norm of K: round-off of the eigenvalues of an unsymmetric matrix.
 constexpr double kSolver = 50 * std::numeric_limits<double>::epsilon();
-
-/// The terms of u^T K u by their size.
-double terms_of(const RestMatrices& A, const VecX& sizes) { return sizes.dot(A.size_K * sizes); }
 
 /// 6 per slot, of size 1 m; the largest turn, or where there is hardly one the largest move, is positive. u: in the
 /// unknowns.
@@ -63,31 +60,6 @@ VecX unit_motion(const RestMatrices& A, const System& system, const VecX& u) {
 }
 
 }  // namespace
-
-RestMotions::RestMotions(const RestMatrices& A) : U(A.N.rows(), A.N.cols()) {
-  Eigen::Index found = 0;
-  // An eigenvector of a level errs by round-off of the stiffest motion over the distance to it, which adds the square of
-  // that to u^T K u.
-  for (MatX level = A.N; level.cols() > 0;) {
-    const MatX K_level = level.transpose() * A.K * level, M = level.transpose() * A.M * level;
-    const Eigen::GeneralizedSelfAdjointEigenSolver<MatX> eigen(0.5 * (K_level + K_level.transpose()), M);
-    const VecX& mu = eigen.eigenvalues();
-    const MatX motions = level * eigen.eigenvectors();
-    const double soft = kSlight * mu.cwiseAbs().maxCoeff();
-    bool zero = true;
-    for (Eigen::Index i = 0; i < mu.size(); ++i)
-      zero = zero && std::abs(mu[i]) <= kRoundOff * terms_of(A, motions.col(i).cwiseAbs());
-    std::vector<Eigen::Index> again;
-    for (Eigen::Index i = 0; i < mu.size(); ++i)
-      if (!zero && std::abs(mu[i]) < soft)
-        again.push_back(i);
-      else
-        U.col(found++) = motions.col(i);
-    level = motions(Eigen::all, again).eval();
-  }
-  K = U.transpose() * A.K * U, terms = U.cwiseAbs().transpose() * A.size_K * U.cwiseAbs();
-  has_potential = ((K - K.transpose()).cwiseAbs().array() <= kSlight * (terms + terms.transpose()).array()).all();
-}
 
 std::string to_string(Stability::Kind kind) {
   constexpr const char* kWords[] = {"stable", "neutral", "unstable", "not judged", "gripped"};
@@ -109,7 +81,7 @@ Stability judge_motions(const Evaluation& e, const RestMatrices& A) {
   Stability out;
   out.freedoms = static_cast<int>(A.N.cols());
   if (out.freedoms == 0) return out;
-  const RestMotions own(A);
+  const ModalBasis own = A.modal_basis();
   out.has_potential = own.has_potential;
   Eigen::VectorXcd mu = own.K.diagonal().cast<std::complex<double>>();
   Eigen::MatrixXcd motions = own.U.cast<std::complex<double>>();
@@ -120,7 +92,8 @@ Stability judge_motions(const Evaluation& e, const RestMatrices& A) {
   }
   for (Eigen::Index i = 0; i < mu.size(); ++i) {
     const VecX re = motions.col(i).real(), im = motions.col(i).imag();
-    const double mass = re.dot(A.M * re) + im.dot(A.M * im), terms = terms_of(A, motions.col(i).cwiseAbs()) / mass;
+    const double mass = re.dot(A.M * re) + im.dot(A.M * im),
+                 terms = terms_of(A.size_K, motions.col(i).cwiseAbs()) / mass;
     const double stiffness = mu[i].real(), bound = kRoundOff * terms + solver;
     const bool grows =
         stiffness < -bound || std::abs(mu[i].imag()) > std::sqrt(terms * (kSlight * kSlight * terms + solver));

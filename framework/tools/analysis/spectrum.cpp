@@ -6,11 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
+#include <utility>
 
 #include <lockstep/error.h>
 #include "framework/foundation/math/limits.h"
 #include "framework/tools/analysis/minimal_coordinates.h"
+#include "framework/tools/analysis/modal_basis.h"
 
 namespace lockstep {
 namespace {
@@ -18,104 +19,57 @@ namespace {
 using Complex = std::complex<double>;
 using MatXc = Eigen::MatrixXcd;
 
-// In coordinates z = L^T y, M = L L^T.
-struct Normal {
-  MatX D, K, L;
-  double size_D = 0, size_K = 0;
-};
-
 double largest_row(const MatX& A) { return A.size() == 0 ? 0.0 : A.cwiseAbs().rowwise().sum().maxCoeff(); }
 
-Normal normal_of(const QuadraticProblem& p) {
-  Normal n;
-  n.L = mass_factor(p.M).matrixL();
-  const auto lower = n.L.triangularView<Eigen::Lower>();
-  const auto both = [&](const MatX& A) {
-    const MatX half = lower.solve(A);
-    return MatX(lower.solve(MatX(half.transpose())).transpose());
-  };
-  n.D = both(p.D), n.K = both(p.K);
-  const MatX inverse = lower.solve(MatX(MatX::Identity(p.M.rows(), p.M.cols()))).cwiseAbs();
-  n.size_D = largest_row(inverse * p.size_D * inverse.transpose());
-  n.size_K = largest_row(inverse * p.size_K * inverse.transpose());
-  return n;
-}
-
-// Of none there are none: Eigen would look at numbers that are not there.
-MatX back(const Normal& n, const MatX& z) {
-  return z.size() == 0 ? z : MatX(n.L.transpose().triangularView<Eigen::Upper>().solve(z));
-}
-MatXc back(const Normal& n, const MatXc& z) {
-  MatXc y(z.rows(), z.cols());
-  if (y.size() == 0) return y;
-  y.real() = back(n, MatX(z.real())), y.imag() = back(n, MatX(z.imag()));
-  return y;
-}
-
-// D = 0, K symmetric: l^2 = -w^2 of a symmetric matrix, in which zeros do not split.
-void solve_symmetric(const Normal& n, double zero, double unrest, Spectrum& out) {
-  const Eigen::SelfAdjointEigenSolver<MatX> solver(0.5 * (n.K + n.K.transpose()));
-  const VecX& squares = solver.eigenvalues();
-  std::vector<Eigen::Index> rigid, source;
-  for (Eigen::Index k = 0; k < squares.size(); ++k) {
-    const double w = std::sqrt(std::abs(squares[k]));
-    if (std::abs(squares[k]) <= zero) {
-      rigid.push_back(k);
-      continue;
-    }
-    const double bound = (kRoundOff * n.size_K + unrest) / (2 * w);
-    const auto put = [&](Complex value) {
-      out.values.push_back(value), out.bounds.push_back(bound), source.push_back(k);
-    };
-    if (squares[k] > 0) {
-      put({0, w});
-    } else {
-      put({-w, 0}), put({w, 0});
-    }
+// D = 0, K symmetric: l^2 = -w^2, in which zeros do not split.
+void solve_symmetric(const ModalBasis& own, double zero, Spectrum& out) {
+  for (Eigen::Index k = 0; k < own.K.rows(); ++k) {
+    const double square = own.K(k, k), w = std::sqrt(std::abs(square));
+    const auto put = [&](Complex l, double bound) { out.all.push_back({l, bound, own.U.col(k).cast<Complex>()}); };
+    if (std::abs(square) <= zero)
+      out.zeros += 2, put(0, out.zero_bound);
+    else if (square > 0)
+      put({0, w}, zero / (2 * w));
+    else
+      put(-w, zero / (2 * w)), put(w, zero / (2 * w));
   }
-  out.zeros = 2 * static_cast<int>(rigid.size());
-  out.rigid = back(n, MatX(solver.eigenvectors()(Eigen::all, rigid)));
-  const MatX vectors = back(n, MatX(solver.eigenvectors()(Eigen::all, source)));
-  out.vectors = vectors.cast<Complex>();
 }
 
 // x' = A x in x = (z, z'/rate), time in 1/rate, and its zeros taken out level by level: the null space of A gives one
 // zero each, that of A without it the second of a direction in which the mechanism can drift, and so on (9.24).
 class Companion {
  public:
-  Companion(const Normal& n, double rate, double zero) : zero_(zero), f_(n.K.rows()) {
+  Companion(const MatX& K, const MatX& D, double rate, double zero) : zero_(zero), f_(K.rows()) {
     T_ = MatX::Zero(2 * f_, 2 * f_);
     T_.topRightCorner(f_, f_).setIdentity();
-    T_.bottomLeftCorner(f_, f_) = -n.K / (rate * rate);
-    T_.bottomRightCorner(f_, f_) = -n.D / rate;
+    T_.bottomLeftCorner(f_, f_) = -K / (rate * rate);
+    T_.bottomRightCorner(f_, f_) = -D / rate;
     Q_ = MatX::Identity(2 * f_, 2 * f_);
     while (deflate()) {
     }
   }
   int zeros() const { return static_cast<int>(done_); }
-  int first_level() const { return first_; }
   MatX null_vectors() const { return Q_.topLeftCorner(f_, first_); }
 
-  // The eigenvalues that are left, with vectors (z) and conditions.
-  void solve(std::vector<Complex>& values, MatXc& vectors, std::vector<double>& conditions) const {
+  // visit(l, z, condition) of the eigenvalues that are left, of pairs one.
+  template <class Visit>
+  void solve(Visit&& visit) const {
     const Eigen::Index left = T_.rows() - done_;
     if (left == 0) return;
     const Eigen::EigenSolver<MatX> solver(T_.bottomRightCorner(left, left));
     if (solver.info() != Eigen::Success) throw SolveError("the eigenvalues of the linear equations did not converge");
     const MatXc V = solver.eigenvectors();
     const MatXc W = V.partialPivLu().inverse();
-    vectors.resize(f_, left);
     for (Eigen::Index k = 0; k < left; ++k) {
       const Complex l = solver.eigenvalues()[k];
+      if (l.imag() < 0) continue;
       Eigen::VectorXcd x(2 * f_);
       x.tail(left) = V.col(k);
       if (done_ > 0) {  // (l 1 - T11) t = T12 w
         const MatXc A = l * MatXc::Identity(done_, done_) - T_.topLeftCorner(done_, done_).cast<Complex>();
         x.head(done_) = A.partialPivLu().solve(T_.topRightCorner(done_, left).cast<Complex>() * V.col(k));
       }
-      values.push_back(l);
-      vectors.col(k) = (Q_.cast<Complex>() * x).head(f_);
-      conditions.push_back(V.col(k).norm() * W.row(k).norm());
+      visit(l, Eigen::VectorXcd((Q_.cast<Complex>() * x).head(f_)), V.col(k).norm() * W.row(k).norm());
     }
   }
 
@@ -132,88 +86,47 @@ class Companion {
     T_.bottomRows(left) = (V.transpose() * T_.bottomRows(left)).eval();
     T_.block(done_, done_, left, n_null).setZero();
     Q_.rightCols(left) = (Q_.rightCols(left) * V).eval();
-    if (done_ == 0) first_ = static_cast<int>(n_null);
+    if (done_ == 0) first_ = n_null;
     done_ += n_null;
     return true;
   }
 
   double zero_;
-  Eigen::Index f_, done_ = 0;
-  int first_ = 0;
+  Eigen::Index f_, done_ = 0, first_ = 0;
   MatX T_, Q_;
 };
 
-void solve_general(const Normal& n, double zero, double unrest, Spectrum& out) {
-  // Slow modes err by round-off of A over their share of the rate: it is no faster than K asks for, but as long as
-  // round-off of D/rate is none beside 1.
-  const double rate =
-      std::max({std::sqrt(n.size_K), std::sqrt(zero), n.size_D * (std::numeric_limits<double>::epsilon() / kRoundOff)});
-  if (rate == 0) {  // nothing acts
-    out.zeros = 2 * static_cast<int>(n.K.rows());
-    out.rigid = back(n, MatX(MatX::Identity(n.K.rows(), n.K.cols())));
-    return;
-  }
-  const Companion companion(n, rate, zero / (rate * rate));
-  out.zeros = companion.zeros();
-  out.rigid = back(n, companion.null_vectors());
-  std::vector<Complex> values;
-  std::vector<double> conditions;
-  MatXc vectors;
-  companion.solve(values, vectors, conditions);
-  std::vector<Eigen::Index> kept;
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    if (values[k].imag() < 0) continue;
-    kept.push_back(static_cast<Eigen::Index>(k));
-    const Complex l = rate * values[k];
-    out.values.push_back(l);
-    out.bounds.push_back(conditions[k] * (kRoundOff * std::max(rate, n.size_D) + unrest / (2 * std::abs(l))));
-  }
-  out.vectors = kept.empty() ? MatXc(n.K.rows(), 0) : back(n, MatXc(vectors(Eigen::all, kept)));
-}
-
-// By rising |l|; of equal ones by their real parts.
-void sort(Spectrum& s) {
-  std::vector<std::size_t> order(s.values.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
-    const double A = std::abs(s.values[a]), B = std::abs(s.values[b]);
-    return A != B ? A < B : s.values[a].real() < s.values[b].real();
-  });
-  Spectrum sorted = s;
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    sorted.values[k] = s.values[order[k]], sorted.bounds[k] = s.bounds[order[k]];
-    sorted.vectors.col(static_cast<Eigen::Index>(k)) = s.vectors.col(static_cast<Eigen::Index>(order[k]));
-  }
-  s = std::move(sorted);
-}
-
 }  // namespace
 
-QuadraticProblem problem_in(const LinearMotion& m, const MatX& N) {
-  const MatX size = N.cwiseAbs();
-  const auto inner = [](const MatX& left, const SparseMat& A) { return MatX(left.transpose() * (A * left)); };
-  return {inner(N, m.M),
-          inner(N, m.D),
-          inner(N, m.K),
-          inner(size, SparseMat(m.D.cwiseAbs())),
-          inner(size, SparseMat(m.K.cwiseAbs())),
-          unrest_share(m)};
-}
-
-Spectrum spectrum_of(const QuadraticProblem& p) {
+Spectrum spectrum_of(const LinearMotion& m, const MatX& N) {
   Spectrum out;
-  out.rigid = MatX(p.M.rows(), 0), out.vectors = MatXc(p.M.rows(), 0);
-  if (p.M.rows() == 0) return out;
-  const Normal n = normal_of(p);
-  const double zero = kRoundOff * n.size_K + p.unrest;
+  if (N.cols() == 0) return out;
+  mass_factor(N.transpose() * (m.M * N));
+  const ModalBasis own(m.M, m.K, m.K.cwiseAbs(), N);
+  const MatX D = own.U.transpose() * (m.D * own.U);
+  const double size_D = largest_row(own.U.cwiseAbs().transpose() * (SparseMat(m.D.cwiseAbs()) * own.U.cwiseAbs())),
+               size_K = largest_row(own.terms), unrest = m.unrest.is_still() ? m.unrest.acceleration / m.length : 0.0,
+               zero = kRoundOff * size_K + unrest;
   out.zero_bound = std::sqrt(zero);
-  const bool undamped = largest_row(n.D) <= kRoundOff * std::max(n.size_D, std::sqrt(n.size_K)),
-             symmetric = largest_row(n.K - n.K.transpose()) <= kRoundOff * n.size_K;
-  if (undamped && symmetric)
-    solve_symmetric(n, zero, p.unrest, out);
-  else
-    solve_general(n, zero, p.unrest, out);
-  sort(out);
+  const bool undamped = largest_row(D) <= kRoundOff * std::max(size_D, std::sqrt(size_K)),
+             symmetric = largest_row(own.K - own.K.transpose()) <= kRoundOff * size_K;
+  if (undamped && symmetric) {
+    solve_symmetric(own, zero, out);
+  } else {
+    // Slow modes err by round-off of A over their share of the rate: it is no faster than K asks for, but as long as
+    // round-off of D/rate is none beside 1.
+    const double rate =
+        std::max({std::sqrt(size_K), std::sqrt(zero), size_D * (std::numeric_limits<double>::epsilon() / kRoundOff)});
+    const Companion companion(own.K, D, rate, zero / (rate * rate));
+    out.zeros = companion.zeros();
+    const MatX rigid = own.U * companion.null_vectors();
+    for (const auto& x : rigid.colwise()) out.all.push_back({0, out.zero_bound, x.cast<Complex>()});
+    companion.solve([&](Complex share, const Eigen::VectorXcd& z, double condition) {
+      const Complex l = rate * share;
+      out.all.push_back({l, condition * (kRoundOff * std::max(rate, size_D) + unrest / (2 * std::abs(l))), own.U * z});
+    });
+  }
+  std::ranges::stable_sort(out.all, {}, [](const Eigenvalue& e) { return std::pair(std::abs(e.l), e.l.real()); });
   return out;
 }
 

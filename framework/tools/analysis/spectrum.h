@@ -1,4 +1,4 @@
-// Eigenvalues of l^2 M + l D + K for dense matrices, zeros told from round-off.
+// Eigenvalues of l^2 M + l D + K in motions of a mechanism, zeros told from round-off.
 #pragma once
 
 #include <complex>
@@ -8,27 +8,20 @@
 
 namespace lockstep {
 
-/// A quadratic eigenproblem in minimal coordinates.
-struct QuadraticProblem {
-  MatX M, D, K;
-  MatX size_D, size_K;  ///< D and K with all terms that were added taken by their size: what round-off is measured by
-  double unrest = 0;    ///< what the state's unrest adds to w^2 at most, 1/s^2
+/// One eigenvalue: a zero, a real one, or of a pair that with Im l > 0.
+struct Eigenvalue {
+  std::complex<double> l;
+  double bound;        ///< what round-off and unrest may have changed
+  Eigen::VectorXcd x;  ///< its motion, in the unknowns
 };
 
-/// That of the motions N y: of the minimal coordinates, or of those in which some modes lie.
-QuadraticProblem problem_in(const LinearMotion&, const MatX& N);
-
-/// Its solution. Vectors are columns, in the problem's coordinates.
 struct Spectrum {
-  double zero_bound = 0;                     ///< |l| below which eigenvalues are zero, 1/s
-  int zeros = 0;                             ///< number of eigenvalues that are zero
-  MatX rigid;                                ///< null space of K: coordinates x rigid modes
-  std::vector<std::complex<double>> values;  ///< the others: real ones, and of pairs that with Im l > 0; by rising |l|
-  std::vector<double> bounds;                ///< of each: what round-off and unrest may have changed
-  Eigen::MatrixXcd vectors;                  ///< of each
+  double zero_bound = 0;        ///< |l| below which eigenvalues are zero, 1/s
+  int zeros = 0;                ///< number of eigenvalues that are zero
+  std::vector<Eigenvalue> all;  ///< by rising |l|; of zeros one for each motion that nothing holds
 };
 
-/// Throws SolveError where M is not positive definite or the decomposition does not converge.
-Spectrum spectrum_of(const QuadraticProblem&);
+/// That of the motions N y. Throws SolveError where M is not positive definite or the decomposition does not converge.
+Spectrum spectrum_of(const LinearMotion&, const MatX& N);
 
 }  // namespace lockstep
