@@ -19,10 +19,21 @@ VecX lengths_of(const MechanismMatrices& m) {
   return lengths;
 }
 
-MinimalCoordinates minimal_coordinates(const MechanismMatrices& m) {
-  const VecX turned = lengths_of(m).cwiseInverse();
+MinimalCoordinates minimal_coordinates(Dynamics& dynamics, const State& state, const MechanismMatrices& m) {
+  const Unknowns at(dynamics.system());
+  const VecX turned = at.lengths().cwiseInverse();
   const RowSpace rows(turned.asDiagonal() * SparseMat(m.J.transpose()));
-  return {turned.asDiagonal() * rows.free(), rows.circuits(), rows.nearly()};
+  const MatX N = rows.free(), stresses = rows.circuits();
+  const Evaluation& e = dynamics.gather_rows(state);
+  for (const auto& stress : stresses.colwise()) {
+    if (!stopping_form(e, at, N, stress)) continue;
+    Eigen::Index row = 0;
+    stress.cwiseAbs().maxCoeff(&row);
+    throw ModelError("in this pose row " + m.rows[static_cast<std::size_t>(row)] +
+                     " depends on others and does not elsewhere (a singular position: a change point, rods in line): "
+                     "the mechanism has no single linearisation there; take another state");
+  }
+  return {turned.asDiagonal() * N, rows.nearly()};
 }
 
 std::vector<int> independent_unknowns(const MechanismMatrices& m, const MatX& N) {
@@ -41,23 +52,6 @@ Eigen::LLT<MatX> mass_factor(const MatX& M) {
         "the mass matrix in minimal coordinates is not positive definite: a body that can move has no mass "
         "or inertia");
   return llt;
-}
-
-void refuse_singular_pose(Dynamics& dynamics, const State& state, const MechanismMatrices& m,
-                          const MinimalCoordinates& c) {
-  if (c.stresses.cols() == 0 || c.N.cols() == 0) return;
-  const Evaluation& e = dynamics.gather_rows(state);
-  const Unknowns at(dynamics.system());
-  const MatX N = at.lengths().asDiagonal() * c.N;
-  for (Eigen::Index j = 0; j < c.stresses.cols(); ++j) {
-    const VecX stress = c.stresses.col(j);
-    if (!stopping_form(e, at, N, stress)) continue;
-    Eigen::Index row = 0;
-    stress.cwiseAbs().maxCoeff(&row);
-    throw ModelError("in this pose row " + m.rows[static_cast<std::size_t>(row)] +
-                     " depends on others and does not elsewhere (a singular position: a change point, rods in line): "
-                     "the mechanism has no single linearisation there; take another state");
-  }
 }
 
 }  // namespace lockstep

@@ -12,24 +12,21 @@ namespace lockstep {
 /// dx = N y. Columns of N are orthonormal where turns count as lengths (times MechanismMatrices::length).
 struct MinimalCoordinates {
   MatX N;          ///< unknowns x freedoms
-  MatX stresses;   ///< rows x (rows - rank): multipliers that hold one another, J^T s = 0
   int nearly = 0;  ///< rows whose pivots lie between 1e-9 and 1e-4: near a singular position
 };
 
 /// Turns as lengths: what a displacement of each unknown by 1 is divided by.
 VecX lengths_of(const MechanismMatrices&);
 
-/// By a rank-revealing decomposition of J^T with rows of length 1: pivots below 1e-9 are zero (9.26).
-MinimalCoordinates minimal_coordinates(const MechanismMatrices&);
+/// By a rank-revealing decomposition of J^T with rows of length 1: pivots below 1e-9 are zero (9.26). Throws ModelError
+/// where rows are dependent in this pose only: their stresses change the stiffness (9.23). A row that is redundant
+/// everywhere does not.
+MinimalCoordinates minimal_coordinates(Dynamics&, const State&, const MechanismMatrices&);
 
 /// Unknowns that can stand for the minimal coordinates: N = C inverse(C at these), well conditioned.
 std::vector<int> independent_unknowns(const MechanismMatrices&, const MatX& N);
 
 /// The factor of a mass matrix in minimal coordinates. Throws SolveError where it is not positive definite.
 Eigen::LLT<MatX> mass_factor(const MatX& M);
-
-/// Throws ModelError where rows are dependent in this pose only: their stresses change the stiffness (9.23). A row
-/// that is redundant everywhere does not.
-void refuse_singular_pose(Dynamics&, const State&, const MechanismMatrices&, const MinimalCoordinates&);
 
 }  // namespace lockstep

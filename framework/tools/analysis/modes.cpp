@@ -53,8 +53,7 @@ MatX basis_of(Dynamics& dynamics, const State& state, const LinearMotion& motion
     out.freedoms = mobile.freedoms;
     return lowest_motions(motion, count, mobile.redundant > 0);
   }
-  MinimalCoordinates c = minimal_coordinates(motion);
-  refuse_singular_pose(dynamics, state, motion, c);
+  MinimalCoordinates c = minimal_coordinates(dynamics, state, motion);
   if (c.nearly > 0)
     out.notes.push_back("a singular position is near: " + std::to_string(c.nearly) +
                         " of the rows nearly depend on others");

@@ -329,9 +329,7 @@ StateSpace linearize(Dynamics& dynamics, const State& given, const std::vector<L
   const Inputs0 put_back(inputs);
   const System& system = dynamics.system();
   const LinearMotion m = linear_motion(dynamics, state, options);
-  const MinimalCoordinates c = minimal_coordinates(m);
-  refuse_singular_pose(dynamics, state, m, c);
-  const Reduced r = reduce(m, c.N);
+  const Reduced r = reduce(m, minimal_coordinates(dynamics, state, m).N);
   const Eigen::Index f = r.N.cols();
 
   StateSpace out;
