@@ -85,46 +85,31 @@ class Actuator {
   int state_ = -1;
 };
 
-// Rows and forces of the mechanism at one state as functions of an input.
-class Responses {
- public:
-  Responses(Dynamics& dynamics, const State& state, const LinearMotion& motion)
-      : dynamics_(dynamics), state_(state), motion_(motion), unknowns_(dynamics.system()) {}
-
-  // C, and R below it.
-  VecX operator()(const Actuator& input, const LawValue& u) const {
-    State at = state_;
-    input.set(u, at);
-    const Evaluation& e = dynamics_.gather(at);
-    const RowTable& rows = e.rows();
-    VecX f = e.force();
-    e.react(motion_.lambda, f);
-    VecX out(rows.n_rows + unknowns_.n());
-    for (const RowEntry& entry : rows.entries)
-      for (int k = 0; k < entry.m; ++k) out[entry.first_row + k] = rows.block(entry).C(k);
-    out.tail(unknowns_.n()) = unknowns_.rows(rows, entries_of(rows)) * motion_.lambda - unknowns_.of_slots(f);
-    input.clear();
-    return out;
-  }
-
- private:
-  Dynamics& dynamics_;
-  const State& state_;
-  const LinearMotion& motion_;
-  Unknowns unknowns_;
-};
+// C, and R below it, at a state with an input.
+VecX response(Dynamics& dynamics, const State& state, const LinearMotion& m, const Actuator& input, const LawValue& u) {
+  const Unknowns unknowns(dynamics.system());
+  State at = state;
+  input.set(u, at);
+  const Evaluation& e = dynamics.gather(at);
+  const RowTable& rows = e.rows();
+  VecX f = e.force(), C, Cd;
+  e.react(m.lambda, f);
+  e.residuals(C, Cd);
+  VecX out(rows.n_rows + unknowns.n());
+  out << C, unknowns.rows(rows, entries_of(rows)) * m.lambda - unknowns.of_slots(f);
+  input.clear();
+  return out;
+}
 
 // What changes with a state or an input, per unit of it.
 struct Direction {
-  enum class Of { displacement, rate, driven, input, rate_of_driven };
-  Of of;
   Signal signal;
   VecX acceleration;               // y''
   double step;                     // of differences
-  VecX dx, dv;                     // where they are not zero
+  VecX dx{}, dv{};                 // where they are not zero
   const Actuator* acts = nullptr;  // of an input
   LawValue u{};
-  bool is_state() const { return of != Of::input && of != Of::rate_of_driven; }
+  Eigen::Index rate_of = -1;  // the state of which it is the rate
 };
 
 // The values of the outputs at a state that differs.
@@ -210,15 +195,17 @@ void add_states(const System& system, const State& state, const LinearMotion& m,
       const double h = (turn ? 1.0 : m.length) / std::max(1.0, turn ? largest : largest * m.length);
       const std::string name = system.body_of_slot(u.slot).name + "." + kNames[u.velocity];
       if (rate)
-        out.push_back(
-            {Direction::Of::rate, {name + "_d", turn ? "rad/s" : "m/s"}, -r.M.solve(r.D.col(k)), kRateStep * h, {}, N});
+        out.push_back({.signal = {name + "_d", turn ? "rad/s" : "m/s"},
+                       .acceleration = -r.M.solve(r.D.col(k)),
+                       .step = kRateStep * h,
+                       .dv = N,
+                       .rate_of = k});
       else
-        out.push_back({Direction::Of::displacement,
-                       {name, turn ? "rad" : "m"},
-                       -r.M.solve(r.K.col(k)),
-                       kDifferenceStep * h,
-                       N,
-                       carried * N});
+        out.push_back({.signal = {name, turn ? "rad" : "m"},
+                       .acceleration = -r.M.solve(r.K.col(k)),
+                       .step = kDifferenceStep * h,
+                       .dx = N,
+                       .dv = carried * N});
     }
 }
 
@@ -263,15 +250,16 @@ double accuracy_of_outputs(const MatX& derivatives, const MatX& off, const std::
   return worst;
 }
 
-// Per unit of an input: the value, its rate and its second rate, as far as they act.
+// Per unit of an input: the value, its rate and its second rate, as far as they act. respond(u): the response to it.
+template <class Respond>
 void add_inputs(const LinearInput& input, const Actuator& acts, const LinearMotion& m, const Reduced& r,
-                const Responses& response, double& accuracy, std::vector<Direction>& out) {
+                Respond&& respond, double& accuracy, std::vector<Direction>& states, std::vector<Direction>& inputs) {
   const Eigen::Index rows = m.J.rows();
   const double length_step = kDifferenceStep * (acts.unit() == "m" ? m.length : 1.0);
   VecX off;
-  const VecX by_value = derivative([&](double h) { return response(acts, {h, 0, 0}); }, length_step, off);
+  const VecX by_value = derivative([&](double h) { return respond({h, 0, 0}); }, length_step, off);
   accuracy = std::max(accuracy, accuracy_of(by_value, off, m));
-  const VecX by_rate = derivative([&](double h) { return response(acts, {0, h, 0}); }, kRateStep, off);
+  const VecX by_rate = derivative([&](double h) { return respond({0, h, 0}); }, kRateStep, off);
   accuracy = std::max(accuracy, accuracy_of(by_rate, off, m));
   const VecX C_u = by_value.head(rows);
   const VecX R_u = by_value.tail(by_value.size() - rows), R_ud = by_rate.tail(by_rate.size() - rows);
@@ -292,21 +280,23 @@ void add_inputs(const LinearInput& input, const Actuator& acts, const LinearMoti
                        "' moves against other rows: the joints leave nothing that could follow it");
     G -= r.N * VecX(G(r.chosen));
   }
-  using Of = Direction::Of;
-  const auto column = [&](Of of, const std::string& suffix, const std::string& unit, const VecX& load, double step) {
-    out.push_back(
-        {of, {input.name + suffix, acts.unit() + unit}, -r.M.solve(r.N.transpose() * load), step, {}, {}, &acts});
+  const auto column = [&](std::vector<Direction>& to, const std::string& suffix, const std::string& unit,
+                          const VecX& load, double step) -> Direction& {
+    return to.emplace_back(Direction{.signal = {input.name + suffix, acts.unit() + unit},
+                                     .acceleration = -r.M.solve(r.N.transpose() * load),
+                                     .step = step,
+                                     .acts = &acts});
   };
   const bool speed = acts.is_speed(), by_value_alone = !moves && R_ud.isZero(0);
-  column(speed ? Of::driven : Of::input, "", "", m.K * G + R_u, length_step);
-  out.back().dx = G, out.back().u.y = 1;
+  Direction& value = column(speed ? states : inputs, "", "", m.K * G + R_u, length_step);
+  value.dx = G, value.u.y = 1;
   if (by_value_alone && !speed) return;  // a state of its own has a rate, which moves it
   // dv of dx' = G u' in the axes: the turning of dx itself is in the column of the value
-  column(speed ? Of::rate_of_driven : Of::input, speed ? "" : "_d", "/s", m.D * G + R_ud, kRateStep);
-  out.back().dv = G, out.back().u.yd = 1;
+  Direction& rate = column(inputs, speed ? "" : "_d", "/s", m.D * G + R_ud, kRateStep);
+  rate.dv = G, rate.u.yd = 1;
+  if (speed) rate.rate_of = static_cast<Eigen::Index>(states.size()) - 1;
   if (by_value_alone) return;
-  column(Of::input, speed ? "_d" : "_dd", "/s^2", m.M * G, kRateStep);
-  out.back().u.ydd = 1;
+  column(inputs, speed ? "_d" : "_dd", "/s^2", m.M * G, kRateStep).u.ydd = 1;
 }
 
 }  // namespace
@@ -338,26 +328,25 @@ StateSpace linearize(Dynamics& dynamics, const State& given, const std::vector<L
     out.notes.push_back(
         "about a steady rotation: outputs are those of this instant, and of every one only where they do "
         "not depend on the angle");
-  const Responses response(dynamics, state, m);
   const Outputs outputs(dynamics, state, channels);
   outputs.refuse_integrals();
-  std::vector<Direction> columns;
+  std::vector<Direction> columns, of_inputs;
   add_states(system, state, m, r, columns);
   std::vector<Actuator> actuators;
   for (const LinearInput& input : inputs) actuators.emplace_back(system, input);
   for (std::size_t k = 0; k < inputs.size(); ++k)
-    add_inputs(inputs[k], actuators[k], m, r, response, out.accuracy, columns);
-  const auto first_input = std::ranges::stable_partition(columns, &Direction::is_state).begin();
-
-  const auto n_all = static_cast<Eigen::Index>(columns.size()), n = first_input - columns.begin();
+    add_inputs(
+        inputs[k], actuators[k], m, r, [&](const LawValue& u) { return response(dynamics, state, m, actuators[k], u); },
+        out.accuracy, columns, of_inputs);
+  const auto n = static_cast<Eigen::Index>(columns.size());
+  columns.insert(columns.end(), of_inputs.begin(), of_inputs.end());
+  const auto n_all = static_cast<Eigen::Index>(columns.size());
   MatX of_states = MatX::Zero(n, n_all), of_outputs(static_cast<Eigen::Index>(channels.size()), n_all),
        off = of_outputs;
-  Eigen::Index driven = 2 * f;
   for (Eigen::Index k = 0; k < n_all; ++k) {
     const Direction& column = columns[static_cast<std::size_t>(k)];
     of_states.col(k).segment(f, f) = column.acceleration;
-    if (column.of == Direction::Of::rate) of_states(k - f, k) = 1;
-    if (column.of == Direction::Of::rate_of_driven) of_states(driven++, k) = 1;
+    if (column.rate_of >= 0) of_states(column.rate_of, k) = 1;
     VecX apart;
     of_outputs.col(k) = derivative([&](double h) { return outputs.at(column, h); }, column.step, apart);
     off.col(k) = apart;
