@@ -70,6 +70,12 @@ void each_object(const System& system, Visit&& visit) {
     });
 }
 
+Entries totals() {
+  Entries all;
+  of_totals(all), of_run(all);
+  return all;
+}
+
 /// An object that has channels: "body 'crank'".
 struct Object {
   std::string label;
@@ -105,9 +111,8 @@ Channel made(System& system, const std::string& name, const Entry& entry) {
 }
 
 const Entry* find(const Entries& entries, std::string_view name) {
-  for (const Entry& e : entries)
-    if (e.name == name) return &e;
-  return nullptr;
+  const auto found = std::ranges::find(entries, name, &Entry::name);
+  return found != entries.end() ? &*found : nullptr;
 }
 
 // "omega_z" as {"omega", "z"}.
@@ -156,11 +161,9 @@ std::vector<std::string> meant_by(const std::string& quantity, const std::vector
 }
 
 [[noreturn]] void unknown_object(const System& system, const std::string& channel, const std::string& object) {
-  Entries totals;
-  of_totals(totals), of_run(totals);
   std::vector<std::string> names;
   each_object(system, [&](const char*, const std::string& name, const auto&) { names.push_back(name); });
-  const std::vector<std::string> total_names = names_of(totals);
+  const std::vector<std::string> total_names = names_of(totals());
   const std::string near = text::closest_name(channel, total_names);
   const std::string hint = !near.empty() ? "; did you mean \"" + near + "\"?" : text::suggestion(object, names);
   throw ModelError(
@@ -192,9 +195,8 @@ Channel make_pair_channel(System& system, const std::string& name, std::size_t a
 Channel make_channel(System& system, const std::string& name) {
   using namespace channels;
   if (!system.ready()) system.setup();
-  Entries totals;
-  of_totals(totals), of_run(totals);
-  if (const Entry* e = find(totals, name)) return made(system, name, *e);
+  const Entries of_all = totals();
+  if (const Entry* e = find(of_all, name)) return made(system, name, *e);
   if (const auto at = name.find('@'); at != std::string::npos) return make_pair_channel(system, name, at);
   // The object's name may hold points ("A.P"), so may the quantity's ("drive.work"): the longest object's name wins.
   for (std::size_t dot = name.rfind('.'); dot != std::string::npos && dot > 0; dot = name.rfind('.', dot - 1)) {
@@ -218,9 +220,7 @@ std::vector<ChannelHelp> channel_help(const System& system) {
     fill(entries);
     take(name, entries);
   });
-  Entries totals;
-  of_totals(totals), of_run(totals);
-  take("", totals);
+  take("", totals());
   return all;
 }
 

@@ -50,17 +50,15 @@ Value of_row(const Lock* link, int k, F value) {
 }
 
 void add_rows(const Lock& link, Entries& out) {
+  constexpr const char* kUnits[] = {"N", "N m", ""};  // of multipliers, by RowKind
   const Lock* const l = &link;
   for (int k = 0; k < link.row_count(); ++k) {
     const RowKind kind = link.row_kind(k);
     const std::string& row = link.row_name(k);
-    const bool translation = kind == RowKind::translation, rotation = kind == RowKind::rotation;
-    add(out, "C_" + row, translation ? "m" : "", "residual of row " + row + "; 0 while the link is not active",
+    add(out, "C_" + row, kind == RowKind::translation ? "m" : "",
+        "residual of row " + row + "; 0 while the link is not active",
         of_row(l, k, [](const Evaluated& v, const RowEntry& e, int i) { return v.rows.block(e).C(i); }));
-    add(out, "lambda_" + row,
-        translation ? "N"
-        : rotation  ? "N m"
-                    : "",
+    add(out, "lambda_" + row, kUnits[static_cast<std::size_t>(kind)],
         "multiplier of row " + row + "; 0 while the link is not active",
         of_row(l, k, [](const Evaluated& v, const RowEntry& e, int i) { return v.lambda[e.first_row + i]; }));
   }

@@ -49,6 +49,11 @@ double read_number(std::string_view cell, const std::string& file, int line, con
   return value;
 }
 
+void split_line(const std::string& text, std::vector<std::string>& cells, const std::string& file, int line) {
+  if (const auto fault = split_csv(text, ',', cells))
+    throw FileError(fmt::format("{}:{}:{}: {}", file, line, csv_column(text, fault->byte), fault->problem));
+}
+
 }  // namespace
 
 void append_csv_header(std::string& text, const Table& table, bool units) {
@@ -88,15 +93,6 @@ void write_csv(const std::string& file, const Table& table) {
         fmt::format("cannot write \"{}\": {}; check the folder and the space left, or give another file name", file,
                     errno != 0 ? std::strerror(errno) : "writing failed"));
 }
-
-namespace {
-
-void split_line(const std::string& text, std::vector<std::string>& cells, const std::string& file, int line) {
-  if (const auto fault = split_csv(text, ',', cells))
-    throw FileError(fmt::format("{}:{}:{}: {}", file, line, csv_column(text, fault->byte), fault->problem));
-}
-
-}  // namespace
 
 Table read_csv(std::istream& in, const std::string& file) {
   std::string text;
