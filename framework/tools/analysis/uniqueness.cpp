@@ -1,11 +1,12 @@
 #include <lockstep/uniqueness.h>
 
 #include <algorithm>
-#include <span>
-#include <utility>
+#include <array>
+#include <iterator>
 
 #include "framework/dynamics/evaluate/row_space.h"
 #include "framework/tools/analysis/loop_rows.h"
+#include "framework/tools/record/channel_entry.h"
 
 namespace lockstep {
 namespace {
@@ -46,81 +47,36 @@ class Undetermined {
   std::vector<VecX> numbers_;
 };
 
-/// Largest absolute value of each component over the vectors.
-struct Largest {
-  Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
-  void take(const Vec3& f, const Vec3& m) {
-    force = force.cwiseMax(f.cwiseAbs()), moment = moment.cwiseMax(m.cwiseAbs());
-  }
-};
-
-class Components {
- public:
-  Components(const System& system, const Inputs& in, const RowTable& table, const Undetermined& u,
-             std::vector<std::string>& channels)
-      : system_(system), in_(in), table_(table), u_(u), channels_(channels), lambda_(VecX::Zero(table.n_rows)) {}
-
-  void of(const Lock& link) {
-    add(link, "", Reactions::kJoint);
-    const Driven* driven = link.driven();
-    const int n = driven != nullptr ? driven->n_drives() : 0;
-    if (n == 0) return;
-    add(link, "drive.", Reactions::kDrives);
-    for (int d = 0; d < n; ++d) add(link, "drive_" + driven->drive(d).name + ".", d);
-  }
-
- private:
-  void add(const Lock& link, const std::string& part_name, int part) {
-    const auto [p, s] = link.pairs().front();
-    const Mat3 to_link = in_world(MarkerFrame(*s), in_).A.transpose();
-    Largest world, local, other;
+/// Adds the channels of a link that some vector of multipliers changes.
+void add_channels_of(const Lock& link, const System& system, const Inputs& in, const RowTable& table,
+                     const Undetermined& u, std::vector<std::string>& names) {
+  const auto& vectors = channels::kReactionVectors;
+  const auto [p, s] = link.pairs().front();
+  const RowEntry& e = *channels::entry_of(link, table);
+  VecX lambda = VecX::Zero(table.n_rows);
+  const Reactions reactions(table, {lambda.data(), static_cast<std::size_t>(lambda.size())});
+  for (const auto& [prefix, by, part] : channels::parts_of(link)) {
+    const std::string start = link.name() + "." + prefix;
+    std::array<Vec3, std::size(channels::kReactionVectors)> largest;
+    largest.fill(Vec3::Zero());
     double power = 0;
-    const RowEntry& e = entry(link);
-    const Reactions reactions(table_, {lambda_.data(), static_cast<std::size_t>(lambda_.size())});
-    for (Eigen::Index column = 0; column < u_.numbers(e.first_row).size(); ++column) {
+    for (Eigen::Index column = 0; column < u.numbers(e.first_row).size(); ++column) {
       for (int k = 0; k < e.m; ++k)
-        lambda_[e.first_row + k] = u_.numbers(e.first_row + k)[column];  // others are not read
-      const LinkWrench on_p = reactions.on_body_of(MarkerFrame(*p), link, in_, part),
-                       on_s = reactions.on_body_of(MarkerFrame(*s), link, in_, part);
-      world.take(on_p.force, on_p.moment), other.take(on_s.force, on_s.moment);
-      local.take(to_link * on_p.force, to_link * on_p.moment);
-      power = std::max(power, std::abs(power_of(link, e, part)));
+        lambda[e.first_row + k] = u.numbers(e.first_row + k)[column];  // others are not read
+      for (std::size_t i = 0; i < largest.size(); ++i) {
+        const LinkWrench wrench = reactions.on_body_of(MarkerFrame(vectors[i].on_p ? *p : *s), link, in, part);
+        largest[i] = largest[i].cwiseMax(vectors[i].of(wrench, *s, in).cwiseAbs());
+      }
+      power = std::max(power, std::abs(channels::power_of_part(link, part, table, lambda)));
     }
-    const std::string start = link.name() + "." + part_name;
-    add_axes(start + "force_on_p_world_", world.force, 1), add_axes(start + "force_on_p_link_", local.force, 1);
-    const double length = system_.length();
-    add_axes(start + "torque_on_p_world_", world.moment, length);
-    add_axes(start + "torque_on_p_link_", local.moment, length);
-    add_axes(start + "force_on_s_world_", other.force, 1), add_axes(start + "torque_on_s_world_", other.moment, length);
-    if (part != Reactions::kJoint && power > u_.round_off)
-      channels_.push_back(start + "power"), channels_.push_back(start + "work");
+    for (std::size_t i = 0; i < largest.size(); ++i)
+      for (int axis = 0; axis < 3; ++axis)
+        if (largest[i][axis] > u.round_off * (vectors[i].force ? 1 : system.length()))
+          names.push_back(start + vectors[i].name + channels::kAxisName[axis]);
+    if (part != Reactions::kJoint && power > u.round_off)
+      for (const char* name : {"power", "work"}) names.push_back(start + name);
   }
-
-  // (8.8) lambda . Ct over the rows of the drive
-  double power_of(const Lock& link, const RowEntry& e, int part) const {
-    double power = 0;
-    for (int k = 0; k < e.m; ++k)
-      if (Reactions::belongs(link.row(e.own[static_cast<std::size_t>(k)]), part))
-        power += lambda_[e.first_row + k] * table_.block(e).Ct(k);
-    return power;
-  }
-  const RowEntry& entry(const Lock& link) const {
-    const int at = table_.entry_of_link[static_cast<std::size_t>(link.number())];
-    return table_.entries[static_cast<std::size_t>(at)];
-  }
-
-  void add_axes(const std::string& name, const Vec3& largest, double unit) {
-    for (int i = 0; i < 3; ++i)
-      if (largest[i] > u_.round_off * unit) channels_.push_back(name + "xyz"[i]);
-  }
-
-  const System& system_;
-  const Inputs& in_;
-  const RowTable& table_;
-  const Undetermined& u_;
-  std::vector<std::string>& channels_;
-  VecX lambda_;
-};
+}
 
 }  // namespace
 
@@ -140,10 +96,9 @@ UniquenessReport uniqueness(Dynamics& dynamics, const State& state) {
   UniquenessReport report;
   report.undetermined = u.n;
   if (u.n == 0) return report;
-  Components components(system, e.inputs(), table, u, report.channels);
   for (const auto& link : system.links()) {
     if (table.entry_of_link[static_cast<std::size_t>(link->number())] < 0 || link->pairs().empty()) continue;
-    components.of(*link);
+    add_channels_of(*link, system, e.inputs(), table, u, report.channels);
   }
   for (int row = 0; row < table.n_rows; ++row) {
     if (u.numbers(row).size() == 0 || u.numbers(row).lpNorm<Eigen::Infinity>() <= u.round_off) continue;

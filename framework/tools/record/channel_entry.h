@@ -5,7 +5,6 @@
 #include <functional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <lockstep/recorder.h>
@@ -39,6 +38,30 @@ void add_integral(Entries&, std::string name, std::string unit, std::string help
 /// Three vectors: the origin of m relative to n, n's axes, its rate and second rate.
 void add_origin(Entries&, const Frame& m, const Frame& n, const std::array<const char*, 3>& help);
 
+/// A part of a link that exerts forces: the joint itself, all its drives, one of them.
+struct ReactionPart {
+  std::string prefix,  ///< of its channels: "", "drive.", "drive_rz."
+      by;              ///< "the link", "its drive"
+  int part;            ///< Reactions::Part
+};
+LOCKSTEP_API std::vector<ReactionPart> parts_of(const Lock&);
+
+/// A vector of what a part exerts at the markers of the link's first pair.
+struct LOCKSTEP_API ReactionVector {
+  const char *name, *unit, *help;
+  bool on_p, force, world;  ///< else: on s, the moment, S axes
+  Vec3 of(const LinkWrench&, const Marker& s, const Inputs&) const;
+};
+inline constexpr ReactionVector kReactionVectors[] = {
+    {"force_on_p_world_", "N", "force on p's body at P by {}, world axes", true, true, true},
+    {"force_on_p_link_", "N", "force on p's body at P by {}, S axes", true, true, false},
+    {"torque_on_p_world_", "N m", "torque on p's body about P by {}, world axes", true, false, true},
+    {"torque_on_p_link_", "N m", "torque on p's body about P by {}, S axes", true, false, false},
+    {"force_on_s_world_", "N", "force on s's body at S by {}, world axes", false, true, true},
+    {"torque_on_s_world_", "N m", "torque on s's body about S by {}, world axes", false, false, true}};
+/// Power that a part puts in by these multipliers, 1 per row, W.
+LOCKSTEP_API double power_of_part(const Lock&, int part, const RowTable&, const VecX& lambda);
+
 /// The quantities of one object each.
 void of_frame(const Frame&, Entries&);
 void of_body(const Body&, Entries&);
@@ -50,7 +73,7 @@ void of_totals(Entries&);
 void of_run(Entries&);
 
 /// The rows of a link in the table; null while it is not active.
-const RowEntry* entry_of(const Lock&, const RowTable&);
+LOCKSTEP_API const RowEntry* entry_of(const Lock&, const RowTable&);
 /// Quantities that an object reports itself: value(k, sample). `owner`: "spring force".
 template <class F>
 void add_own(Entries& out, const std::vector<Quantity>& own, const std::string& owner, F value) {
