@@ -15,46 +15,30 @@
 namespace lockstep {
 namespace {
 
-class Ledger {
- public:
-  Ledger(const System& system, const Evaluated& v, int slot) : system_(system), v_(v), slot_(slot) {}
-
-  void write(BodyBalance& out) const {
-    const Vec3 gravity = system_.slot(slot_).mass * system_.gravity();
-    if (!gravity.isZero(0)) out.parts.push_back({"gravity", gravity, Vec3::Zero()});
-    for (const auto& force : system_.forces()) add_force(*force, out);
-    for (const RowEntry& entry : v_.rows.entries) add_link(entry, out);
+// What forces exert on a slot, and links, part by part.
+void add_loads(const System& system, const Evaluated& v, int slot, std::vector<Contribution>& out) {
+  const auto add = [&](const std::string& what, const Vec6& f) {
+    out.push_back({what, f.head<3>(), v.in.slot(slot).A * f.tail<3>()});
+  };
+  const Reactions reactions(v);
+  for (const auto& force : system.forces()) {
+    if (!force->acts(v.in)) continue;
+    const Vec6 on = load_of(*force, v.in, system, &reactions).segment<6>(6 * slot);
+    if (!on.isZero(0) || std::ranges::find(force->slots(), slot) != force->slots().end())
+      add("force '" + force->name() + "'", on);
   }
-
- private:
-  void add(const std::string& what, const Vec6& f, BodyBalance& out) const {
-    out.parts.push_back({what, f.head<3>(), v_.in.slot(slot_).A * f.tail<3>()});
-  }
-
-  void add_force(const Force& force, BodyBalance& out) const {
-    if (!force.acts(v_.in)) return;
-    const Reactions reactions(v_);
-    const Vec6 on = load_of(force, v_.in, system_, &reactions).segment<6>(6 * slot_);
-    if (!on.isZero(0) || std::ranges::find(force.slots(), slot_) != force.slots().end())
-      add("force '" + force.name() + "'", on, out);
-  }
-
-  void add_link(const RowEntry& entry, BodyBalance& out) const {
-    const int i = entry.slots.position(slot_);
-    if (i < 0) return;
-    const Lock& link = *system_.links()[static_cast<std::size_t>(entry.link)];
+  for (const RowEntry& entry : v.rows.entries) {
+    const int i = entry.slots.position(slot);
+    if (i < 0) continue;
+    const Lock& link = *system.links()[static_cast<std::size_t>(entry.link)];
     const int n = link.driven() ? link.driven()->n_drives() : 0;
     for (int d = -1; d < n; ++d) {  // -1: the joint
       const auto takes = [&](int k) { return link.row(entry.own[static_cast<std::size_t>(k)]).drive == d; };
-      const Vec6 on = -load_of(v_.rows, entry, i, v_.lambda, takes);
-      add(d < 0 ? "link '" + link.name() + "'" : "drive " + link.name() + "." + link.driven()->drive(d).name, on, out);
+      add(d < 0 ? "link '" + link.name() + "'" : "drive " + link.name() + "." + link.driven()->drive(d).name,
+          -load_of(v.rows, entry, i, v.lambda, takes));
     }
   }
-
-  const System& system_;
-  const Evaluated& v_;
-  int slot_;
-};
+}
 
 std::vector<double> numbers(const Vec3& v) { return {v[0], v[1], v[2]}; }
 
@@ -105,7 +89,9 @@ BodyBalance balance_of(Dynamics& dynamics, const State& state, const Body& body)
   BodyBalance out;
   out.body = bodies_of(slot);
   out.mass = slot.mass, out.center = m.x, out.acceleration = v.a.segment<3>(6 * body.slot);
-  Ledger(system, v, body.slot).write(out);
+  if (const Vec3 weight = slot.mass * system.gravity(); !weight.isZero(0))
+    out.parts.push_back({"gravity", weight, Vec3::Zero()});
+  add_loads(system, v, body.slot, out.parts);
   out.sum.what = "sum", out.rate.what = "m a, rate of angular momentum";
   for (const Contribution& part : out.parts) out.sum.force += part.force, out.sum.moment += part.moment;
   out.rate.force = slot.mass * out.acceleration;
