@@ -4,11 +4,11 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/LU>
 #include <Eigen/QR>
 
-#include "framework/mechanism/system/diagnose.h"
+#include "framework/dynamics/evaluate/row_space.h"
 #include "framework/foundation/math/limits.h"
+#include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
 namespace {
@@ -87,12 +87,10 @@ class Balance {
   }
   /// What no friction with a limit above zero acts on.
   MatX ungripped(const MatX& N) const {
-    MatX acting = MatX::Zero(B_.cols(), B_.rows());
+    MatX acting = B_;
     for (Eigen::Index k = 0; k < B_.cols(); ++k)
-      if (grip_of(k).most > 0 && B_.col(k).norm() > 0) acting.row(k) = B_.col(k).normalized();
-    Eigen::FullPivLU<MatX> lu(acting);
-    lu.setThreshold(kNegligible);
-    return lu.dimensionOfKernel() == 0 ? MatX(N.rows(), 0) : MatX(N * lu.kernel());
+      if (!(grip_of(k).most > 0)) acting.col(k).setZero();
+    return N * RowSpace(SparseMat(acting.sparseView())).free();
   }
 
  private:
