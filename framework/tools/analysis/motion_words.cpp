@@ -15,6 +15,11 @@ double motion_size(const System& system, const VecX& motion) {
   return size;
 }
 
+namespace {
+
+constexpr std::size_t kMostNamed = 4;  // bodies by name
+
+// A direction in the world: "z", "-x", "[0.6, 0.8, 0]".
 std::string direction_words(const Vec3& direction) {
   const Vec3 unit = direction.normalized();
   for (int k = 0; k < 3; ++k)
@@ -22,10 +27,6 @@ std::string direction_words(const Vec3& direction) {
   const auto plain = [](double x) { return std::abs(x) < 5e-4 ? 0.0 : x; };
   return fmt::format("[{:.3g}, {:.3g}, {:.3g}]", plain(unit[0]), plain(unit[1]), plain(unit[2]));
 }
-
-namespace {
-
-constexpr std::size_t kMostNamed = 4;  // bodies by name
 
 // What a slot does in a motion: "turns about z", and how much, m; no words where it hardly moves.
 struct Part {
@@ -55,16 +56,21 @@ std::vector<Part> parts_of(const System& system, const Inputs& at, const VecX& m
   return parts;
 }
 
+// The bodies of some parts, with what they do where `words`.
+std::string list(const System& system, const std::vector<Part>& parts, bool words) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kMostNamed, parts.size()); ++i)
+    text += (i > 0 ? ", " : "") + name_of(system, parts[i].slot) + (words ? " " + parts[i].words : "");
+  if (const std::size_t n = parts.size(); n > kMostNamed)
+    text += fmt::format(" and {} more bod{}{}", n - kMostNamed, n == kMostNamed + 1 ? "y" : "ies",
+                        words ? " with them" : "");
+  return text;
+}
+
 }  // namespace
 
 std::string motion_words(const System& system, const Inputs& at, const VecX& motion) {
-  const std::vector<Part> parts = parts_of(system, at, motion);
-  std::string words;
-  for (std::size_t i = 0; i < std::min(kMostNamed, parts.size()); ++i)
-    words += (i > 0 ? ", " : "") + name_of(system, parts[i].slot) + " " + parts[i].words;
-  if (const std::size_t n = parts.size(); n > kMostNamed)
-    words += fmt::format(" and {} more bod{} with them", n - kMostNamed, n == kMostNamed + 1 ? "y" : "ies");
-  return words;
+  return list(system, parts_of(system, at, motion), true);
 }
 
 std::string led_motion_words(const System& system, const Inputs& at, const VecX& motion, int leader) {
@@ -72,12 +78,9 @@ std::string led_motion_words(const System& system, const Inputs& at, const VecX&
   const Part first = part_of(system, at, motion, leader, 0);
   if (first.words.empty()) return motion_words(system, at, motion);
   std::erase_if(parts, [&](const Part& p) { return p.slot == leader; });
-  std::string words = name_of(system, leader) + " " + first.words, names;
-  for (std::size_t i = 0; i < std::min(kMostNamed, parts.size()); ++i)
-    names += (i > 0 ? ", " : "") + name_of(system, parts[i].slot);
-  if (const std::size_t n = parts.size(); n > kMostNamed)
-    names += fmt::format(" and {} more bod{}", n - kMostNamed, n == kMostNamed + 1 ? "y" : "ies");
-  return names.empty() ? words : words + "; " + names + (parts.size() == 1 ? " follows" : " follow");
+  const std::string words = list(system, {first}, true);
+  if (parts.empty()) return words;
+  return words + "; " + list(system, parts, false) + (parts.size() == 1 ? " follows" : " follow");
 }
 
 }  // namespace lockstep

@@ -24,7 +24,4 @@ LOCKSTEP_API std::string motion_words(const System&, const Inputs& at, const Vec
 /// The same from one slot's point of view: "'crank' turns about z; 'coupler', 'rocker' follow".
 std::string led_motion_words(const System&, const Inputs& at, const VecX& motion, int leader);
 
-/// A direction in the world: "z", "-x", "[0.6, 0.8, 0]".
-std::string direction_words(const Vec3& direction);
-
 }  // namespace lockstep
