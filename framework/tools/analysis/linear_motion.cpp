@@ -13,12 +13,11 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
-#include "framework/mechanism/system/diagnose.h"
 #include "framework/foundation/math/limits.h"
+#include "framework/tools/analysis/forces_at_rest.h"
 #include "framework/tools/analysis/mechanism_matrices.h"
 
 namespace lockstep {
@@ -30,17 +29,14 @@ struct Turning {
 };
 
 // What a slot does, in the world but for w and al.
-struct SlotMotion {
-  Vec3 x, v, w, a, al;
-  Mat3 A;
+struct SlotMotion : Motion {
+  Vec3 a, al;
 };
 
 std::vector<SlotMotion> motions_of(const State& state, const VecX& a) {
   std::vector<SlotMotion> all;
-  for (int k = 0; k < static_cast<int>(a.size() / 6); ++k) {
-    const Motion m = slot_motion(state, k);
-    all.push_back({m.x, m.v, m.w, a.segment<3>(6 * k), a.segment<3>(6 * k + 3), m.A});
-  }
+  for (int k = 0; k < static_cast<int>(a.size() / 6); ++k)
+    all.push_back({slot_motion(state, k), a.segment<3>(6 * k), a.segment<3>(6 * k + 3)});
   return all;
 }
 
@@ -128,7 +124,8 @@ std::string turns_unevenly(const System& system, const std::vector<SlotMotion>& 
     const Vec3 r = left_over_spin(slots[k], spin);
     if (r.norm() <= kNegligible * slots[k].w.norm()) continue;
     const Mat3 &J = system.slot(static_cast<int>(k)).J, R = skew(r);
-    if ((J * R - R * J).norm() > kNegligible * J.norm() * r.norm()) return system.body_of_slot(static_cast<int>(k)).name;
+    if ((J * R - R * J).norm() > kNegligible * J.norm() * r.norm())
+      return system.body_of_slot(static_cast<int>(k)).name;
   }
   return "";
 }
@@ -144,8 +141,8 @@ std::vector<Vec3> spins_of(const MechanismMatrices& at, const std::vector<SlotMo
   std::vector<Vec3> spins;
   if (slots.empty() || at_rest(at, slots)) return {Vec3::Zero()};
   const Vec3 first = slots.front().A * slots.front().w;
-  if (std::ranges::all_of(slots,
-                          [&](const SlotMotion& m) { return (m.A * m.w - first).norm() <= kNegligible * first.norm(); }))
+  if (std::ranges::all_of(
+          slots, [&](const SlotMotion& m) { return (m.A * m.w - first).norm() <= kNegligible * first.norm(); }))
     spins.push_back(first);
   // Om x v = a, W x w = al, u0 + Om x x = v: the shortest Om and u0 of the least squares.
   MatX A = MatX::Zero(static_cast<Eigen::Index>(9 * slots.size()), 6);
@@ -250,12 +247,9 @@ void refuse_acting_friction(Dynamics& dynamics, const State& state, const Mechan
   const System& system = dynamics.system();
   const Solution& solution = dynamics.evaluate(state);
   const Reactions reactions(solution);
-  VecX one(6 * system.n_slots());
   for (const auto& force : system.forces()) {
     if (force->reacting() == nullptr || !force->acts(solution.in)) continue;
-    one.setZero();
-    WrenchSum sum(solution.in.motions, one);
-    named(*force, solution.in.t, [&] { force->reacting()->react(solution.in, reactions, sum); });
+    const VecX one = load_of(*force, solution.in, system, &reactions) - load_of(*force, solution.in, system);
     for (int k = 0; k < system.n_slots(); ++k)
       if (const double a = one.segment<3>(6 * k).norm() / system.slot(k).mass; a > kSlight * load_of(at, k))
         throw ModelError(
@@ -290,16 +284,11 @@ void turn_axes(const System& system, const State& state, const std::vector<SlotM
   if (at_rest(out, slots) && out.spin.isZero(0)) return;
   const Unknowns at(system);
   Triplets rate, square;  // da = dx'' + rate dx' + square dx
-  const auto add = [&](int slot, const Mat3& move, const Mat3& turn, Triplets& to) {
-    Mat6 block = Mat6::Zero();
-    block.topLeftCorner<3, 3>() = move, block.bottomRightCorner<3, 3>() = turn;
-    at.add(slot, slot, block, to);
-  };
   const Mat3 Om = skew(out.spin);
   for (int k = 0; k < system.n_slots(); ++k) {
     const SlotMotion& m = slots[static_cast<std::size_t>(k)];
     const Mat3 W = skew(Vec3(m.A.transpose() * out.spin)), r = skew(left_over_spin(m, out.spin));
-    add(k, 2 * Om, W - r, rate), add(k, Om * Om, -r * W, square);
+    at.add(k, 2 * Om, W - r, rate), at.add(k, Om * Om, -r * W, square);
   }
   out.K += SparseMat(out.D * carried_by(out.spin, system, state)) + SparseMat(out.M * at.square(square));
   out.D += out.M * at.square(rate);

@@ -4,12 +4,11 @@
 #include <array>
 #include <cmath>
 
-#include <lockstep/error.h>
 #include <lockstep/linearization.h>
 #include <lockstep/newton.h>
+#include "framework/foundation/math/limits.h"
 #include "framework/mechanism/system/diagnose.h"
 #include "framework/tools/analysis/forces_at_rest.h"
-#include "framework/foundation/math/limits.h"
 #include "framework/tools/analysis/loop_rows.h"
 
 namespace lockstep {
@@ -22,12 +21,8 @@ std::string bodies_of(const Slot& slot) {
 
 SparseMat mass_of(const System& system, const Unknowns& at) {
   Triplets entries;
-  for (int k = 0; k < system.n_slots(); ++k) {
-    Mat6 block = Mat6::Zero();
-    block.topLeftCorner<3, 3>().diagonal().setConstant(system.slot(k).mass);
-    block.bottomRightCorner<3, 3>() = system.slot(k).J;
-    at.add(k, k, block, entries);
-  }
+  for (int k = 0; k < system.n_slots(); ++k)
+    at.add(k, system.slot(k).mass * Mat3::Identity(), system.slot(k).J, entries);
   return at.square(entries);
 }
 
@@ -41,12 +36,8 @@ SparseMat tangent_of(const TangentSum& sum, bool of_velocity, const Unknowns& at
 SparseMat carried_by(const Vec3& spin, const System& system, const State& state) {
   const Unknowns at(system);
   Triplets entries;
-  for (int k = 0; k < system.n_slots(); ++k) {
-    Mat6 block = Mat6::Zero();
-    block.topLeftCorner<3, 3>() = skew(spin);
-    block.bottomRightCorner<3, 3>() = skew(Vec3(slot_motion(state, k).A.transpose() * spin));
-    at.add(k, k, block, entries);
-  }
+  for (int k = 0; k < system.n_slots(); ++k)
+    at.add(k, skew(spin), skew(Vec3(slot_motion(state, k).A.transpose() * spin)), entries);
   return at.square(entries);
 }
 

@@ -1,6 +1,5 @@
 #include "framework/tools/analysis/unknowns.h"
 
-#include <algorithm>
 #include <array>
 #include <numeric>
 
@@ -48,6 +47,12 @@ void Unknowns::add(int row_slot, int column_slot, const Mat6& block, Triplets& t
       const int row = column(row_slot, i), col = column(column_slot, j);
       if (row >= 0 && col >= 0) to.emplace_back(row, col, block(i, j));
     }
+}
+
+void Unknowns::add(int slot, const Mat3& moves, const Mat3& turns, Triplets& to) const {
+  Mat6 block = Mat6::Zero();
+  block.topLeftCorner<3, 3>() = moves, block.bottomRightCorner<3, 3>() = turns;
+  add(slot, slot, block, to);
 }
 
 SparseMat Unknowns::rows(const RowTable& table, const std::vector<int>& entries) const {

@@ -44,6 +44,8 @@ class LOCKSTEP_API Unknowns {
 
   /// Adds the block of two slots.
   void add(int row_slot, int column_slot, const Mat6& block, Triplets& to) const;
+  /// Adds what moves a slot along its moves and about its turns.
+  void add(int slot, const Mat3& moves, const Mat3& turns, Triplets& to) const;
   /// Jacobian, transposed, of entries of a table: a row is a column, entry after entry.
   SparseMat rows(const RowTable&, const std::vector<int>& entries) const;
   /// The same of all entries, with turns as lengths.
