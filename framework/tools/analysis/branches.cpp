@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <string>
-#include <vector>
 
 #include <lockstep/analysis.h>
 #include <lockstep/assembly.h>

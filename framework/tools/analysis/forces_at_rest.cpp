@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include <lockstep/error.h>
 #include "framework/mechanism/system/diagnose.h"
 #include "framework/tools/analysis/motion_words.h"
 

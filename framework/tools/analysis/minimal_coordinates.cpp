@@ -2,11 +2,8 @@
 
 #include <Eigen/QR>
 #include <algorithm>
-#include <cmath>
-#include <utility>
 
 #include <lockstep/error.h>
-#include <lockstep/text.h>
 #include "framework/dynamics/evaluate/row_space.h"
 #include "framework/tools/analysis/mechanism_matrices.h"
 

@@ -1,10 +1,8 @@
 #include <lockstep/modes.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include <lockstep/analysis.h>
-#include <lockstep/error.h>
 #include "framework/tools/analysis/lowest_modes.h"
 #include "framework/tools/analysis/mechanism_matrices.h"
 #include "framework/tools/analysis/minimal_coordinates.h"

@@ -1,6 +1,5 @@
 #include "framework/tools/analysis/saddle_factor.h"
 
-#include <cmath>
 #include <limits>
 
 #include <lockstep/error.h>

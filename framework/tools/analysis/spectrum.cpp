@@ -104,7 +104,8 @@ Spectrum spectrum_of(const LinearMotion& m, const MatX& N) {
   mass_factor(N.transpose() * (m.M * N));
   const ModalBasis own(m.M, m.K, m.K.cwiseAbs(), N);
   const MatX D = own.U.transpose() * (m.D * own.U);
-  const double size_D = largest_row(own.U.cwiseAbs().transpose() * (SparseMat(m.D.cwiseAbs()) * own.U.cwiseAbs())),
+  const VecX sizes = own.U.cwiseAbs().rowwise().sum();
+  const double size_D = (own.U.cwiseAbs().transpose() * (SparseMat(m.D.cwiseAbs()) * sizes)).maxCoeff(),
                size_K = largest_row(own.terms), unrest = m.unrest.is_still() ? m.unrest.acceleration / m.length : 0.0,
                zero = kRoundOff * size_K + unrest;
   out.zero_bound = std::sqrt(zero);

@@ -1,7 +1,6 @@
 #include "framework/tools/analysis/wild_starts.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <lockstep/error.h>
 #include "framework/dynamics/simulate/start_positions.h"

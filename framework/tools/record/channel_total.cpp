@@ -2,9 +2,6 @@
 #include <cmath>
 #include <memory>
 
-#include <lockstep/error.h>
-#include <lockstep/text.h>
-
 #include "framework/tools/record/channel_entry.h"
 #include "framework/tools/record/energies.h"
 
