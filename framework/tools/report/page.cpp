@@ -1,7 +1,9 @@
 #include "framework/tools/report/page.h"
 
+#include <cerrno>
 #include <filesystem>
 #include <fstream>
+#include <new>
 #include <nlohmann/json.hpp>
 
 #include <lockstep/error.h>
@@ -74,7 +76,9 @@ void write_whole(const std::string& file, const std::string& page) {
   const bool in_place = std::filesystem::exists(file, error) && !std::filesystem::is_regular_file(file, error);
   const std::string partial = in_place ? file : file + ".partial";
   error.clear();
+  errno = 0;
   std::ofstream out(partial, std::ios::binary | std::ios::trunc);
+  if (!out && errno == ENOMEM) throw std::bad_alloc();
   out << page;
   out.close();
   if (out && !in_place) std::filesystem::rename(partial, file, error);
