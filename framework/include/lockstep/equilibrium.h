@@ -31,7 +31,7 @@ struct Stability {
   };
   Kind kind = Kind::stable;  ///< the verdict
   int freedoms = 0;          ///< number of free motions
-  double softest = 0;        ///< smallest stiffness above its bound, 1/s^2; 0 where there is none
+  double softest = 0;        ///< smallest stiffness, 1/s^2, that is not 0 within its bound: of what grows if anything does
   /// Whether the loads have a potential here. Without one (follower forces) an oscillation may grow too, and damping is
   /// not looked at.
   bool has_potential = true;

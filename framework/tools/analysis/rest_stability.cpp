@@ -105,6 +105,7 @@ Stability judge_motions(const Evaluation& e, const RestMatrices& A) {
     (grows ? out.unstable : out.neutral).push_back(std::move(found));
   }
   std::ranges::sort(out.unstable, {}, &FreeMotion::stiffness);
+  if (!out.unstable.empty()) out.softest = out.unstable.front().stiffness;
   std::ranges::stable_sort(out.neutral, {}, &FreeMotion::stiffness);
   out.kind = !out.unstable.empty()  ? Stability::Kind::unstable
              : !out.neutral.empty() ? Stability::Kind::neutral
