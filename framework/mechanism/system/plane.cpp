@@ -17,6 +17,7 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include <lockstep/system.h>
+#include "framework/foundation/math/limits.h"
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
@@ -71,15 +72,16 @@ Refusal refusal_of(Thing thing, const std::string& problem) {
   return ModelError({.thing = std::move(thing), .problem = problem});
 }
 
-Refusal check_body(const Body& b, const Slot& s, Plane plane) {
+// `length`: of the mechanism; a velocity of less than a rounding of it a second is none.
+Refusal check_body(const Body& b, const Slot& s, Plane plane, double length) {
   const Thing body{.kind = "body", .name = b.name};
   const std::string what = in_plane_words(plane) + ", and ";
   const Mat3 A = rotation(b.home.q);
   const Vec3 v = b.start.v + A * cross(b.start.w, b.mass.center), w = A * b.start.w;
-  if (v[plane.n] != 0 && std::abs(v[plane.n]) > kTolerance * v.norm())
+  if (std::abs(v[plane.n]) > kTolerance * v.norm() + kRoundOff * length)
     return refusal_of(body, what + "it starts with " + text::brief(v[plane.n]) +
                                 " m/s along the normal; set \"planar\" to \"off\", or start in the plane");
-  if (std::abs(w[plane.i()]) > kTolerance * w.norm() || std::abs(w[plane.j()]) > kTolerance * w.norm())
+  if (std::max(std::abs(w[plane.i()]), std::abs(w[plane.j()])) > kTolerance * w.norm() + kRoundOff)
     return refusal_of(
         body,
         what + "it starts turning about an axis in the plane; set \"planar\" to \"off\", or turn about the normal");
@@ -304,7 +306,7 @@ std::optional<ModelError> System::setup_plane() {
   offsets_ = false;
   for (const Slot& s : slots_) {
     for (const Body* b : s.bodies)
-      if (Refusal refusal = check_body(*b, s, plane_)) return refusal;
+      if (Refusal refusal = check_body(*b, s, plane_, length_)) return refusal;
     offsets_ = offsets_ || has_products(s, plane_);  // welded bodies at different heights
   }
   if (const double g = options_.gravity[plane_.n]; std::abs(g) > kTolerance * options_.gravity.norm())
