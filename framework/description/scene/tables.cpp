@@ -403,7 +403,7 @@ std::vector<SceneTable> runs() {
           Form::choice,
           Unit::none,
           "auto",
-          "rows that depend on others but for a singular value below 1e-4, as of two hinges whose axes nearly agree: "
+          "rows that depend on others but for a singular value below 1e-3, as of two hinges whose axes nearly agree: "
           "held, left out (free), or told and not decided; auto: held as they are written, and told where that cannot "
           "be",
           {"auto", "told", "free", "held"}},

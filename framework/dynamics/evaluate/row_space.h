@@ -17,8 +17,8 @@ namespace lockstep {
 /// Pivots up to this, of rows of length 1, are zero: round-off of a loop of some hundred rows, with four digits to spare.
 inline constexpr double kDependent = 1e-9;
 /// Rows of pivots from kDependent to this nearly depend on others: too much for round-off, too little for a mechanism.
-/// Proximal terms are larger than what such rows leave of S, so that solvers would take them for redundant.
-inline constexpr double kNearlyDependent = 1e-4;
+/// Of S they leave pivots below kSmallPivot, its square, which solvers take for those of redundant rows.
+inline constexpr double kNearlyDependent = 1e-3;
 /// Of a combination of rows: a row with a smaller share takes no part. Round-off over the smallest pivot that is not zero.
 inline constexpr double kShare = std::numeric_limits<double>::epsilon() / kDependent;
 /// Loops of more rows are factored sparsely.

@@ -51,7 +51,7 @@ class LOCKSTEP_API Grid {
 struct Dependency {
   std::vector<std::string> rows;  ///< their names: "A.z"
   int too_many = 0;               ///< how many of them are redundant
-  int nearly = 0;                 ///< how many more nearly are: their pivots lie between 1e-9 and 1e-4
+  int nearly = 0;                 ///< how many more nearly are: their pivots lie between 1e-9 and 1e-3
   double pivot = 0;               ///< the largest of these, of rows of length 1
 };
 
@@ -91,7 +91,7 @@ struct NearDependency {
 };
 
 /// Finds rows that nearly depend on others at a start on the constraints, those of pivots, as in mobility(), between 1e-9
-/// and 1e-4, and decides what they hold where that is asked for: told, the default here, leaves all as it is; automatic, that of scenes, holds them. Rows that a law
+/// and 1e-3, and decides what they hold where that is asked for: told, the default here, leaves all as it is; automatic, that of scenes, holds them. Rows that a law
 /// acts on, of one-sided links and of links that are no joints are never left out; sets with such rows are not decided. Of
 /// others those of a large share stay before small ones, the earlier link before the later. Whether they nearly depend everywhere is tried: without them the mechanism moves by
 /// 0.3 rad along what they held, and must violate them by less than a thousandth of System::length(). Leaves out rows of

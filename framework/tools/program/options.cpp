@@ -55,7 +55,7 @@ void add_scene(CLI::App& verb, Arguments& a) {
       ->allow_extra_args(false);
   verb.add_flag("--allow-files", a.allow_files, "let the scene read files outside of its folder");
   add(verb, "--nearly-redundant", a.nearly_redundant, "WORD",
-      "rows that depend on others but for a singular value below 1e-4: held (auto, where that can be), left out "
+      "rows that depend on others but for a singular value below 1e-3: held (auto, where that can be), left out "
       "(free), "
       "or told and not decided",
       {"auto", "told", "free", "held"});
