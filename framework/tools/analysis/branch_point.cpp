@@ -42,7 +42,7 @@ bool is_driven(const Evaluation& e, const std::vector<int>& rows) {
   return !(e.norm(of_part) <= kNegligible);
 }
 
-// Forms that stop motions. Combinations at random span what all combinations do: as many as there are different forms.
+// Forms that stop motions, in 1/length. Combinations at random span what all combinations do: as many as there are different forms.
 std::vector<MatX> stopping_forms(const Evaluation& e, const LoopRows& rows, const MatX& N, const MatX& W) {
   const Eigen::Index p = std::min<Eigen::Index>(N.cols(), kMostMotions), n = std::min(W.cols(), p * (p + 1) / 2);
   std::minstd_rand random(1);
@@ -52,7 +52,7 @@ std::vector<MatX> stopping_forms(const Evaluation& e, const LoopRows& rows, cons
     VecX w = VecX::Zero(e.rows().n_rows);
     w(rows.numbers) =
         W.cols() == n ? VecX(W.col(k)) : VecX(W * VecX::NullaryExpr(W.cols(), [&] { return normal(random); }));
-    if (std::optional<MatX> G = stopping_form(e, rows.at, N, w)) forms.push_back(*G / G->cwiseAbs().maxCoeff());
+    if (std::optional<MatX> G = stopping_form(e, rows.at, N, w)) forms.push_back(*G * e.system().length());
   }
   return forms;
 }
@@ -103,7 +103,12 @@ BranchPoint looked_at(Dynamics& dynamics, const State& given) {
   out.nearness = space.smallest_singular_value(space.rank(kIn));
   const MatX N = space.free(kIn);
   out.motions = static_cast<int>(N.cols());
-  const std::vector<MatX> forms = stopping_forms(e, rows, N, space.circuits(kIn));
+  std::vector<MatX> forms = stopping_forms(e, rows, N, space.circuits(kIn));
+  double strongest = 0;
+  for (MatX& G : forms) {
+    const double size = G.cwiseAbs().maxCoeff();
+    strongest = std::max(strongest, size), G /= size;
+  }
   out.singular = !forms.empty();
   if (!out.singular || out.motions > kMostMotions) return out;
   const std::vector<VecX> lines = common_zeros(forms, out.motions);
@@ -114,6 +119,8 @@ BranchPoint looked_at(Dynamics& dynamics, const State& given) {
     motion /= motion_size(system, motion);
     out.tangents.push_back(std::move(motion));
   }
+  const double size = motion_size(system, rows.at.motion_of(N.rowwise().sum())) / system.length();
+  out.locked = out.motions == 1 && lines.empty() && strongest > kIn * size * size;
   return out;
 }
 

@@ -12,6 +12,7 @@
 #include <lockstep/lock.h>
 #include <lockstep/step_loop.h>
 #include "framework/dynamics/simulate/along_laws.h"
+#include "framework/foundation/math/limits.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/analysis/branch_point.h"
 #include "framework/tools/analysis/doubts.h"
@@ -113,11 +114,17 @@ void refuse_impossible_formulation(const RunSettings& run, const Loaded& loaded)
 }
 
 void warn_of_branches(Dynamics& dynamics, StepLoop& sim) {
-  const State& start = sim.state();
+  State start = sim.state();
+  dynamics.to_slots(start);
   const BranchPoint at = branch_point(dynamics, start);
   if (!at.singular) return;
   constexpr double kOff = 1e-3;  // of the velocity
   const bool moves = at.moves(start.v);
+  if (at.locked && start.v.lpNorm<Eigen::Infinity>() > kNegligible)
+    throw AssemblyError(fmt::format(
+        "the start lies in a singular position: {}. Rows that are nearly redundant there hold as soon as it moves: let "
+        "it start at rest, or turn the axes that should agree (lockstep check names the rows)",
+        at.text(dynamics, start)));
   const double off = moves && at.all ? at.off_branches(dynamics.system(), start.v) : 0;
   sim.warn(fmt::format(
       "the start lies in a singular position: {}{}", at.text(dynamics, start),
@@ -135,6 +142,10 @@ void warn_of_no_freedom(const Mechanism& m, Dynamics& dynamics, StepLoop& sim, i
   if (system.n_velocities() == 0 || system.n_velocities() > most || may_let_go(m)) return;
   const MobilityReport mobile = mobility(dynamics, sim.state());
   if (mobile.freedoms > 0 || laws_move(dynamics, sim.state(), m.run.until)) return;
+  State state = sim.state();
+  dynamics.to_slots(state);
+  if (const System::InSpace look = dynamics.look_in_space(); mobility(dynamics, state).freedoms > 0)
+    return;  // along the plane's normal
   const std::vector<std::string> links = holding(system, sim.state());
   sim.warn(fmt::format(
       "no freedom is left: nothing can move; the links {} take all {} unknown velocities{}. Let one of them leave free "
