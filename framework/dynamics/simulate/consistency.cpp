@@ -12,6 +12,7 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/solvers/scales.h"
+#include "framework/foundation/math/limits.h"
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
@@ -56,6 +57,22 @@ std::string worst_rows(const Evaluation& e, const VecX& sizes) {
   return words.empty() ? "no row" : text::join(words);
 }
 
+namespace {
+
+// A row of the rotation alone, e3 = 0, holds the turn about z by e0/2 (4.21): not half a turn away about an axis normal to z.
+void check_not_folded(const Evaluation& e, const Lock& link) {
+  const Jointed* const joint = link.jointed();
+  if (joint == nullptr || count_rows(joint->mask() & Mask::e123) != 1 || joint->imposed().turn) return;
+  const auto [p, s] = link.pairs().front();
+  const MarkerFrame P(*p), S(*s);
+  if (std::abs(MovingPair<Reads::rotation>(P, S, e.inputs()).y()[3]) > kSlight) return;
+  throw AssemblyError(fmt::format(
+      "link '{}' is folded back by half a turn at the start: there it holds no turn about its axis; start it elsewhere",
+      link.name()));
+}
+
+}  // namespace
+
 void check_gradients(const Evaluation& e) {
   for_each_gradient(e, [&](int row, RowKind, double size) {
     if (size == 0)
@@ -82,6 +99,8 @@ double start_distance(const Evaluation& e, const VecX& C) {
 void check_start(Dynamics& dynamics, const State& s, double limit) {
   const Evaluation& at = dynamics.gather_rows(s);
   check_gradients(at);
+  for (const RowEntry& entry : at.rows().entries)
+    check_not_folded(at, *at.system().links()[static_cast<std::size_t>(entry.link)]);
   const VecX C = Residuals(at).C;
   const double c = start_distance(at, C);
   if (!(c <= limit))
