@@ -20,7 +20,7 @@
 #include <lockstep/step_loop.h>
 #include <lockstep/stepping.h>
 #include <lockstep/system.h>
-#include "framework/dynamics/integrate/singular_rate.h"
+#include "framework/dynamics/evaluate/singular_rate.h"
 #include "framework/tools/record/quadrature.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"

@@ -54,7 +54,7 @@ struct Kept {
     run = std::make_unique<Simulation>(system, options);
     run->record({"rod.angle_z", "energy.balance"});
     watches.push_back(std::make_unique<EnergyAudit>(system));
-    watches.push_back(std::make_unique<Doubts>(system, true, options.tolerance));
+    watches.push_back(std::make_unique<Doubts>(true, options.tolerance));
     for (const auto& watch : watches) run->add_observer(*watch);
     run->add_event({.name = "halt", .at = 5, .stop = true});
   }

@@ -1,4 +1,4 @@
-#include "framework/dynamics/integrate/singular_rate.h"
+#include "framework/dynamics/evaluate/singular_rate.h"
 
 #include <cmath>
 

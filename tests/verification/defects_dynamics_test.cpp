@@ -75,7 +75,7 @@ TEST_CASE("a mast that falls out of its plane is unstable, and the system is pla
   REQUIRE(report.stability.unstable.size() == 1);
   CHECK(report.stability.unstable[0].stiffness == Approx(-kFalls).epsilon(1e-9));
   CHECK(report.stability.freedoms == 3);
-  CHECK(report.stability.softest == Approx(kSways).epsilon(1e-9));
+  CHECK(report.stability.softest == Approx(-kFalls).epsilon(1e-9));
   CHECK(m.system.plane().n == 2);
   CHECK(m.system.n_velocities() == 3);
   CHECK(unbalanced(dynamics, state, report.lambda) < 1e-9);
@@ -388,22 +388,22 @@ TEST_CASE("kinematics_energy: a column that is integrated is refused where nothi
 
 // One of the recorded instants lies in a singular position.
 TEST_CASE("a sweep's row doubts what a run by itself doubts", "[verification][defects]") {
-  const std::string file = paths::kSource + std::string("/tests/verification/scenes/slider_crank_equal_arms.json");
+  const std::string file = paths::kSource + std::string("/tests/verification/defects/start_in_change_point.json");
   Scene scene = read_scene(file);
-  scene.run.record = {{"A.force_on_p_link_y", "pull"}};
-  scene.run.tolerance.relative = 1e-8, scene.run.output = 0.02, scene.run.until = 0.54;
+  scene.run.record = {{"A.force_on_p_link_x", "pull"}};
+  scene.run.times = {0, 0.01, 0.1};
   const Registry& registry = builtin_registry();
   const Table columns = recorded_columns(scene, registry);
   const SweepRun run = sweep_run(scene, registry, columns);
   INFO(run.outcome());
   REQUIRE(run.doubts.size() == 1);
   CHECK(run.outcome() == "ok; doubtful: " + run.doubts[0]);
-  CHECK(run.doubts[0].starts_with("the reactions at t = 0.52 s are uncertain"));
+  CHECK(run.doubts[0].starts_with("the reactions at t = 0 s are uncertain"));
   const std::vector<Scene> scenes(8, scene);
   const std::vector<SweepRun> lanes = sweep_lanes(scenes, registry, columns, {}, nullptr);
   REQUIRE(lanes.size() == 8);
   for (const SweepRun& lane : lanes) CHECK(lane.doubts == run.doubts);
-  scene.run.until = 0.5;
+  scene.run.times.erase(scene.run.times.begin());
   CHECK(sweep_run(scene, registry, columns).outcome() == "ok");
 }
 

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/error.h>
 #include <lockstep/integrators.h>
 #include <lockstep/joints.h>
 #include <lockstep/laws.h>
@@ -15,8 +14,6 @@
 #include "framework/tools/precision/work_precision.h"
 #include "tests/support/catch.h"
 #include "tests/support/open_defect.h"
-#include "tests/support/run_scene.h"
-#include "tests/support/worst.h"
 
 namespace open_defects_test {
 
@@ -26,127 +23,7 @@ using namespace lockstep::testing;
 namespace {
 
 constexpr double kG = 9.81;
-const std::string kOneIdea = "One idea", kSmallProgram = "A small program", kAnswers = "Answers";
-
-struct Way {
-  std::string integrator;
-  Formulation formulation = Formulation::automatic;
-  std::string solver = "schur";
-  double step = 0, tolerance = 0;  ///< 0: of the scene
-
-  void apply(RunSettings& run) const {
-    run.integrator = {integrator}, run.formulation = formulation, run.solver = {solver};
-    if (step > 0) run.step = step;
-    if (tolerance > 0) run.tolerance = {tolerance, 1e-2 * tolerance};
-  }
-};
-
-/// The table of a run, or the words of the error that ended it.
-struct Ended {
-  std::string error;
-  Table table;
-};
-Ended end_of(const std::string& scene, const Way& way) {
-  try {
-    return {"", run_scene(defect_scene(scene), [&](RunSettings& run) { way.apply(run); }).table};
-  } catch (const Error& error) {
-    return {error.what(), {}};
-  }
-}
-
-}  // namespace
-
-// Crank and arm, both of length l, turn evenly against one another, so that for the crank's angle q the slider is at
-// 2 l cos q. The moments on the arm about the crank's pin give the force of the guide, with cos q cancelled in every term:
-// it is smooth through q = 90 degrees, where the arm by itself leaves it free. The drive's torque is dE/dq.
-TEST_CASE("reactions in a singular pose are those on both sides of it", "[defect][one idea]") {
-  constexpr double l = 0.3, rate = 1.5, crank = 1.5, arm = 2.5, slider = 4;
-  const double first = std::atan2(0.11682550269259515, 0.2763182982008655), pose = (0.5 * kPi - first) / rate;
-  double worst_force = 0, worst_torque = 0;
-  for (const Way& way : {Way{"dop853"}, Way{"dop853", Formulation::omega}, Way{"dop853", Formulation::omega, "dense"},
-                         Way{"dop853", Formulation::omega, "sparse"}, Way{"radau5", Formulation::omega}}) {
-    const Ended ended = end_of("pose_forces", way);
-    INFO(way.integrator << ", " << way.solver << ": " << ended.error);
-    REQUIRE(ended.table.n_rows() == 7);
-    for (std::size_t k = 0; k < 7; ++k) {
-      const double t = ended.table["t"][k], q = first + rate * t, force = ended.table["guide"][k];
-      const double right = (slider + 0.5 * arm) * kG - (2 * slider + arm) * l * rate * rate * std::sin(q);
-      const double torque =
-          (std::sin(q) * l * l * rate * rate * (4 * slider + 2 * arm) + 0.5 * kG * l * (crank + arm)) * std::cos(q);
-      CAPTURE(t, force, right);
-      CHECK(ended.table["slider.x"][k] == Approx(2 * l * std::cos(q)).margin(1e-7));
-      // A millisecond beside the pose: within 4e-5 at tolerances of 1e-9 to 1e-12, by two compilers.
-      if (std::abs(t - pose) > 5e-4 && way.integrator == "dop853") CHECK(force == Approx(right).epsilon(1e-4));
-      keep_worst(worst_force, std::abs(force - right));
-      keep_worst(worst_torque, std::abs(ended.table["T"][k] - torque));
-    }
-  }
-  CAPTURE(worst_force, worst_torque);
-  expect_defect("pose_forces", kOneIdea, worst_force > 10, worst_force < 0.05 && worst_torque < 1e-5);
-}
-
-// Where the crossed parallelogram lies flat, each rate is a fixed multiple of the first crank's and has an extremum there,
-// so that alpha = -V' / I by Lagrange, of the inertia I and the potential V of a turn of that crank.
-TEST_CASE("accelerations at a start in a change point are those of the branch that it moves on", "[defect][one idea]") {
-  struct Part {
-    double mass, length, y, turn;  ///< y: rate of the mass centre's height for a turn of the first crank
-  };
-  const double coupler = -1 / 0.7, right = -0.85 / 0.35;
-  const Part parts[] = {
-      {0.8, 0.25, 0.125, 1}, {1.1, 0.6, 0.25 + 0.3 * coupler, coupler}, {0.8, 0.25, 0.125 * right, right}};
-  double inertia = 0, potential = 0;
-  for (const Part& p : parts) {
-    inertia += p.mass * (p.y * p.y + p.length * p.length / 12 * p.turn * p.turn);
-    potential += p.mass * kG * p.y;
-  }
-  const double alpha = -potential / inertia;
-  const Table table = run_scene(defect_scene("start_in_change_point")).table;
-  REQUIRE(table.n_rows() == 6);
-  const std::vector<double>&left = table["left.alpha_world_z"], &other = table["right.alpha_world_z"];
-  CAPTURE(alpha, left, other, table["Ax"]);
-  CHECK(left[1] == Approx(alpha).epsilon(1e-4));  // the rows that follow the start are right
-  CHECK(other[1] == Approx(right * alpha).epsilon(1e-4));
-  // The reaction grows as 1/t towards the start: there it has no value.
-  expect_defect("start_in_change_point", kOneIdea,
-                std::abs(left[0] - alpha) > 10 && std::abs(left[0] - other[0]) < 1e-9 && std::abs(table["Ax"][0]) < 10,
-                std::abs(left[0] - alpha) < 1e-3 && std::abs(other[0] - right * alpha) < 1e-3 &&
-                    !(std::abs(table["Ax"][0]) < 10));
-}
-
-// The uprights of a parallelogram of like rods turn as one: alpha = -2 m g cos(q) / (2 J + m), J about the end of a rod
-// whose radius is a fiftieth of its length. At a distance of 1e-3 rad from the flat position, errors of the motion grow a
-// thousandfold in it, and by as much again.
-TEST_CASE("accelerations near a flat position are as good as elsewhere", "[defect][one idea]") {
-  const double per_cosine = 2 * kG / (2 * (1.0 / 3 + 1e-4) + 1);
-  double near = 0, away = 0;
-  for (const double tolerance : {1e-9, 1e-10}) {
-    const SceneRun run =
-        run_scene(std::string(paths::kSource) + "/tests/verification/scenes/parallelogram.json", [&](RunSettings& s) {
-          s.formulation = Formulation::joint;
-          s.tolerance = {tolerance, 1e-2 * tolerance};
-          s.until = 4, s.output = 0;
-          for (const double passage : {0.708, 1.2148, 2.6321, 3.1389})
-            for (int k = -50; k < 50; ++k) s.times.push_back(passage + 4e-5 * k);
-          s.times.push_back(3.6), s.times.push_back(4);
-          s.record = {{"left.angle_z", ""}, {"left.alpha_world_z", ""}};
-        });
-    REQUIRE(run.table.n_rows() == 402);
-    int n_near = 0;
-    for (std::size_t k = 0; k < 402; ++k) {
-      const double q = run.table["left.angle_z"][k], off = std::abs(std::remainder(q, kPi));
-      const double error = std::abs(run.table["left.alpha_world_z"][k] + per_cosine * std::cos(q));
-      if (off > 0.1) keep_worst(away, error);
-      if (off < 2e-4 || off > 2e-3) continue;
-      keep_worst(near, error), ++n_near;
-    }
-    CHECK(n_near > 20);
-  }
-  CAPTURE(near, away);
-  CHECK(away < 1e-8);
-  expect_defect("accelerations near a flat position", kOneIdea, near > 1e-5, near < 1e-7);
-}
-
-namespace {
+const std::string kSmallProgram = "A small program", kAnswers = "Answers";
 
 /// As Rk4, and every step is told `cost` times.
 class Counted final : public Integrator {

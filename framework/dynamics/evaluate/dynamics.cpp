@@ -58,12 +58,6 @@ std::vector<std::string> formulation_names() {
   return names;
 }
 
-SolveReport Solution::full_report() const {
-  SolveReport full = report;
-  factor.complete(full);
-  return full;
-}
-
 Dynamics::Dynamics(System& system, std::unique_ptr<LinearSolver> solver, DynamicsOptions options)
     : system_(system),
       solver_(checked(std::move(solver))),
@@ -147,6 +141,7 @@ const Solution& Dynamics::evaluate(const State& state) {
   }
   SolveReport& report = solution_->report;
   report = factor_.solve_motion(e, e.force(), c_, a_, lambda_);
+  solution_->uncertainty = 0;
   if (!e.reacting().empty()) reacting_.solve(e, factor_, c_, a_, lambda_, report);
   ++work_.evaluations;
   factor_.check(e, a_, lambda_, report);

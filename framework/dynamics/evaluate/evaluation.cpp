@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "framework/dynamics/solvers/graph.h"
 #include "framework/dynamics/solvers/scales.h"
 #include "framework/mechanism/system/diagnose.h"
 
@@ -63,7 +64,7 @@ void Evaluation::lay_out(const State& state) {
   reacting_.clear();
   for (const auto& force : system_.forces())
     if (force->reacting() != nullptr) reacting_.push_back(force.get());
-  layout_ = std::make_shared<const Layout>(Layout{system_.revision(), state.modes});
+  layout_ = std::make_shared<const Layout>(Layout{system_.revision(), state.modes, has_loops(system_, state.modes)});
 }
 
 void Evaluation::at(const State& state) {

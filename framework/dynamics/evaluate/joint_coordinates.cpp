@@ -293,7 +293,7 @@ SolveReport Dynamics::rates_with_report(const State& state, StateRate& out) {
 
 // A tree without closures has no multipliers, so that its recursion is enough.
 const VecX& Dynamics::accelerations(const State& state) {
-  if (!state.coordinates || state.coordinates->has_rows()) return asked_a_ = evaluate(state).a;
+  if (!state.coordinates || state.coordinates->has_rows()) return asked_a_ = solution_at(state).a;
   Tree& t = tree(state.modes).of(state);
   system_.check_size(state);
   t.outward_once(state, inputs_.get());

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <lockstep/dynamics.h>
+#include "framework/dynamics/evaluate/singular_rate.h"
 #include "framework/dynamics/tree/closure_rows.h"
 #include "framework/dynamics/tree/joint_tree.h"
 #include "framework/dynamics/tree/tree_layout.h"

@@ -10,6 +10,7 @@
 #include "framework/dynamics/evaluate/joint_coordinates.h"
 #include "framework/dynamics/evaluate/projection_rule.h"
 #include "framework/dynamics/evaluate/row_space.h"
+#include "framework/dynamics/evaluate/speed_of.h"
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/foundation/math/limits.h"
 
@@ -135,8 +136,7 @@ Redundancy Dynamics::find_redundancy(const State& state) try {
   const auto look_along = [&](const State& moving, auto&& time) {
     std::vector<Motion> motions;
     system_.motions(moving, motions);
-    double speed = 0;
-    for (const Motion& O : motions) speed = std::max({speed, O.v.norm() / system_.length(), O.w.norm()});
+    const double speed = speed_of(motions, system_.length());
     if (!(speed > kNegligible)) return false;
     for (const double angle : {kBeside, -kBeside, 2 * kBeside, -2 * kBeside, 4 * kBeside, -4 * kBeside}) try {
         State beside = here;

@@ -89,7 +89,7 @@ StepReport AdaptiveStepper::step(Dynamics& dynamics, State& state, double h) {
       if (made.accepted)
         failure =
             fmt::format("its end is {:.2g} m off the constraints and cannot be brought back", report.violation_after);
-      rejected = rejected || !made.shifted;
+      rejected = true;
       if (made.next > 0)
         next = made.next;
       else if (control_ && !(made.error <= 1))

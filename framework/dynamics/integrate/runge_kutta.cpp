@@ -113,12 +113,6 @@ void Stages::put(int i, const StateRate& k) {
   conditioning_[at] = {};
 }
 
-double Stages::indicator() const {
-  double smallest = HUGE_VAL;
-  for (int i = 0; i < tableau_.n_stages; ++i) smallest = std::min(smallest, conditioning(i).indicator());
-  return smallest;
-}
-
 void Stages::combine(const State& y, double h, const Weights& w, State& out) const {
   add_part(y.q.data(), k_.data(), &StateRate::q, h, w, out.q);
   add_part(y.v.data(), k_.data(), &StateRate::v, h, w, out.v);
@@ -162,19 +156,6 @@ ProjectReport project_end_or_throw(Dynamics& dynamics, State& y, const char* met
 double combined_error(double e5, double e3) {
   if (e5 == 0) return 0;
   return std::isfinite(e5) && std::isfinite(e3) ? e5 * (e5 / std::hypot(e5, 0.1 * e3)) : HUGE_VAL;
-}
-
-StateRate sized_like(const State& y) {
-  StateRate rate;
-  size_like(y, rate);
-  return rate;
-}
-
-void size_like(const State& y, StateRate& out) {
-  const auto followed = y.coordinates ? static_cast<Eigen::Index>(y.coordinates->followed().size()) : 0;
-  out.q.setZero(y.q.size()), out.v.setZero(y.v.size()), out.s.setZero(y.s.size());
-  out.followed.setZero(12 * followed);
-  out.largest_a = out.largest_alpha = 0;
 }
 
 void copy_motion(const State& in, State& out) {

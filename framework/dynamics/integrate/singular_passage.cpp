@@ -8,7 +8,7 @@
 #include <utility>
 
 #include <lockstep/error.h>
-#include "framework/dynamics/integrate/speed_of.h"
+#include "framework/dynamics/evaluate/speed_of.h"
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/dynamics/solvers/stop_rule.h"
 
@@ -20,10 +20,8 @@ constexpr double kTurn = 0.5;            // rad per step, with the stages on the
 constexpr double kSingular = 1e-2;       // indicator below which the stages go onto the constraints: this,
 constexpr double kUnusual = 0.1;         // or this part of the one in regular positions, if that is less;
 constexpr double kRegular = 3;           // and times which they leave them again
-constexpr double kPoseRoundOff = 1e-13;  // rad: of a position after its projection, in a row of forty bays
 
-// Relative, of the accelerations at this distance from a singular position, rad.
-double round_off(double distance) { return kPoseRoundOff / (distance * distance * distance); }
+double round_off(double distance) { return SingularRate::round_off(distance); }
 
 }  // namespace
 

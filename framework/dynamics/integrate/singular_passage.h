@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <lockstep/stepping.h>
-#include "framework/dynamics/integrate/singular_rate.h"
+#include "framework/dynamics/evaluate/singular_rate.h"
 
 namespace lockstep {
 

@@ -101,7 +101,7 @@ double ContactManager::height(const Contact& c, double gap, double t) const {
 double ContactManager::guard(std::size_t i, const Sample& sample) {
   if (!contacts_.in_force(i, sample.state))
     return height(contacts_[i], contacts_.gap(i, sample.inputs()).c, sample.state.t);
-  const Evaluated& v = sample.values();
+  const Evaluated& v = dynamics_.evaluate(sample.state);  // as push(), at both ends
   return -contacts_[i].sign * v.lambda[contacts_.row(i, v.rows)];
 }
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include <lockstep/error.h>
-#include "framework/dynamics/integrate/speed_of.h"
+#include "framework/dynamics/evaluate/speed_of.h"
 #include "framework/dynamics/simulate/keep_state.h"
 #include "framework/dynamics/simulate/line_search.h"
 #include "framework/dynamics/simulate/uncounted.h"

@@ -11,7 +11,7 @@
 #include <lockstep/log.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/evaluate/projection_rule.h"
-#include "framework/dynamics/integrate/speed_of.h"
+#include "framework/dynamics/evaluate/speed_of.h"
 #include "framework/dynamics/simulate/consistency.h"
 #include "framework/dynamics/simulate/line_search.h"
 #include "framework/dynamics/simulate/start_rows.h"

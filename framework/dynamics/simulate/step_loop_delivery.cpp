@@ -9,7 +9,7 @@
 #include <lockstep/error.h>
 #include <lockstep/log.h>
 #include "framework/dynamics/integrate/culprit.h"
-#include "framework/dynamics/integrate/speed_of.h"
+#include "framework/dynamics/evaluate/speed_of.h"
 #include "framework/dynamics/simulate/detail_observer.h"
 #include "framework/dynamics/simulate/step_loop_parts.h"
 #include "framework/dynamics/simulate/step_rules.h"

@@ -84,6 +84,7 @@ class LOCKSTEP_API Evaluation {
   struct Layout {
     long revision = -1;                              ///< of the system
     std::vector<bool> modes;                         ///< links in force
+    bool loops = false;                              ///< whether these close loops
     bool operator==(const Layout&) const = default;  ///< of the same setup and the same links
   };
   const std::shared_ptr<const Layout>& layout() const { return layout_; }  ///< the present one
@@ -324,10 +325,13 @@ struct Solution : Evaluated {
   const Evaluation& evaluation;  ///< rows and forces at this state
   const Factor& factor;          ///< the factored matrix of this state
   SolveReport report;            ///< without what costs time to find out
+  double uncertainty = 0;        ///< of Dynamics::solution_at: relative, of the multipliers beside a singular position
 
   /// The whole report: residual, pivots, detector.
   LOCKSTEP_API SolveReport full_report() const;
 };
+
+class SingularRate;
 
 /// What an integrator asks of a mechanism: rates, solutions, projections, factors. It holds one evaluation and one
 /// factor, which every call uses again; with the default solver nothing is allocated while the links in force stay the
@@ -365,7 +369,10 @@ class LOCKSTEP_API Dynamics {
   const Solution& rate(const State&, StateRate& out);
   /// Solves for the accelerations and multipliers alone. Throws NonFiniteError, SolveError.
   const Solution& evaluate(const State&);
-  /// The accelerations of all slots, as in Evaluated: of a tree without closures by its recursion, else those of evaluate().
+  /// As evaluate(). Closer to a singular position than rounding allows it gives limits from both sides of it instead
+  /// (SingularRate); a multiplier that has none, since it grows as 1/distance, is NaN. Throws as evaluate().
+  const Solution& solution_at(const State&);
+  /// The accelerations of all slots, as in Evaluated: of a tree without closures by its recursion, else those of solution_at().
   /// Valid until the next call. Throws NonFiniteError, SolveError.
   const VecX& accelerations(const State&);
   /// Rows and forces, unsolved; valid until the next evaluation or projection. Throws NonFiniteError.
@@ -485,6 +492,7 @@ class LOCKSTEP_API Dynamics {
   VecX a_, lambda_, c_, C_, Cd_;
   VecX asked_a_;  // by accelerations()
   std::optional<Solution> solution_;
+  std::unique_ptr<SingularRate> both_sides_;              // of solution_at(); null before it was needed
   std::map<std::vector<bool>, Redundancy> redundancies_;  // by the links in force, and whether in joint coordinates
   long redundancies_of_ = -1;                             // revision of the system that they were found for
 };

@@ -1,6 +1,7 @@
 // The saddle-point matrix and the solvers' interface.
 #pragma once
 
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <string_view>
@@ -85,8 +86,8 @@ struct SolveReport {
   double smallest_pivot = std::numeric_limits<double>::infinity();  ///< relative; small: redundant or singular
   int small_pivots = 0;                                             ///< number of such pivots, when complete
   /// The smallest relative pivot beyond those of redundant rows (Kkt::redundant): falls as the square of the
-  /// distance to a singular position. Infinite where the solver does not report it.
-  double detector = std::numeric_limits<double>::infinity();
+  /// distance to a singular position. Infinite if all rows are redundant, NaN if the solver does not report it.
+  double detector = NAN;
   bool contradictory = false;  ///< the rows cannot all hold: the residual stays at the order of its scale
 };
 

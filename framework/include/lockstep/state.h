@@ -172,4 +172,9 @@ struct StateRate {
   double largest_alpha = 0;  ///< and the largest angular acceleration, rad/s^2
 };
 
+/// Rates of the sizes that Dynamics::rates gives at a state, all zero.
+LOCKSTEP_API StateRate sized_like(const State&);
+/// The same into `out`; takes no memory where its sizes are these already.
+LOCKSTEP_API void size_like(const State&, StateRate& out);
+
 }  // namespace lockstep

@@ -32,9 +32,9 @@ class Sample {
   std::string_view cause{};
   const System& system() const { return dynamics_.system(); }  ///< the mechanism
   /// Accelerations, multipliers, rows and inputs at this state; solved at the first call. Throws what
-  /// Dynamics::evaluate throws.
+  /// Dynamics::solution_at throws.
   const Solution& values() const {
-    if (!values_) values_ = &dynamics_.evaluate(state);
+    if (!values_) values_ = &dynamics_.solution_at(state);
     return *values_;
   }
   /// Accelerations alone: of values() where these are solved for already, else as Dynamics::accelerations() finds them at the

@@ -72,12 +72,12 @@ enum class StagesOn {
 /// Conditioning of one evaluation: near a singular position the accelerations come from what is left of vanishing
 /// pivots.
 struct Conditioning {
-  double detector = std::numeric_limits<double>::infinity();  ///< SolveReport::detector
+  double detector = NAN;                                      ///< SolveReport::detector
   double pivot = std::numeric_limits<double>::infinity();     ///< SolveReport::smallest_pivot
   double residual = 0;                                        ///< SolveReport::residual
-  /// The detector, small near a singular position; without one the smallest pivot, which redundant rows make small
-  /// everywhere.
-  double indicator() const { return detector < std::numeric_limits<double>::infinity() ? detector : pivot; }
+  /// The detector, small near a singular position; of a solver without one the smallest pivot, which redundant rows make
+  /// small everywhere.
+  double indicator() const { return std::isnan(detector) ? pivot : detector; }
 };
 
 /// Stages of one step of an explicit Runge-Kutta method.
@@ -101,8 +101,6 @@ class LOCKSTEP_API Stages {
   void put(int i, const StateRate& k);
   /// Conditioning of stage i; perfect where it is not watched.
   const Conditioning& conditioning(int i) const { return conditioning_[static_cast<std::size_t>(i)]; }
-  /// Smallest Conditioning::indicator of the stages of the step.
-  double indicator() const;
   const Tableau& tableau() const { return tableau_; }  ///< the coefficients
 
  private:
@@ -128,10 +126,6 @@ LOCKSTEP_API StepError end_not_projected(const ProjectReport&, const std::string
 /// Infinite where one is not finite.
 LOCKSTEP_API double combined_error(double e5, double e3);
 
-/// Rates of the sizes that Dynamics::rates gives at a state, all zero.
-LOCKSTEP_API StateRate sized_like(const State&);
-/// The same into `out`; takes no memory where its sizes are these already.
-LOCKSTEP_API void size_like(const State&, StateRate& out);
 /// Copies t, q, v and s; memory and links, which do not change during a step, stay as they are in `out`.
 LOCKSTEP_API void copy_motion(const State& in, State& out);
 /// Writes to `to` the counted angles of `from`, moved on by the mean of their rates at both: for methods that find positions
@@ -251,7 +245,6 @@ struct Attempt {
   double error = 0;       ///< estimate in tolerances, 1 = just met; 0 where there is none
   int iterations = 0;     ///< of Newton's method, for StepControl
   double next = 0;        ///< step to attempt next should this one be rejected, s; 0: the control's choice, or half
-  bool shifted = false;   ///< rejected for where it ended, not for its error: the next step may grow
 };
 
 /// Base of methods that write one attempt at a step. An attempt is rejected for its error, for an end that is far off

@@ -93,7 +93,7 @@ struct PlanarRows {
   bool by_link = false;             ///< the link gathers them itself; see Planar
 };
 
-/// What becomes of rows that depend on others but for a singular value below 1e-4, of rows of length 1 with rotations as
+/// What becomes of rows that depend on others but for a singular value below 1e-3, of rows of length 1 with rotations as
 /// lengths (System::length), everywhere and not in one position only: two hinges whose axes are a ten-millionth of a metre
 /// apart. Held, they lock the door, by forces ten million times the load; free, it turns, and one of its hinges gives way
 /// by that much. Small loops of a large mechanism fall below the limit too, where their rows are meant to hold.

@@ -24,7 +24,7 @@ struct UniquenessReport {
 
 /// Finds them, in the scaling and with the limits of mobility(), for forces, torques and multipliers of links and their
 /// drives. Where rows were left out (System::leave_out) they count: what they and those that stay would share is not
-/// unique, exactly or but for a singular value below 1e-4. It allocates: for descriptions, not for runs. Throws NonFiniteError.
+/// unique, exactly or but for a singular value below 1e-3. It allocates: for descriptions, not for runs. Throws NonFiniteError.
 LOCKSTEP_API UniquenessReport uniqueness(Dynamics&, const State&);
 
 }  // namespace lockstep

@@ -64,4 +64,17 @@ void kinematic_rate(const State& state, VecX& qd) {
   }
 }
 
+StateRate sized_like(const State& y) {
+  StateRate rate;
+  size_like(y, rate);
+  return rate;
+}
+
+void size_like(const State& y, StateRate& out) {
+  const auto followed = y.coordinates ? static_cast<Eigen::Index>(y.coordinates->followed().size()) : 0;
+  out.q.setZero(y.q.size()), out.v.setZero(y.v.size()), out.s.setZero(y.s.size());
+  out.followed.setZero(12 * followed);
+  out.largest_a = out.largest_alpha = 0;
+}
+
 }  // namespace lockstep

@@ -4,20 +4,15 @@
 #include <spdlog/fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
 
-#include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/solvers/graph.h"
-#include "framework/tools/analysis/beside.h"
 
 namespace lockstep {
 
 namespace {
 
 constexpr double kUncertain = 1e-2;  // of the largest multiplier
-constexpr double kBeside = 0.05;     // rad, about: farther from a singular position reactions are not looked at
-constexpr double kAside = 1e-4;      // rad, along the motion, to the states that are compared
 
 }  // namespace
 
@@ -44,25 +39,9 @@ void Doubts::load(SnapshotReader& in) {
 void Doubts::step(const Sample& sample) { unmet_.count(sample.report, sample.state.t); }
 
 void Doubts::output(const Sample& sample) {
-  if (!reactions_ || !loops_ || !has_rows(sample) || !are_uncertain(sample)) return;
+  if (!reactions_ || !loops_ || !(sample.values().uncertainty > kUncertain)) return;
   ++n_uncertain_;
   if (uncertain_.size() < kNamed) uncertain_.push_back(sample.state.t);
-}
-
-// Multipliers of a motion are the mean of those as far before as after, but for the square of the distance. Errors that a
-// position magnifies, by one over the square of the distance to it, are not.
-bool Doubts::are_uncertain(const Sample& sample) try {
-  const Solution& solution = sample.values();
-  if (!(solution.full_report().detector < kBeside * kBeside)) return false;  // which falls as the square
-  const State here = in_slots(sample);
-  const double rate = fastest(solution.in, system_.length());
-  Beside eye(sample.dynamics(), system_, here);
-  State before, after;
-  if (!(rate > 0) || !eye.along(here, -kAside / rate, before) || !eye.along(here, kAside / rate, after)) return false;
-  const VecX first = eye.multipliers(before), mean = 0.5 * (first + eye.multipliers(after));
-  return (mean - solution.lambda).lpNorm<Eigen::Infinity>() > kUncertain * mean.lpNorm<Eigen::Infinity>();
-} catch (const Error&) {  // what cannot be evaluated speaks neither for nor against
-  return false;
 }
 
 std::vector<std::string> Doubts::words(long steps, double t) const {
@@ -75,8 +54,8 @@ std::vector<std::string> Doubts::words(long steps, double t) const {
         tolerance_, unmet_.steps, steps, steps == 1 ? "" : "s", unmet_.first, unmet_.largest, unmet_.lost / seconds));
   if (const long n = n_uncertain_; n > 0)
     all.push_back(fmt::format(
-        "the reactions at t = {}{} are uncertain by more than 1 %: {} in or beside a singular position, where they "
-        "magnify the errors of the motion; look at those before and after",
+        "the reactions at t = {}{} are uncertain by more than 1 %, or have no value: {} in or beside a singular "
+        "position; look at those before and after",
         times_of(uncertain_, static_cast<std::size_t>(n)),
         n > static_cast<long>(kNamed) ? fmt::format(" ({} instants)", n) : "", n == 1 ? "it lies" : "they lie"));
   return all;

@@ -12,15 +12,13 @@
 
 namespace lockstep {
 
-/// Watches what the method says of its steps, and whether reactions that are recorded beside a singular position agree with
-/// those of the motion around them.
+/// Watches what the method reports of its steps, and how certain reactions are that are recorded beside a singular position.
 class LOCKSTEP_API Doubts final : public Observer {
  public:
   static constexpr std::size_t kNamed = 5;  ///< instants that are kept
 
-  /// `reactions`: some are recorded; `tolerance`: of the method, relative, 0 for fixed steps. The system must outlive it.
-  Doubts(System& system, bool reactions, double tolerance)
-      : system_(system), reactions_(reactions), tolerance_(tolerance) {}
+  /// `reactions`: some are recorded; `tolerance`: of the method, relative, 0 for fixed steps.
+  Doubts(bool reactions, double tolerance) : reactions_(reactions), tolerance_(tolerance) {}
 
   void start(const Sample&) override;
   void step(const Sample&) override;
@@ -34,9 +32,6 @@ class LOCKSTEP_API Doubts final : public Observer {
   void take(const UnmetTolerance& unmet) { unmet_ = unmet; }
 
  private:
-  bool are_uncertain(const Sample&);
-
-  System& system_;
   bool reactions_, loops_ = false;
   double tolerance_, begun_ = 0;
   UnmetTolerance unmet_;

@@ -105,7 +105,7 @@ bool DrivenMotion::step(double t) {
   if (!settle_angles()) return false;
   std::swap(state_, trial_);
   if (dynamics_.system().n_memory() > 0) dynamics_.accept(state_);
-  solution_ = &dynamics_.evaluate(state_);
+  solution_ = &dynamics_.solution_at(state_);
   if (h != 0 && steps_ > 0) jerk_ = (solution_->a - a_) / h;
   a_ = solution_->a;
   ++steps_;
@@ -126,7 +126,7 @@ const Solution& DrivenMotion::to(double t) {
     h = 0.5 * (last ? left : h);
     if (std::abs(h) < kSlight * std::abs(whole)) refuse(state_.t + h);
   }
-  if (solution_ == nullptr || whole == 0) solution_ = &dynamics_.evaluate(state_);
+  if (solution_ == nullptr || whole == 0) solution_ = &dynamics_.solution_at(state_);
   return *solution_;
 }
 

@@ -83,7 +83,7 @@ BodyBalance balance_of(Dynamics& dynamics, const State& state, const Body& body)
     throw ModelError("body '" + body.name +
                      "' does not move, so that nothing needs to balance on it; ask for a body "
                      "that moves, or for the link that holds on to it");
-  const Solution& v = dynamics.evaluate(state);
+  const Solution& v = dynamics.solution_at(state);
   const Slot& slot = system.slot(body.slot);
   const Motion& m = v.in.slot(body.slot);
   BodyBalance out;
@@ -120,7 +120,7 @@ LinkAccount account_of(Dynamics& dynamics, const State& state, const Lock& link)
   add_laws(link, state.t, out.laws);
   for (int k = 0; k < link.row_count(); ++k)
     if ((system.left_out(link) >> k & 1U) != 0) out.left_out.push_back(link.row_name(k));
-  const Solution& v = dynamics.evaluate(state);
+  const Solution& v = dynamics.solution_at(state);
   const int entry = out.merged ? -1 : v.rows.entry_of_link[static_cast<std::size_t>(link.number())];
   out.in_force =
       entry >= 0 || (!out.merged && !out.left_out.empty() && state.modes[static_cast<std::size_t>(link.number())]);
@@ -173,7 +173,7 @@ LinkEquations equations_of(Dynamics& dynamics, const State& state, const Lock& l
 
 ForceEffect account_of(Dynamics& dynamics, const State& state, const Force& force) {
   const System& system = dynamics.system();
-  const Solution& v = dynamics.evaluate(state);
+  const Solution& v = dynamics.solution_at(state);
   ForceEffect out;
   out.name = force.name(), out.type = std::string(force.type());
   for (const ForceLaw& own : force.laws()) out.laws.push_back(account(own.what, *own.law, own.unit, state.t));

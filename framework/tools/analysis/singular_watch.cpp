@@ -7,8 +7,11 @@
 #include <cmath>
 
 #include <lockstep/error.h>
+#include <lockstep/solvers.h>
+#include "framework/dynamics/evaluate/slot_coordinates.h"
+#include "framework/dynamics/evaluate/speed_of.h"
 #include "framework/dynamics/solvers/graph.h"
-#include "framework/tools/analysis/beside.h"
+#include "framework/foundation/math/limits.h"
 #include "framework/tools/analysis/doubts.h"
 #include "framework/tools/analysis/fading_rows.h"
 
@@ -20,9 +23,13 @@ constexpr double kLook = 0.02;  // rad between two looks
 constexpr int kRounds = 6;      // of parabolas, each of which gains more than a digit
 constexpr double kUnseen = 0.1;  // of the turn of a step: about the distance of its stages
 
+// Whether there are rows that a singular position could make redundant.
+bool has_rows(const Sample& sample) { return !sample.state.coordinates || sample.state.coordinates->has_rows(); }
+
 }  // namespace
 
-SingularWatch::SingularWatch(System& system) : system_(system) {}
+SingularWatch::SingularWatch(System& system)
+    : system_(system), eye_(system, std::make_unique<SchurSolver>(), {.formulation = Formulation::omega}) {}
 SingularWatch::~SingularWatch() = default;
 
 bool SingularWatch::is_needed(const Dynamics& dynamics, const State& state, const IntegratorInfo& method) {
@@ -33,9 +40,7 @@ bool SingularWatch::is_needed(const Dynamics& dynamics, const State& state, cons
 void SingularWatch::start(const Sample& sample) {
   passed_.clear(), n_passed_ = 0;
   forget();
-  if (!has_rows(sample)) return;
-  eye_ = std::make_unique<Beside>(sample.dynamics(), system_, in_slots(sample));
-  look({in_slots(sample), 0, fastest(sample.inputs(), system_.length()), 0});
+  if (has_rows(sample)) look(look_at(sample, 0));
 }
 
 void SingularWatch::jumped(const Sample&) { forget(); }
@@ -76,17 +81,26 @@ void SingularWatch::forget() {
 
 void SingularWatch::step(const Sample& sample) {
   if (!has_rows(sample) || sample.report.manifold) return forget();
-  if (!eye_) eye_ = std::make_unique<Beside>(sample.dynamics(), system_, in_slots(sample));
-  const double rate = fastest(sample.inputs(), system_.length()), turn = sample.report.h * rate;
+  const double turn = sample.report.h * speed_of(sample.inputs().motions, system_.length());
   turned_ += turn;
   if (turned_ < kLook) return;
   turned_ = 0;
-  look({in_slots(sample), 0, rate, turn});
+  look(look_at(sample, turn));
+}
+
+SingularWatch::Look SingularWatch::look_at(const Sample& sample, double turn) const {
+  Look now{sample.state, 0, speed_of(sample.inputs().motions, system_.length()), turn};
+  to_slot_coordinates(system_, now.state);
+  return now;
+}
+
+double SingularWatch::indicator(const State& state) {
+  return std::max(eye_.evaluate(state).full_report().detector, 0.0);
 }
 
 void SingularWatch::look(Look now) {
   try {
-    now.indicator = eye_->indicator(now.state);
+    now.indicator = indicator(now.state);
   } catch (const Error&) {
     return;
   }
@@ -103,7 +117,13 @@ void SingularWatch::look(Look now) {
 void SingularWatch::find_between(const Look& before, const Look& lowest, const Look& after) {
   Look best = lowest, now;
   const auto look_at = [&](double t) {
-    now.indicator = eye_->indicator_along(lowest.state, t - lowest.state.t, now.state);
+    now.state = lowest.state, now.indicator = HUGE_VAL;
+    eye_.advance(now.state, t - now.state.t, lowest.state.v);
+    now.state.t = t;
+    try {
+      if (eye_.project(now.state, kRoundOff * system_.length()).converged) now.indicator = indicator(now.state);
+    } catch (const Error&) {  // nothing is seen there
+    }
     if (now.indicator < best.indicator) best = now;
     return std::pair(t, now.indicator);
   };

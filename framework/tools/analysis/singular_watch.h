@@ -1,7 +1,6 @@
 // SingularWatch: the singular positions that a run passes without noticing.
 #pragma once
 
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -9,8 +8,6 @@
 #include <lockstep/step_loop.h>
 
 namespace lockstep {
-
-class Beside;
 
 /// A singular position that a run passed.
 struct PassedPosition {
@@ -51,12 +48,14 @@ class LOCKSTEP_API SingularWatch final : public Observer {
     double turn = 0;        ///< of the step that led here, rad
   };
 
+  Look look_at(const Sample&, double turn) const;
+  double indicator(const State&);
   void look(Look now);
   void find_between(const Look& before, const Look& lowest, const Look& after);
   void forget();
 
   System& system_;
-  std::unique_ptr<Beside> eye_;
+  Dynamics eye_;  // sees states that the run does not
   Look before_, last_, regular_;
   double turned_ = 0;  // since the last look, rad
   std::vector<PassedPosition> passed_;

@@ -80,6 +80,7 @@ Json json(const LinkAccount& a) {
 }
 
 std::string number(double x, double largest) {
+  if (std::isnan(x)) return fmt::format(" {:>12}", "no value");
   return fmt::format(" {:>12.6g}", std::abs(x) <= 1e-13 * largest ? 0.0 : x);
 }
 
@@ -104,6 +105,10 @@ void print(const BodyBalance& b) {
   for (const Contribution& c : b.parts) line(c);
   line(b.sum);
   line(b.rate);
+  if (std::isnan(b.left_force)) {
+    fmt::print("  no value: a reaction grows without limit towards this singular position\n");
+    return;
+  }
   fmt::print("  left: {:.2g} N, {:.2g} N m{}\n", b.left_force, b.left_moment,
              b.incomplete.empty() ? "" : " (" + b.incomplete + ")");
 }

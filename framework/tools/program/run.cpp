@@ -254,7 +254,7 @@ class ProgramRun {
         audit_(args.quiet ? nullptr : std::make_unique<EnergyAudit>(system_of(m_), m_.run.limits)),
         dynamics_(make_dynamics(m_, loaded_.registry)),
         sim_(dynamics_, make_integrator(m_.run, loaded_.registry), loop_options(m_.run)),
-        doubts_(system_of(m_), records_reactions(m_.run), sim_.integrator().info().adaptive ? m_.run.tolerance.relative : 0.0) {}
+        doubts_(records_reactions(m_.run), sim_.integrator().info().adaptive ? m_.run.tolerance.relative : 0.0) {}
 
   /// The exit code.
   int go() {

@@ -33,7 +33,7 @@ struct SceneParts final : HeldMechanism, Simulation::Parts {
     if (settings.at_jumps) run.add_observer(at_jumps);
     run.add_observer(*audit);
     const bool adaptive = run.integrator().info().adaptive;
-    doubts = std::make_unique<Doubts>(system, records_reactions(settings), adaptive ? settings.tolerance.relative : 0.0);
+    doubts = std::make_unique<Doubts>(records_reactions(settings), adaptive ? settings.tolerance.relative : 0.0);
     run.add_observer(*doubts);
     if (SingularWatch::is_needed(by, start, run.integrator().info())) run.add_observer(singular);
     for (const Event& event : events) run.add_event(event);

@@ -72,7 +72,7 @@ void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepR
   sim.add_observer(recorder);
   if (at_jumps != nullptr) sim.add_observer(*at_jumps);
   sim.add_observer(audit);
-  Doubts doubts(system_of(m), records_reactions(m.run), sim.integrator().info().adaptive ? m.run.tolerance.relative : 0.0);
+  Doubts doubts(records_reactions(m.run), sim.integrator().info().adaptive ? m.run.tolerance.relative : 0.0);
   sim.add_observer(doubts);
   SingularWatch singular(system_of(m));
   if (SingularWatch::is_needed(dynamics, start, sim.integrator().info())) sim.add_observer(singular);

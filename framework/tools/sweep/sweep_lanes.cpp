@@ -94,7 +94,7 @@ void prepare(Lane& lane, const Registry& registry) {
   lane.dynamics = std::make_unique<Dynamics>(system_of(m), make_solver(m.run, registry),
                                              DynamicsOptions{m.run.formulation, m.run.stabilization});
   lane.start = assembled_start(*lane.dynamics, m);
-  lane.doubts = std::make_unique<Doubts>(system_of(m), records_reactions(m.run), m.run.tolerance.relative);
+  lane.doubts = std::make_unique<Doubts>(records_reactions(m.run), m.run.tolerance.relative);
   const Sample first(*lane.dynamics, lane.start, kNoReport);
   lane.doubts->start(first);
   lane.recorder->start(first);

@@ -1,12 +1,12 @@
-#include "framework/dynamics/integrate/singular_rate.h"
+#include "framework/dynamics/evaluate/singular_rate.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include <lockstep/error.h>
-#include <lockstep/stepping.h>
-#include "framework/dynamics/integrate/speed_of.h"
+#include "framework/dynamics/evaluate/speed_of.h"
+#include "framework/foundation/math/limits.h"
 
 namespace lockstep {
 
@@ -31,45 +31,60 @@ double largest_component(const State& of, const Eigen::MatrixBase<Vector>& a, do
 }  // namespace
 
 void SingularRate::begin(const State& state) {
-  ahead_ = behind_ = {state, sized_like(state)};
+  ahead_ = behind_ = {state, sized_like(state), {}, 0};
   v_ = state.v, shorter_ = ahead_.rate.v;
 }
 
 SingularRate::Sides SingularRate::find(Dynamics& dynamics, State& state, double detector, StateRate& out) {
   const double L = dynamics.system().length();
   const double speed = state.coordinates ? state.v.lpNorm<Eigen::Infinity>() : speed_of(state.v, L);
-  distance_ = largest_ = 0;
+  distance_ = HUGE_VAL, largest_ = root_ = 0;
   if (!(speed > 0)) return Sides::differ;
   for (VecX* x : {&out.q, &out.v, &out.s, &out.followed, &v_, &shorter_}) x->setZero();
+  largest_lambda_ = multiplier_error_ = 0;
   for (std::size_t i = 0; i < kWeights.size(); ++i) {
-    const double angle = static_cast<double>(i + 1) * kDelta;
-    if (!probe(dynamics, state, angle, angle / speed, i, out)) return Sides::differ;
-    if (i > 0) continue;
-    distance_ = kDelta * std::sqrt(detector / detector_);  // the detector falls as the square of the distance
+    if (!probe(dynamics, state, speed, detector, i, out)) return Sides::differ;
     if (!(2 * distance_ < kDelta)) return Sides::farther;
   }
   state.q += out.q, state.v += v_;
   out.largest_a = ahead_.rate.largest_a, out.largest_alpha = ahead_.rate.largest_alpha;
   shorter_ -= out.v;
   error_ = largest_component(state, shorter_, L) / largest_;
+  find_multipliers();
   dynamics.normalize(state);
   kinematic_rate(state, out.q);
   return Sides::agree;
 }
 
-bool SingularRate::probe(Dynamics& dynamics, const State& state, double angle, double time, std::size_t i,
+void SingularRate::find_multipliers() {
+  if (!(largest_lambda_ > 0)) return;
+  multiplier_error_ = (shorter_lambda_ - lambda_).lpNorm<Eigen::Infinity>() / largest_lambda_;
+  for (Eigen::Index k = 0; k < lambda_.size(); ++k)
+    if (std::abs(pole_[k]) > std::max(kSlight, multiplier_error_) * largest_lambda_) lambda_[k] = NAN;
+}
+
+bool SingularRate::probe(Dynamics& dynamics, const State& state, double speed, double detector, std::size_t i,
                          StateRate& out) try {
-  detector_ = 1;
+  const double time = static_cast<double>(i + 1) * kDelta / speed;
   for (const double sign : {1.0, -1.0}) {
-    auto& [at, rate] = sign > 0 ? ahead_ : behind_;
+    auto& [at, rate, lambda, root] = sign > 0 ? ahead_ : behind_;
     at = state;
     dynamics.advance(at, sign * time, state.v);
     at.t = state.t + sign * time;
     if (!dynamics.project(at, 0).converged) return false;
     if (!at.coordinates) dynamics.project(at, 0);  // the velocities once more, with the factor of this position
-    detector_ *= std::sqrt(dynamics.rates_with_report(at, rate).detector);
+    if (at.coordinates) {
+      root = std::sqrt(dynamics.rates_with_report(at, rate).detector);
+      continue;
+    }
+    const Solution& solution = dynamics.rate(at, rate);
+    root = std::sqrt(solution.full_report().detector);
+    lambda = solution.lambda;
   }
-  const double L = dynamics.system().length(), speed = angle / time;
+  if (i == 0) slope_ = std::sqrt(ahead_.root * behind_.root), distance_ = kDelta * std::sqrt(detector) / slope_;
+  if (i == 1) grows_ = ahead_.root + behind_.root > 3 * slope_;
+  root_ += 0.5 * kWeights[i] * (ahead_.root - behind_.root);
+  const double L = dynamics.system().length();
   const double scale =
       std::max({largest_component(state, ahead_.rate.v, L), largest_component(state, behind_.rate.v, L),
                 speed * speed * (state.coordinates ? 1 : L)});
@@ -81,6 +96,15 @@ bool SingularRate::probe(Dynamics& dynamics, const State& state, double angle, d
     shorter_ += 0.5 * kShorter[i] * side->rate.v;
   }
   largest_ = std::max(largest_, scale);
+  if (state.coordinates) return true;
+  if (i == 0)
+    for (VecX* x : {&lambda_, &shorter_lambda_, &pole_}) x->setZero(ahead_.lambda.size());
+  for (const Side* side : {&ahead_, &behind_}) {
+    const double w = 0.5 * kWeights[i], place = (side == &ahead_ ? 1 : -1) * static_cast<double>(i + 1);
+    lambda_ += w * side->lambda, pole_ += w * place * side->lambda;
+    shorter_lambda_ += 0.5 * kShorter[i] * side->lambda;
+    largest_lambda_ = std::max(largest_lambda_, side->lambda.lpNorm<Eigen::Infinity>());
+  }
   return true;
 } catch (const Error&) {  // a law that begins or ends here: a spline, or one of a plugin or the host
   return false;

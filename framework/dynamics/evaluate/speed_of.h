@@ -18,6 +18,13 @@ inline double speed_of(const VecX& v, double L) {
   return std::sqrt(w2);
 }
 
+/// The same by the motions of the slots.
+inline double speed_of(std::span<const Motion> motions, double L) {
+  double w2 = 0;
+  for (const Motion& O : motions) w2 = std::max({w2, O.v.squaredNorm() / (L * L), O.w.squaredNorm()});
+  return std::sqrt(w2);
+}
+
 /// Of the body that turns fastest, rad/s; the same velocities.
 inline double fastest_turn(const VecX& v) {
   double w2 = 0;

@@ -1,0 +1,227 @@
+// Runs of the program that were doubted, refused or let pass wrongly, and are right now.
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include <lockstep/recorder.h>
+#include "tests/support/catch.h"
+#include "tests/support/open_defect.h"
+#include "tests/support/paths.h"
+#include "tests/support/program.h"
+
+namespace defects_runs_test {
+
+using namespace lockstep;
+using namespace lockstep::testing;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+constexpr double kG = 9.81;
+const std::string kDoubtfulReactions = "uncertain by more than 1 %", kDoubtfulTolerance = "was not reached in";
+
+std::string quoted(const std::string& path) { return "'" + path + "'"; }
+std::string defect(const std::string& name) { return quoted(defect_scene(name)); }
+Table table_of(const std::string& csv) { return read_csv(kRunnerFolder + "/" + csv + ".csv"); }
+
+/// `run` of a scene, with these words; the table has the name.
+Called run(const std::string& scene, const std::string& name, const std::string& words = {}) {
+  return call("run " + scene + " --no-picture --record " + name + ".csv " + words);
+}
+
+/// Largest difference of any column but the time, in parts of the column's largest number; columns of zeros are left out.
+double largest_difference(const Table& a, const Table& b) {
+  REQUIRE(a.n_rows() == b.n_rows());
+  double worst = 0;
+  for (const Column& column : a.columns()) {
+    const std::vector<double>& other = b[column.name];
+    double size = 0, difference = 0;
+    for (std::size_t k = 0; k < other.size(); ++k) {
+      size = std::max(size, std::abs(other[k]));
+      difference = std::max(difference, std::abs(column.values[k] - other[k]));
+    }
+    if (size > 1e-9) worst = std::max(worst, difference / size);
+  }
+  return worst;
+}
+
+/// A scene of the samples with these reactions recorded, in a file of its own.
+std::string with_reactions(const std::string& file, const std::string& name, const std::string& what) {
+  Json scene = Json::parse(std::ifstream(std::string(paths::kScenes) + "/" + file));
+  Json& settings = scene["run"];
+  settings.erase("draw"), settings["record"] = Json::array();
+  for (const Json& link : scene["links"])
+    for (const char* axis : {"x", "y"}) settings["record"].push_back(link["name"].get<std::string>() + what + axis);
+  const std::string path = kRunnerFolder + "/" + name + ".json";
+  std::ofstream(path) << scene;
+  return quoted(path);
+}
+
+}  // namespace
+
+// Folded back, a homokinetic joint turns the output by no multiple of the input: its row holds nothing.
+TEST_CASE("a homokinetic joint that is folded back is refused by name", "[runner]") {
+  const Called ran = run(defect("homokinetic_folded"), "homokinetic_folded");
+  INFO(ran.text);
+  CHECK(ran.exit == 5);
+  CHECK(contains(ran.text, "link 'J' is folded back by half a turn at the start"));
+}
+
+// Two chains or two slides guide the same body, and their directions differ by 0.1 rad or by 0.001 rad: what one allows
+// the other nearly forbids.
+TEST_CASE("mechanisms that are nearly redundant are named before the first step", "[runner]") {
+  const Called trammel = run(defect("near_redundant_trammel"), "near_redundant_trammel", "--set run.max_steps=300");
+  INFO(trammel.text);
+  CHECK(trammel.exit == 0);
+  CHECK(contains(trammel.text, "nearly redundant"));
+  // The axes differ visibly: as soon as it moves, it is locked.
+  const Called sarrus = run(defect("near_redundant_sarrus"), "near_redundant_sarrus", "--set run.max_steps=300");
+  INFO(sarrus.text);
+  CHECK(sarrus.exit == 5);
+  CHECK(contains(sarrus.text, "the mechanism is locked"));
+  CHECK(contains(sarrus.text, "nearly redundant"));
+}
+
+// The motion is right: a run of another method, ten thousand times tighter, agrees.
+TEST_CASE("no doubt of two bodies ten metres apart whose motion is right", "[runner]") {
+  int doubted = 0;
+  const Called tight = run(defect("far_apart"), "far_tight", "--integrator dop853:stages=plain --tolerance 1e-12");
+  CHECK(tight.exit == 0);
+  for (const std::string method : {"dop853:stages=manifold", "dopri5:stages=manifold"}) {
+    const Called ran = run(defect("far_apart"), "far_apart", "--tolerance 1e-8 --integrator " + method);
+    INFO(ran.text);
+    REQUIRE(ran.exit == 0);
+    CHECK(largest_difference(table_of("far_apart"), table_of("far_tight")) < 1e-9);
+    doubted += contains(ran.text, kDoubtfulTolerance) ? 1 : 0;
+  }
+  CHECK(doubted == 0);
+}
+
+// The dense solver at 1e-11 is the truth. Moments about z of the hinge with that axis are rounding.
+TEST_CASE("no doubt of reactions of Bennett's linkage that all solvers agree on", "[runner]") {
+  const std::string scene = with_reactions("overconstrained/bennett.json", "bennett_reactions", ".force_on_p_world_");
+  const std::string span = "--until 2 --set run.output=0.05 --integrator dop853 ";
+  const Called tight = run(scene, "bennett_tight", span + "--solver dense --tolerance 1e-11");
+  CHECK(tight.exit == 0);
+  int doubted = 0;
+  for (const std::string solver : {"schur", "dense", "sparse"}) {
+    const Called ran = run(scene, "bennett", span + "--tolerance 1e-6 --solver " + solver);
+    INFO(solver << ":\n" << ran.text);
+    REQUIRE(ran.exit == 0);
+    CHECK(largest_difference(table_of("bennett"), table_of("bennett_tight")) < 1e-3);
+    doubted += contains(ran.text, kDoubtfulReactions) ? 1 : 0;
+  }
+  CHECK(doubted == 0);
+}
+
+TEST_CASE("no doubt of reactions of Andrews' mechanism that are right to a thousandth", "[runner]") {
+  const std::string scene = with_reactions("andrews_ivp.json", "andrews_reactions", ".force_on_p_world_");
+  const Called tight = run(scene, "andrews_tight", "--integrator dop853 --tolerance 1e-10");
+  const Called ran = run(scene, "andrews", "--integrator dopri5 --tolerance 1e-4");
+  INFO(ran.text);
+  REQUIRE((tight.exit == 0 && ran.exit == 0));
+  CHECK(largest_difference(table_of("andrews"), table_of("andrews_tight")) < 2e-3);
+  CHECK_FALSE(contains(ran.text, kDoubtfulReactions));
+}
+
+// In space it has one freedom, as the formulation joint knows.
+TEST_CASE("a body that may slide along the plane's normal is not said to be fixed", "[runner]") {
+  const std::string scene = quoted(scene_file("normal_slide", R"("gravity": [0, -9.81, 0],
+    "bodies": [{"name": "b", "mass": 1, "inertia": [1, 1, 1]}],
+    "links": [{"name": "G", "type": "prismatic", "p": "b", "s": "ground", "at": [0, 0, 0], "axis": "z"}],
+    "run": {"until": 0.1, "output": 0.1, "record": ["b.z"]})"));
+  CHECK(!contains(run(scene, "normal_slide").text, "no freedom is left"));
+  CHECK(contains(call("check " + scene + " --planar off").text, "degrees of freedom  1"));
+  for (const std::string method : {"dopri5 --formulation omega", "radau5"}) {
+    const Called ran = run(scene, "normal_slide", "--integrator " + method);
+    INFO(ran.text);
+    CHECK(ran.exit == 0);
+    CHECK_FALSE(contains(ran.text, "no freedom is left: nothing can move"));
+  }
+}
+
+TEST_CASE("a plane takes what is at rest but for rounding", "[runner]") {
+  const auto scene = [](const std::string& name, const std::string& velocity) {
+    return quoted(scene_file(name, R"("gravity": [0, -9.81, 0], "planar": "z",
+      "bodies": [{"name": "b", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]}, "velocity": [0, 0, )" +
+                                       velocity +
+                                       R"(]}],
+      "links": [{"name": "A", "type": "revolute", "p": "b", "s": "ground", "at": [0, 0, 0]}],
+      "run": {"until": 0.1, "output": 0.1, "record": ["b.x"]})"));
+  };
+  CHECK(run(scene("plane_at_rest", "0"), "plane_at_rest").exit == 0);
+  CHECK(run(scene("plane_left", "1e-3"), "plane_left").exit == 3);  // so much leaves it
+  const Called ran = run(scene("plane_rounding", "2.3e-16"), "plane_rounding");
+  INFO(ran.text);
+  CHECK(ran.exit == 0);
+}
+
+// Upright, a rod of length l falls by 3 g / (2 l) of its angle; the rod's radius is a fiftieth of its length.
+TEST_CASE("the softest stiffness of an unstable equilibrium is that of what grows", "[runner]") {
+  const std::string scene = quoted(scene_file("upright", R"("gravity": [0, -9.81, 0],
+    "bodies": [{"name": "b", "rod": {"mass": 1, "from": [0, 0, 0], "to": [0, 0.5, 0]}}],
+    "links": [{"name": "A", "type": "revolute", "p": "b", "s": "ground", "at": [0, 0, 0]}])"));
+  const double stiffness = -kG * 0.25 / (0.25 * (1.0 / 3 + 1e-4));
+  const Called called = call("statics " + scene + " --nearest --json");
+  INFO(called.text);
+  REQUIRE(called.exit == 0);
+  const Json result = Json::parse(called.text);
+  REQUIRE(result["stability"] == "unstable");
+  CHECK(result["unstable"][0]["stiffness"].get<double>() == Approx(stiffness));
+  CHECK(result["softest"].get<double>() == Approx(stiffness));
+}
+
+// Those that come beside their flat position made 100 to 200 at this tolerance, and a thousand at 1e-10.
+TEST_CASE("copies in lanes pass singular positions in as many steps as alone", "[runner]") {
+  const std::string sweep =
+      "sweep " + quoted(std::string(paths::kSource) + "/tests/verification/scenes/parallelogram.json") +
+      " --vary bodies.bar.rod.mass=0.666:0.668:16 --tolerance 1e-7 --jobs 1 --until 0.71 --set run.max_steps=1000 ";
+  const Called lanes = call(sweep + "--record lanes.csv"), alone = call(sweep + "--lanes off --record alone.csv");
+  INFO(lanes.text << alone.text);
+  REQUIRE((lanes.exit == 0 && alone.exit == 0));
+  CHECK(contains(lanes.text, "in vector lanes"));
+  const auto most = [](const std::string& csv) {
+    std::ifstream file(kRunnerFolder + "/" + csv);
+    std::string header, row;
+    std::getline(file, header);
+    const auto column = std::count(header.begin(), header.begin() + static_cast<long>(header.find(",steps,")), ',') + 1;
+    long steps = 0;
+    int rows = 0;
+    for (; std::getline(file, row); ++rows) {
+      std::size_t at = 0;
+      for (long k = 0; k < column; ++k) at = row.find(',', at) + 1;
+      steps = std::max(steps, std::stol(row.substr(at)));
+    }
+    CHECK(rows == 16);
+    return steps;
+  };
+  const long in_lanes = most("lanes.csv"), single = most("alone.csv");
+  CAPTURE(in_lanes, single);
+  CHECK(single < 60);
+  CHECK(in_lanes <= 2 * single);
+}
+
+// To 0.71 s, beyond the first flat position, about 20 steps are enough; a run that ends 1.5e-4 rad behind it crept.
+TEST_CASE("a run that ends beside a flat position makes no more steps than one that passes it", "[runner]") {
+  const std::string scene = quoted(std::string(paths::kSource) + "/tests/verification/scenes/parallelogram.json");
+  const auto steps_to = [&](const std::string& until, const std::string& tolerance) {
+    const Called ran = run(scene, "beside_flat",
+                           "--json --set bodies.bar.rod.mass=0.6666666666666666 " +
+                               ("--set run.max_steps=200 --until " + until) + " --tolerance " + tolerance);
+    INFO(ran.text);
+    if (contains(ran.text, "has made its 200 steps")) return 200L;
+    REQUIRE(ran.exit == 0);
+    return Json::parse(ran.text)["steps"].get<long>();
+  };
+  long beside = 0, beyond = 0;
+  for (const std::string tolerance : {"1e-10", "3e-11"})
+    beside = std::max(beside, steps_to("0.7", tolerance)), beyond = std::max(beyond, steps_to("0.71", tolerance));
+  CAPTURE(beside, beyond);
+  CHECK(beyond < 60);
+  CHECK(beside <= 60);
+}
+
+}  // namespace defects_runs_test
