@@ -25,10 +25,12 @@ namespace lockstep {
 /// State, rates and multipliers in a singular position, from both of its sides.
 class LOCKSTEP_API SingularRate {
  public:
-  static constexpr double kDelta = 0.04;  ///< d, rad: rounding and what the formula leaves are both small
+  static constexpr double kDelta = 0.04;          ///< d, rad: rounding and what the formula leaves are both small
   static constexpr double kPoseRoundOff = 1e-13;  ///< rad: of a position after its projection, in a row of forty bays
   /// Relative, of the accelerations at this distance from a singular position, rad, if its position is off by so much.
-  static double round_off(double distance, double off = kPoseRoundOff) { return off / (distance * distance * distance); }
+  static double round_off(double distance, double off = kPoseRoundOff) {
+    return off / (distance * distance * distance);
+  }
 
   /// Sizes the scratch for states like this one.
   void begin(const State&);
@@ -60,8 +62,8 @@ class LOCKSTEP_API SingularRate {
     double root;  // of the detector
   };
   Side ahead_, behind_;
-  VecX v_;               // the limit of the velocities
-  VecX shorter_;         // the accelerations without 4 d
+  VecX v_;                       // the limit of the velocities
+  VecX shorter_;                 // the accelerations without 4 d
   double root_ = 0, slope_ = 0;  // of the detector at the state, with its sign, and its change from there to d
   bool grows_ = false;           // from d to 2 d, as it does not if a proximal term covers it
   double largest_ = 0;           // acceleration

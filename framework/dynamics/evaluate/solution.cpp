@@ -58,8 +58,8 @@ const Solution& Dynamics::solution_at(const State& state) {
   work_ = before;
   if (refused && !(agree && both.grows())) std::rethrow_exception(refused);
   const double direct = SingularRate::round_off(agree ? both.distance_by_sides() : both.distance(), off);
-  const double limit = std::max(
-      {both.error(), both.multiplier_error(), SingularRate::round_off(kDelta - both.distance())});
+  const double limit =
+      std::max({both.error(), both.multiplier_error(), SingularRate::round_off(kDelta - both.distance())});
   out.uncertainty = direct < 1 ? direct : 1;
   if (!agree || !(limit < direct)) return out;
   a_ = rate.v;

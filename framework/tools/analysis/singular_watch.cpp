@@ -19,8 +19,8 @@ namespace lockstep {
 
 namespace {
 
-constexpr double kLook = 0.02;  // rad between two looks
-constexpr int kRounds = 6;      // of parabolas, each of which gains more than a digit
+constexpr double kLook = 0.02;   // rad between two looks
+constexpr int kRounds = 6;       // of parabolas, each of which gains more than a digit
 constexpr double kUnseen = 0.1;  // of the turn of a step: about the distance of its stages
 
 // Whether there are rows that a singular position could make redundant.
