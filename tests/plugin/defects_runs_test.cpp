@@ -8,7 +8,7 @@
 
 #include <lockstep/recorder.h>
 #include "tests/support/catch.h"
-#include "tests/support/open_defect.h"
+#include "tests/support/defect_runs.h"
 #include "tests/support/paths.h"
 #include "tests/support/program.h"
 
@@ -22,15 +22,6 @@ namespace {
 
 constexpr double kG = 9.81;
 const std::string kDoubtfulReactions = "uncertain by more than 1 %", kDoubtfulTolerance = "was not reached in";
-
-std::string quoted(const std::string& path) { return "'" + path + "'"; }
-std::string defect(const std::string& name) { return quoted(defect_scene(name)); }
-Table table_of(const std::string& csv) { return read_csv(kRunnerFolder + "/" + csv + ".csv"); }
-
-/// `run` of a scene, with these words; the table has the name.
-Called run(const std::string& scene, const std::string& name, const std::string& words = {}) {
-  return call("run " + scene + " --no-picture --record " + name + ".csv " + words);
-}
 
 /// Largest difference of any column but the time, in parts of the column's largest number; columns of zeros are left out.
 double largest_difference(const Table& a, const Table& b) {
@@ -64,7 +55,7 @@ std::string with_reactions(const std::string& file, const std::string& name, con
 
 // Folded back, a homokinetic joint turns the output by no multiple of the input: its row holds nothing.
 TEST_CASE("a homokinetic joint that is folded back is refused by name", "[runner]") {
-  const Called ran = run(defect("homokinetic_folded"), "homokinetic_folded");
+  const Called ran = run_named(defect("homokinetic_folded"), "homokinetic_folded");
   INFO(ran.text);
   CHECK(ran.exit == 5);
   CHECK(contains(ran.text, "link 'J' is folded back by half a turn at the start"));
@@ -73,12 +64,13 @@ TEST_CASE("a homokinetic joint that is folded back is refused by name", "[runner
 // Two chains or two slides guide the same body, and their directions differ by 0.1 rad or by 0.001 rad: what one allows
 // the other nearly forbids.
 TEST_CASE("mechanisms that are nearly redundant are named before the first step", "[runner]") {
-  const Called trammel = run(defect("near_redundant_trammel"), "near_redundant_trammel", "--set run.max_steps=300");
+  const Called trammel =
+      run_named(defect("near_redundant_trammel"), "near_redundant_trammel", "--set run.max_steps=300");
   INFO(trammel.text);
   CHECK(trammel.exit == 0);
   CHECK(contains(trammel.text, "nearly redundant"));
   // The axes differ visibly: as soon as it moves, it is locked.
-  const Called sarrus = run(defect("near_redundant_sarrus"), "near_redundant_sarrus", "--set run.max_steps=300");
+  const Called sarrus = run_named(defect("near_redundant_sarrus"), "near_redundant_sarrus", "--set run.max_steps=300");
   INFO(sarrus.text);
   CHECK(sarrus.exit == 5);
   CHECK(contains(sarrus.text, "the mechanism is locked"));
@@ -88,10 +80,11 @@ TEST_CASE("mechanisms that are nearly redundant are named before the first step"
 // The motion is right: a run of another method, ten thousand times tighter, agrees.
 TEST_CASE("no doubt of two bodies ten metres apart whose motion is right", "[runner]") {
   int doubted = 0;
-  const Called tight = run(defect("far_apart"), "far_tight", "--integrator dop853:stages=plain --tolerance 1e-12");
+  const Called tight =
+      run_named(defect("far_apart"), "far_tight", "--integrator dop853:stages=plain --tolerance 1e-12");
   CHECK(tight.exit == 0);
   for (const std::string method : {"dop853:stages=manifold", "dopri5:stages=manifold"}) {
-    const Called ran = run(defect("far_apart"), "far_apart", "--tolerance 1e-8 --integrator " + method);
+    const Called ran = run_named(defect("far_apart"), "far_apart", "--tolerance 1e-8 --integrator " + method);
     INFO(ran.text);
     REQUIRE(ran.exit == 0);
     CHECK(largest_difference(table_of("far_apart"), table_of("far_tight")) < 1e-9);
@@ -104,11 +97,11 @@ TEST_CASE("no doubt of two bodies ten metres apart whose motion is right", "[run
 TEST_CASE("no doubt of reactions of Bennett's linkage that all solvers agree on", "[runner]") {
   const std::string scene = with_reactions("overconstrained/bennett.json", "bennett_reactions", ".force_on_p_world_");
   const std::string span = "--until 2 --set run.output=0.05 --integrator dop853 ";
-  const Called tight = run(scene, "bennett_tight", span + "--solver dense --tolerance 1e-11");
+  const Called tight = run_named(scene, "bennett_tight", span + "--solver dense --tolerance 1e-11");
   CHECK(tight.exit == 0);
   int doubted = 0;
   for (const std::string solver : {"schur", "dense", "sparse"}) {
-    const Called ran = run(scene, "bennett", span + "--tolerance 1e-6 --solver " + solver);
+    const Called ran = run_named(scene, "bennett", span + "--tolerance 1e-6 --solver " + solver);
     INFO(solver << ":\n" << ran.text);
     REQUIRE(ran.exit == 0);
     CHECK(largest_difference(table_of("bennett"), table_of("bennett_tight")) < 1e-3);
@@ -119,8 +112,8 @@ TEST_CASE("no doubt of reactions of Bennett's linkage that all solvers agree on"
 
 TEST_CASE("no doubt of reactions of Andrews' mechanism that are right to a thousandth", "[runner]") {
   const std::string scene = with_reactions("andrews_ivp.json", "andrews_reactions", ".force_on_p_world_");
-  const Called tight = run(scene, "andrews_tight", "--integrator dop853 --tolerance 1e-10");
-  const Called ran = run(scene, "andrews", "--integrator dopri5 --tolerance 1e-4");
+  const Called tight = run_named(scene, "andrews_tight", "--integrator dop853 --tolerance 1e-10");
+  const Called ran = run_named(scene, "andrews", "--integrator dopri5 --tolerance 1e-4");
   INFO(ran.text);
   REQUIRE((tight.exit == 0 && ran.exit == 0));
   CHECK(largest_difference(table_of("andrews"), table_of("andrews_tight")) < 2e-3);
@@ -133,10 +126,10 @@ TEST_CASE("a body that may slide along the plane's normal is not said to be fixe
     "bodies": [{"name": "b", "mass": 1, "inertia": [1, 1, 1]}],
     "links": [{"name": "G", "type": "prismatic", "p": "b", "s": "ground", "at": [0, 0, 0], "axis": "z"}],
     "run": {"until": 0.1, "output": 0.1, "record": ["b.z"]})"));
-  CHECK(!contains(run(scene, "normal_slide").text, "no freedom is left"));
+  CHECK(!contains(run_named(scene, "normal_slide").text, "no freedom is left"));
   CHECK(contains(call("check " + scene + " --planar off").text, "degrees of freedom  1"));
   for (const std::string method : {"dopri5 --formulation omega", "radau5"}) {
-    const Called ran = run(scene, "normal_slide", "--integrator " + method);
+    const Called ran = run_named(scene, "normal_slide", "--integrator " + method);
     INFO(ran.text);
     CHECK(ran.exit == 0);
     CHECK_FALSE(contains(ran.text, "no freedom is left: nothing can move"));
@@ -152,9 +145,9 @@ TEST_CASE("a plane takes what is at rest but for rounding", "[runner]") {
       "links": [{"name": "A", "type": "revolute", "p": "b", "s": "ground", "at": [0, 0, 0]}],
       "run": {"until": 0.1, "output": 0.1, "record": ["b.x"]})"));
   };
-  CHECK(run(scene("plane_at_rest", "0"), "plane_at_rest").exit == 0);
-  CHECK(run(scene("plane_left", "1e-3"), "plane_left").exit == 3);  // so much leaves it
-  const Called ran = run(scene("plane_rounding", "2.3e-16"), "plane_rounding");
+  CHECK(run_named(scene("plane_at_rest", "0"), "plane_at_rest").exit == 0);
+  CHECK(run_named(scene("plane_left", "1e-3"), "plane_left").exit == 3);  // so much leaves it
+  const Called ran = run_named(scene("plane_rounding", "2.3e-16"), "plane_rounding");
   INFO(ran.text);
   CHECK(ran.exit == 0);
 }
@@ -208,9 +201,9 @@ TEST_CASE("copies in lanes pass singular positions in as many steps as alone", "
 TEST_CASE("a run that ends beside a flat position makes no more steps than one that passes it", "[runner]") {
   const std::string scene = quoted(std::string(paths::kSource) + "/tests/verification/scenes/parallelogram.json");
   const auto steps_to = [&](const std::string& until, const std::string& tolerance) {
-    const Called ran = run(scene, "beside_flat",
-                           "--json --set bodies.bar.rod.mass=0.6666666666666666 " +
-                               ("--set run.max_steps=200 --until " + until) + " --tolerance " + tolerance);
+    const Called ran = run_named(scene, "beside_flat",
+                                 "--json --set bodies.bar.rod.mass=0.6666666666666666 " +
+                                     ("--set run.max_steps=200 --until " + until) + " --tolerance " + tolerance);
     INFO(ran.text);
     if (contains(ran.text, "has made its 200 steps")) return 200L;
     REQUIRE(ran.exit == 0);

@@ -9,6 +9,7 @@
 #include <lockstep/recorder.h>
 #include "framework/tools/program/progress.h"
 #include "tests/support/catch.h"
+#include "tests/support/defect_runs.h"
 #include "tests/support/open_defect.h"
 #include "tests/support/paths.h"
 #include "tests/support/program.h"
@@ -22,23 +23,13 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 constexpr double kG = 9.81;
-const std::string kSmallProgram = "A small program", kPlainWords = "Plain words",
-                  kAnswers = "Answers";
-
-std::string quoted(const std::string& path) { return "'" + path + "'"; }
-std::string defect(const std::string& name) { return quoted(defect_scene(name)); }
-Table table_of(const std::string& csv) { return read_csv(kRunnerFolder + "/" + csv + ".csv"); }
-
-/// `run` of a scene, with these words; the table has the name.
-Called run(const std::string& scene, const std::string& name, const std::string& words = {}) {
-  return call("run " + scene + " --no-picture --record " + name + ".csv " + words);
-}
+const std::string kSmallProgram = "A small program", kPlainWords = "Plain words", kAnswers = "Answers";
 
 }  // namespace
 
 // A crank of 18 mm in place of 15 mm: at 171 degrees the legs are drawn straight.
 TEST_CASE("a mechanism that locks names its crank and the loop that cannot follow", "[defect][plain words]") {
-  const Called ran = run(defect("locks_jansen"), "locks_jansen");
+  const Called ran = run_named(defect("locks_jansen"), "locks_jansen");
   INFO(ran.text);
   CHECK(ran.exit == 6);
   CHECK(contains(ran.text, "12 rows up to there"));
@@ -50,7 +41,7 @@ TEST_CASE("a mechanism that locks names its crank and the loop that cannot follo
 // A scene in millimetres with gravity to match, and 1000 kg m^2 on 1 kg at half a metre: 9810 m/s^2 and a radius of
 // gyration of 32 m.
 TEST_CASE("numbers that no machine has are named", "[defect][plain words]") {
-  const Called checked = call("check " + defect("implausible")), ran = run(defect("implausible"), "implausible");
+  const Called checked = call("check " + defect("implausible")), ran = run_named(defect("implausible"), "implausible");
   INFO(checked.text << ran.text);
   CHECK((checked.exit == 0 && ran.exit == 0));
   CHECK(table_of("implausible").n_rows() == 11);
@@ -72,7 +63,7 @@ TEST_CASE("a line of progress fits a terminal of 40 columns", "[defect][a small 
 }
 
 TEST_CASE("a run that fails with --json gives its error once", "[defect][a small program]") {
-  const Called ran = run(defect("locks_jansen"), "failed_once", "--json");
+  const Called ran = run_named(defect("locks_jansen"), "failed_once", "--json");
   INFO(ran.text);
   CHECK(ran.exit == 6);
   const std::size_t json = ran.text.find("{\n");

@@ -47,8 +47,9 @@ class LOCKSTEP_API SingularRate {
   /// The multipliers that it found, of a state in the slots' own coordinates; NaN where one has no limit.
   const VecX& multipliers() const { return lambda_; }
   double multiplier_error() const { return multiplier_error_; }  ///< relative, of those that have one
-  /// The distance by the roots of the detector on both sides, rad, if proximal terms do not cover these.
-  bool grows() const { return grows_; }  ///< whether they do with the distance from the state
+  /// Whether the root of the detector grows from d to 2 d: else no position is near, or proximal terms cover it.
+  bool grows() const { return grows_; }
+  /// The distance of the position by the roots on both sides, rad; distance() if they do not grow.
   double distance_by_sides() const { return grows_ ? kDelta * std::abs(root_) / slope_ : distance_; }
 
  private:
@@ -65,7 +66,7 @@ class LOCKSTEP_API SingularRate {
   VecX v_;                       // the limit of the velocities
   VecX shorter_;                 // the accelerations without 4 d
   double root_ = 0, slope_ = 0;  // of the detector at the state, with its sign, and its change from there to d
-  bool grows_ = false;           // from d to 2 d, as it does not if a proximal term covers it
+  bool grows_ = false;
   double largest_ = 0;           // acceleration
   double distance_ = 0, error_ = 0;
   VecX lambda_, shorter_lambda_;  // the limit of the multipliers, and the one without 4 d

@@ -59,7 +59,8 @@ std::string worst_rows(const Evaluation& e, const VecX& sizes) {
 
 namespace {
 
-// A row of the rotation alone, e3 = 0, holds the turn about z by e0/2 (4.21): not half a turn away about an axis normal to z.
+// A row of the rotation alone, e3 = 0, holds the turn about z by e0/2 (4.21). That is zero half a turn away about an axis
+// normal to z.
 void check_not_folded(const Evaluation& e, const Lock& link) {
   const Jointed* const joint = link.jointed();
   if (joint == nullptr || count_rows(joint->mask() & Mask::e123) != 1 || joint->imposed().turn) return;

@@ -42,7 +42,8 @@ bool is_driven(const Evaluation& e, const std::vector<int>& rows) {
   return !(e.norm(of_part) <= kNegligible);
 }
 
-// Forms that stop motions, in 1/length. Combinations at random span what all combinations do: as many as there are different forms.
+// Forms that stop motions, in 1/length. Combinations at random span what all combinations do: as many as there are
+// different forms.
 std::vector<MatX> stopping_forms(const Evaluation& e, const LoopRows& rows, const MatX& N, const MatX& W) {
   const Eigen::Index p = std::min<Eigen::Index>(N.cols(), kMostMotions), n = std::min(W.cols(), p * (p + 1) / 2);
   std::minstd_rand random(1);

@@ -19,7 +19,8 @@ struct LOCKSTEP_API BranchPoint {
   bool singular = false;       ///< some of them the rows stop as soon as they begin
   std::vector<VecX> tangents;  ///< of the branches, 6 per slot: m (world), rad (slot axes); size 1 m
   bool all = false;     ///< the tangents are all there are: two or three motions, and curves that leave along each
-  bool locked = false;  ///< there is one, which does not go on: rows are violated by more than 1e-5 parts of the length per square of a turn
+  /// There is one, which does not go on: per square of a turn rows are violated by more than 1e-5 parts of the length.
+  bool locked = false;
   double nearness = 1;  ///< in a regular position the smallest singular value of the rows, each of length 1
 
   /// "2 motions to first order, 2 branches: 'crank' turns about z; or 'rod' turns about z"; "" in a regular position.
