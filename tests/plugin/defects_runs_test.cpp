@@ -120,6 +120,45 @@ TEST_CASE("no doubt of reactions of Andrews' mechanism that are right to a thous
   CHECK_FALSE(contains(ran.text, kDoubtfulReactions));
 }
 
+// A parallelogram whose crank turns evenly through the flat position: by the balances of right rod, coupler and left rod
+// A.x = -m g / tan(q) - m w^2 r cos(q), which has no value there. The torque of the drive has one.
+TEST_CASE("inverse names the instants at which reactions have no value", "[runner]") {
+  constexpr double r = 0.25, first = -0.5, x = 0.6;
+  const Json pin = {r * std::cos(first), r * std::sin(first), 0},
+             far = {x + r * std::cos(first), r * std::sin(first), 0};
+  const Json base = {0, 0, 0}, other = {x, 0, 0};
+  const auto rod = [](const char* name, const Json& from, const Json& to) {
+    return Json{{"name", name}, {"rod", {{"mass", 1}, {"from", from}, {"to", to}}}};
+  };
+  const auto hinge = [](const char* name, const char* p, const char* s, const Json& at) {
+    return Json{{"name", name}, {"type", "revolute"}, {"p", p}, {"s", s}, {"at", at}};
+  };
+  Json scene{{"lockstep", 1},
+             {"gravity", {0, -kG, 0}},
+             {"bodies", {rod("left", base, pin), rod("coupler", pin, far), rod("right", other, far)}},
+             {"links",
+              {hinge("A", "left", "ground", base), hinge("B", "coupler", "left", pin),
+               hinge("C", "right", "coupler", far), hinge("D", "right", "ground", other)}},
+             {"run", {{"until", 1}, {"times", {0, 0.25, 0.5, 0.75, 1}}}}};
+  scene["links"][0]["drive"] = {{"axis", "rz"}, {"law", {{"type", "ramp"}, {"slope", 1}}}};
+  std::ofstream(kRunnerFolder + "/through_flat.json") << scene;
+  const Called called = call("inverse " + quoted(kRunnerFolder + "/through_flat.json") + " --record through_flat.csv");
+  INFO(called.text);
+  REQUIRE(called.exit == 0);
+  CHECK(contains(called.text, "the reactions at t = 0.5 s are uncertain by more than 1 %, or have no value"));
+  const Table table = table_of("through_flat");
+  REQUIRE(table.n_rows() == 5);
+  for (std::size_t k = 0; k < 5; ++k) {
+    const double q = first + table["t"][k], force = table["A.force_on_p_world_x"][k];
+    CAPTURE(q, force);
+    CHECK(table["A.drive_rz.torque_on_p_link_z"][k] == Approx(2 * kG * r * std::cos(q)).epsilon(1e-9));
+    if (k == 2)
+      CHECK(std::isnan(force));
+    else
+      CHECK(force == Approx(-kG / std::tan(q) - r * std::cos(q)).epsilon(1e-9));
+  }
+}
+
 // In space it has one freedom, as the formulation joint knows.
 TEST_CASE("a body that may slide along the plane's normal is not said to be fixed", "[runner]") {
   const std::string scene = quoted(scene_file("normal_slide", R"("gravity": [0, -9.81, 0],

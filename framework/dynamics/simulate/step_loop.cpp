@@ -285,12 +285,9 @@ const Inputs* StepLoop::end_step(double wanted) {
     std::string refusal = jump ? cross_jump(target.t) : "";
     const Inputs* const seen = dynamics_.accept(state_);
     if (landed || met || touched) p.clock.set_anchor(state_.t);
-    p.fall_due(Due::rows, {.acted = touched || met || jump,
-                           .jump = jump,
-                           .cause = touched ? "an impact"
-                                    : jump  ? "the jump of a law"
-                                            : "",
-                           .refusal = std::move(refusal)});
+    p.fall_due(Due::rows);
+    if (touched || met || jump)
+      p.change = {true, jump, touched ? "an impact" : jump ? "the jump of a law" : "", std::move(refusal)};
     return seen;
   } catch (...) {
     keep_state(p.interval.from(), state_);

@@ -77,7 +77,11 @@ struct StepLoop::Parts {
 
   std::vector<DetailObserver*> detailed;  // of the observers
   /// From now on this is due, and what follows it.
-  void fall_due(Due first, Change at_end = {}) { change = std::move(at_end), due = {first}; }
+  void fall_due(Due first, Change at_end) { change = std::move(at_end), due = {first}; }
+  /// Likewise, and nothing changed the state.
+  void fall_due(Due first) {
+    change.acted = change.jump = false, change.cause.clear(), change.refusal.clear(), due = {first};
+  }
   /// Calls `act`; what it throws leaves the state as it was.
   template <class Act>
   auto or_as_before(State& state, Act&& act) {

@@ -11,6 +11,7 @@
 #include <lockstep/log.h>
 #include <lockstep/text.h>
 #include "framework/mechanism/params/read.h"
+#include "framework/tools/analysis/doubts.h"
 #include "framework/tools/program/commands.h"
 #include "framework/tools/program/document.h"
 #include "framework/tools/program/files.h"
@@ -210,19 +211,17 @@ int follow(const Arguments& args, bool inverse) {
   DrivenMotion motion(dynamics, std::move(start));
   GrowingCsv rows(file, recorder->table());
   const StepReport report;
-  bool first = true;
+  Doubts doubts(records_reactions(m.run), 0);
   std::exception_ptr failed;
   try {
     for (long k = 0; k < times.size(); ++k) {
       motion.to(times[k]);
       const Sample sample(dynamics, motion.state(), report);
-      if (first) {
-        recorder->start(sample), rows.start(sample);
-      } else {
+      if (k == 0)
+        recorder->start(sample), rows.start(sample), doubts.start(sample);
+      else
         recorder->step(sample);
-      }
-      recorder->output(sample), rows.output(sample);
-      first = false;
+      recorder->output(sample), rows.output(sample), doubts.output(sample);
     }
   } catch (const Error&) {
     failed = std::current_exception();
@@ -234,6 +233,7 @@ int follow(const Arguments& args, bool inverse) {
     std::rethrow_exception(failed);
   }
   file.commit();
+  for (const std::string& d : doubts.words(motion.steps(), motion.state().t)) fmt::print(stderr, "lockstep: {}\n", d);
   if (args.json)
     print_document(table_json(recorder->table()));
   else if (!args.quiet)
