@@ -30,10 +30,6 @@ void check(const Stabilization& s) {
                      "; the rates must not be negative and the tolerance must be above zero");
 }
 
-}  // namespace
-
-namespace {
-
 constexpr std::pair<Formulation, const char*> kFormulations[] = {{Formulation::omega, "omega"},
                                                                  {Formulation::quaternion, "quaternion"},
                                                                  {Formulation::joint, "joint"},

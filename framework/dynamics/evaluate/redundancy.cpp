@@ -10,6 +10,7 @@
 #include "framework/dynamics/evaluate/joint_coordinates.h"
 #include "framework/dynamics/evaluate/projection_rule.h"
 #include "framework/dynamics/evaluate/row_space.h"
+#include "framework/dynamics/evaluate/singular_rate.h"
 #include "framework/dynamics/evaluate/speed_of.h"
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/foundation/math/limits.h"
@@ -38,12 +39,18 @@ MatX rows_transposed(const Evaluation& e) {
 
 }  // namespace
 
+bool loses_rank(Dynamics& dynamics, const State& state) {
+  State slots = state;
+  dynamics.to_slots(slots);
+  const int beside = dynamics.redundancy(slots).rows;
+  const bool held = dynamics.holds_rows();
+  const MatX Jt = rows_transposed(dynamics.gather_rows(slots));
+  if (!held) dynamics.forget_rows(state);
+  return Jt.cols() - Dependencies(Jt.sparseView(), kNearlyDependent).rank > beside;
+}
+
 bool Dynamics::is_assembled(const State& state) {
-  const double limit = kOnConstraints * system_.length();
-  if (state.coordinates) return tree(state.modes).of(state).violation(system_, state) <= limit;
-  own().rows_at(state);
-  own().residuals(C_, Cd_);
-  return own().norm(C_) <= limit;
+  return violation_of_closures(state) <= kOnConstraints * system_.length();
 }
 
 // Pivots of the rows at this state.
@@ -129,11 +136,9 @@ Redundancy Dynamics::find_redundancy(const State& state) try {
   State here = state;
   project(here, 0);
   const int of_here = small(here);
-  Redundancy found;
-  found.rows = of_here;
+  Redundancy found{.rows = of_here};
   std::vector<State> poses = {here};
-  // time(angle / speed): in which the fastest body turns by an angle
-  const auto look_along = [&](const State& moving, auto&& time) {
+  const auto look_along = [&](const State& moving, bool from_rest) {  // then its velocities are accelerations
     std::vector<Motion> motions;
     system_.motions(moving, motions);
     const double speed = speed_of(motions, system_.length());
@@ -142,10 +147,10 @@ Redundancy Dynamics::find_redundancy(const State& state) try {
         State beside = here;
         advance(beside, angle / speed, moving.v);
         normalize(beside);
-        beside.t += std::copysign(time(std::abs(angle) / speed), angle);
-        const bool nearest = std::abs(angle) == kBeside;
-        const bool few =
-            nearest && (state.coordinates ? tree(state.modes).closure_rows : own().rows()).n_rows <= kDenseRows;
+        const double x = std::abs(angle) / speed;  // v t, or a t^2/2
+        beside.t += std::copysign(from_rest ? std::sqrt(2 * x) : x, angle);
+        const bool few = std::abs(angle) == kBeside &&
+                         (state.coordinates ? tree(state.modes).closure_rows : own().rows()).n_rows <= kDenseRows;
         const Look off = few ? look_off(beside) : Look{0, true};
         if (!(project(beside, 0).after <= kRoundOff * system_.length())) continue;
         found.rows = std::min(found.rows, small(beside));
@@ -157,15 +162,13 @@ Redundancy Dynamics::find_redundancy(const State& state) try {
       }
     return true;
   };
-  const auto moves = [](double t) { return t; };
   State moving = here;
-  if (!look_along(here, moves)) try {
+  if (!look_along(here, false)) try {
       know(found.rows);
-      StateRate rate;
-      rate.q = VecX::Zero(here.q.size()), rate.v = VecX::Zero(here.v.size()), rate.s = VecX::Zero(here.s.size());
+      StateRate rate = sized_like(here);
       rates(here, rate);
       moving.v = rate.v;
-      look_along(moving, [](double t2) { return std::sqrt(2 * t2); });  // x = a t^2/2
+      look_along(moving, true);
     } catch (const UserCodeError&) {
       throw;
     } catch (const Error&) {
@@ -173,7 +176,7 @@ Redundancy Dynamics::find_redundancy(const State& state) try {
   if (found.rows == of_here) {
     for (Eigen::Index i = 0; i < moving.v.size(); ++i) moving.v[i] = std::cos(1.0 + 2.3 * static_cast<double>(i));
     project_velocity(moving);
-    look_along(moving, moves);
+    look_along(moving, false);
   }
   found.regular = 0;
   know(found.rows);

@@ -22,6 +22,10 @@ namespace lockstep {
 // A multiplier that grows as p/e has no limit. Its half difference o(d) = (x(d) - x(-d))/2 is odd, so that e o(e) is even
 // with the value p at e = 0, by the same weights.
 
+/// Whether more rows depend on others at this state, at least nearly, than beside it. Masses do not count, as they do in
+/// the pivots of solvers.
+bool loses_rank(Dynamics&, const State&);
+
 /// State, rates and multipliers in a singular position, from both of its sides.
 class LOCKSTEP_API SingularRate {
  public:

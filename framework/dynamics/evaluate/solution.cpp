@@ -13,7 +13,6 @@ namespace lockstep {
 
 namespace {
 
-constexpr double kDelta = SingularRate::kDelta;
 constexpr double kUseless = 1e-2;  // relative: a multiplier that is so uncertain is none
 
 }  // namespace
@@ -39,9 +38,8 @@ const Solution& Dynamics::solution_at(const State& state) {
   Solution& out = *solution_;
   const bool loops = own().layout()->loops;
   if (refused && !loops) std::rethrow_exception(refused);
-  double detector = refused ? 0 : loops ? out.full_report().detector : HUGE_VAL;
-  if (!(detector < kDelta * kDelta)) return out;
-  detector = std::max(detector, 0.0);
+  const double detector = refused ? 0 : loops ? std::max(out.full_report().detector, 0.0) : HUGE_VAL;
+  if (!(detector < SingularRate::kDelta * SingularRate::kDelta)) return out;
   own().residuals(C_, Cd_);
   const double off = std::max(SingularRate::kPoseRoundOff, own().norm(C_) / system_.length());
   if (!(SingularRate::round_off(std::sqrt(detector), off) > kSlight)) return out;
@@ -58,8 +56,8 @@ const Solution& Dynamics::solution_at(const State& state) {
   work_ = before;
   if (refused && !(agree && both.grows())) std::rethrow_exception(refused);
   const double direct = SingularRate::round_off(agree ? both.distance_by_sides() : both.distance(), off);
-  const double limit =
-      std::max({both.error(), both.multiplier_error(), SingularRate::round_off(kDelta - both.distance())});
+  const double limit = std::max(
+      {both.error(), both.multiplier_error(), SingularRate::round_off(SingularRate::kDelta - both.distance())});
   out.uncertainty = direct < 1 ? direct : 1;
   if (!agree || !(limit < direct)) return out;
   a_ = rate.v;

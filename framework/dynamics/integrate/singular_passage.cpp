@@ -89,7 +89,7 @@ bool SingularPassage::evaluate(Dynamics& dynamics, const State& y, double h, int
   if (seen_.limit) stages.put(i, rate_);
   if (refused && !seen_.limit) std::rethrow_exception(refused);
   const bool inside = c.detector < 10 * kProximalOfMatrix;  // no more than proximal terms leave
-  if (sides != Sides::differ || begun_ || i > 0 || !inside) return true;
+  if (sides != Sides::differ || begun_ || i > 0 || !inside || !loses_rank(dynamics, y)) return true;
   throw StepError(
       fmt::format("{}: at t = {:.9g} s the links do not determine how the motion continues (smallest relative pivot "
                   "{:.2g}): it is a singular position, from which several motions continue or none, or rows nearly "
