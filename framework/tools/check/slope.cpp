@@ -17,8 +17,8 @@ struct Weights {
   std::array<double, 4> w8, w6;
   double sum;  // of |w8|: how much noise comes through
 };
-constexpr Weights kFirst{{4.0 / 5, -1.0 / 5, 4.0 / 105, -1.0 / 280}, {3.0 / 4, -3.0 / 20, 1.0 / 60, 0}, 2.1};
-constexpr Weights kSecond{{8.0 / 5, -1.0 / 5, 8.0 / 315, -1.0 / 560}, {3.0 / 2, -3.0 / 20, 1.0 / 90, 0}, 6.6};
+constexpr Weights kFirstDerivative{{4.0 / 5, -1.0 / 5, 4.0 / 105, -1.0 / 280}, {3.0 / 4, -3.0 / 20, 1.0 / 60, 0}, 2.1};
+constexpr Weights kSecondDerivative{{8.0 / 5, -1.0 / 5, 8.0 / 315, -1.0 / 560}, {3.0 / 2, -3.0 / 20, 1.0 / 90, 0}, 6.6};
 
 struct Points {
   VecX at[9];  // f(-4h) ... f(4h)
@@ -71,7 +71,7 @@ Slope derivative(const Curve& f, double reach, const Weights& w, int order) {
 
 }  // namespace
 
-Slope first_derivative(const Curve& f, double reach) { return derivative(f, reach, kFirst, 1); }
-Slope second_derivative(const Curve& f, double reach) { return derivative(f, reach, kSecond, 2); }
+Slope first_derivative(const Curve& f, double reach) { return derivative(f, reach, kFirstDerivative, 1); }
+Slope second_derivative(const Curve& f, double reach) { return derivative(f, reach, kSecondDerivative, 2); }
 
 }  // namespace lockstep
