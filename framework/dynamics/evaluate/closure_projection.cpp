@@ -4,7 +4,6 @@
 
 #include "framework/dynamics/evaluate/joint_coordinates.h"
 #include "framework/dynamics/evaluate/projection_rule.h"
-#include "framework/dynamics/tree/closure_rule.h"
 
 namespace lockstep {
 

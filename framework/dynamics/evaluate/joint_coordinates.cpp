@@ -9,7 +9,6 @@
 #include <lockstep/text.h>
 #include "framework/dynamics/evaluate/joint_coordinates.h"
 #include "framework/dynamics/evaluate/slot_coordinates.h"
-#include "framework/dynamics/tree/closure_rule.h"
 #include "framework/dynamics/tree/rows_in_plane.h"
 #include "framework/mechanism/system/diagnose.h"
 
@@ -367,12 +366,12 @@ const Solution* Dynamics::joint_accelerations(Tree& t, const State& state, const
     closures.subtract(t.correction);
   }
   recursion.accelerate(*t.coordinates, t.motions, t.f, out.v);
-  bool met = recursion.met();
+  bool met = recursion.met(false);
   double before = HUGE_VAL;
   while (!met && closures.residual() < kStalledRows * before) {
     before = closures.residual();
     recursion.correct(*t.coordinates, out.v);
-    met = recursion.met();
+    met = recursion.met(true);
     ++work_.corrections;
   }
   if (report) closures.complete(*report);

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "framework/dynamics/solvers/scales.h"
-#include "framework/dynamics/tree/closure_rule.h"
 
 namespace lockstep {
 
@@ -15,8 +15,9 @@ constexpr double kUnchanged = 0.9;  // of a residual, and its inverse: a correct
 
 }  // namespace
 
-void ClosureRows::begin(ClosureFronts fronts, double length) {
+void ClosureRows::begin(ClosureFronts fronts, double length, double mass_ratio) {
   fronts_ = std::move(fronts);
+  differ_in_mass_ = std::numeric_limits<double>::epsilon() * mass_ratio > kRowTolerance;
   length_ = length, worst_ = 0, worst_row_ = -1, redundant_ = Kkt::kUnknown;
   Lambda_.assign(static_cast<std::size_t>(fronts_.n_Lambda), 0.0);
   V_.assign(static_cast<std::size_t>(fronts_.n_V), 0.0);
@@ -63,12 +64,14 @@ double ClosureRows::norm(const VecX& c) const {
   return worst;
 }
 
-bool ClosureRows::is_met() {
+bool ClosureRows::is_met(bool corrected) {
   std::array<double, 3> largest{};
   for (std::size_t j = 0; j < fronts_.sources.size(); ++j) {
     const auto row = static_cast<Eigen::Index>(j);
-    // What lambda alone would cause, and what other rows balance: its rounding is left where nothing moves.
-    size_[row] = std::max(size_[row], kScaleFloor * scale_[row] * std::abs(lambda_[row]));
+    // What lambda alone would cause, and what other rows balance: its rounding is left where nothing moves. Between heavy
+    // bodies light ones have more of it than of motion, until they are corrected.
+    if (corrected || !differ_in_mass_)
+      size_[row] = std::max(size_[row], kScaleFloor * scale_[row] * std::abs(lambda_[row]));
     double& most = largest[static_cast<std::size_t>(fronts_.sources[j].kind)];
     most = std::max(most, size_[row]);
   }

@@ -10,6 +10,8 @@
 
 namespace lockstep {
 
+inline constexpr double kStalledRows = 0.3;  ///< of a residual: a correction that leaves more is the last one
+
 /// Right sides, scales, multipliers and residuals of the rows of closures.
 class LOCKSTEP_API ClosureRows {
  public:
@@ -37,7 +39,8 @@ class LOCKSTEP_API ClosureRows {
  protected:
   ClosureRows() = default;
   ~ClosureRows() = default;
-  void begin(ClosureFronts, double length);
+  /// mass_ratio: of the heaviest slot to the lightest.
+  void begin(ClosureFronts, double length, double mass_ratio);
   double* Lambda(const ClosureFront& f, int i) { return Lambda_.data() + f.Lambda + i * f.n; }
   const double* Lambda(const ClosureFront& f, int i) const { return Lambda_.data() + f.Lambda + i * f.n; }
   int row_of(const ClosureFront& f, int i) const { return fronts_.row_of(f, i); }
@@ -50,8 +53,8 @@ class LOCKSTEP_API ClosureRows {
   inline double multiplier(const ClosureFront&, int j, double with, const VecX& lambda) const;
   /// From diagonal_; arm2: as in PivotFloors.
   void measure_scales(const RowTable&, double arm2);
-  /// From r_ and size_: whether the residuals are small enough.
-  bool is_met();
+  /// From r_ and size_: whether the residuals are small enough. `corrected`: they are those of a correction.
+  bool is_met(bool corrected);
 
   ClosureFronts fronts_;
   std::vector<double> Lambda_, V_, l_;                     // l by place
@@ -63,7 +66,7 @@ class LOCKSTEP_API ClosureRows {
   PivotWatch watch_;
   double length_ = 1, arm2_ = 0, worst_ = 0;
   int worst_row_ = -1, redundant_ = Kkt::kUnknown;
-  bool regular_met_ = false;
+  bool regular_met_ = false, differ_in_mass_ = false;
 };
 
 // lambda_j = (K_j a + l_j - sum of Lambda_ij lambda_i) / d_j over the rows that were eliminated later; `with`: K_j a + l_j

@@ -44,9 +44,9 @@ class LoopClosures final : public ClosureRows {
   /// Reads the rows, gathered at these motions; their right sides c are Qhat. After the bodies' outward pass.
   template <class Bodies>
   void read(const Bodies&, std::span<const Motion> motions, const RowTable&);
-  /// After the recursion: measures J a - c, and says whether it is small enough.
+  /// After the recursion, or a correction: measures J a - c, and says whether it is small enough.
   template <class Bodies>
-  bool met(const Bodies&);
+  bool met(const Bodies&, bool corrected);
   /// Finds the change of the velocities by which these residuals vanish: J (change) = -r, of least kinetic energy.
   template <class Bodies>
   void correct(const Bodies&, const JointTree&, const VecX& r, VecX& dv);
@@ -89,7 +89,9 @@ class LoopClosures final : public ClosureRows {
 
 template <class Wrench, class Twist>
 void LoopClosures<Wrench, Twist>::begin(const JointTree& tree, const System& system, ClosureFronts fronts) {
-  ClosureRows::begin(std::move(fronts), system.length());
+  const auto mass = [&](const TreeNode& n) { return system.slot(n.slot).mass; };
+  const auto [lightest, heaviest] = std::ranges::minmax_element(tree.nodes(), {}, mass);
+  ClosureRows::begin(std::move(fronts), system.length(), mass(*heaviest) / mass(*lightest));
   K_.assign(fronts_.rows.size(), {}), J_.assign(fronts_.sides.size(), {});
   wrenches_.assign(fronts_.n_nodes, {}), changes_.assign(fronts_.n_nodes, {});
   du_.setZero(tree.n_v());
@@ -132,7 +134,7 @@ LOCKSTEP_INLINE void LoopClosures<Wrench, Twist>::read(const Bodies& bodies, std
 
 template <class Wrench, class Twist>
 template <class Bodies>
-LOCKSTEP_INLINE bool LoopClosures<Wrench, Twist>::met(const Bodies& bodies) {
+LOCKSTEP_INLINE bool LoopClosures<Wrench, Twist>::met(const Bodies& bodies, bool corrected) {
   for (std::size_t j = 0; j < fronts_.sources.size(); ++j) {
     const ClosureSource& source = fronts_.sources[j];
     const auto row = static_cast<Eigen::Index>(j);
@@ -144,9 +146,9 @@ LOCKSTEP_INLINE bool LoopClosures<Wrench, Twist>::met(const Bodies& bodies) {
     }
     r_[row] = r, size_[row] = size;
   }
-  if (is_met()) return true;
+  if (is_met(corrected)) return true;
   raise_sizes(bodies);
-  return is_met();
+  return is_met(corrected);
 }
 
 // Where all terms of a row vanish (it is normal to a plane in which all moves), r is rounding of other directions, bounded

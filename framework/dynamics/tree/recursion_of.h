@@ -33,7 +33,7 @@ class RecursionOf final : public TreeRecursion {
     closures_.empty() ? bodies_.accelerate(tree, motions, f, vd) : bodies_.accelerate(tree, motions, f, closures_, vd);
   }
   void follow(const JointTree& tree) override { bodies_.follow(tree); }
-  bool met() override { return measure(); }
+  bool met(bool corrected) override { return measure(corrected); }
   void correct(const JointTree& tree, VecX& vd) override {
     find_change(tree, closures_.measured(), correction_);
     closures_.add_correction();
@@ -55,7 +55,7 @@ class RecursionOf final : public TreeRecursion {
   LOCKSTEP_FLAT_CLONES void read_rows(std::span<const Motion> motions, const RowTable& rows) {
     closures_.read(bodies_, motions, rows);
   }
-  LOCKSTEP_FLAT_CLONES bool measure() { return closures_.met(bodies_); }
+  LOCKSTEP_FLAT_CLONES bool measure(bool corrected) { return closures_.met(bodies_, corrected); }
   LOCKSTEP_FLAT_CLONES void find_change(const JointTree& tree, const VecX& r, VecX& dv) {
     closures_.correct(bodies_, tree, r, dv);
   }

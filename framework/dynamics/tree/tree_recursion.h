@@ -29,8 +29,8 @@ class LOCKSTEP_API TreeRecursion {
   virtual void accelerate(const JointTree&, std::span<const Motion> motions, const VecX& f, VecX& vd) = 0;
   /// The accelerations of a tree without coordinates: its laws'. No force matters.
   virtual void follow(const JointTree&) = 0;
-  /// Whether the accelerations as found last meet the rows of the closures.
-  virtual bool met() = 0;
+  /// Whether the accelerations as found last meet the rows of the closures; `corrected`: by correct().
+  virtual bool met(bool corrected) = 0;
   /// Corrects the accelerations by what met() has measured; vd: as found last.
   virtual void correct(const JointTree&, VecX& vd) = 0;
   /// The change of the velocities by which these residuals vanish, one per row: J (change) = -r, of least kinetic

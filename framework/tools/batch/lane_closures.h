@@ -9,7 +9,6 @@
 #pragma once
 
 #include "framework/dynamics/solvers/stop_rule.h"
-#include "framework/dynamics/tree/closure_rule.h"
 #include "framework/tools/batch/closure_plan.h"
 #include "framework/tools/batch/lane_rows.h"
 #include "framework/tools/batch/lane_tree.h"

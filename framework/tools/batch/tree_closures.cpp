@@ -7,7 +7,7 @@
 
 #include <lockstep/body.h>
 #include "framework/dynamics/solvers/stop_rule.h"
-#include "framework/dynamics/tree/closure_rule.h"
+#include "framework/dynamics/tree/closure_rows.h"
 #include "framework/tools/batch/link_numbers.h"
 
 namespace lockstep::lanes {

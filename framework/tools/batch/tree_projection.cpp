@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "framework/dynamics/evaluate/projection_rule.h"
-#include "framework/dynamics/tree/closure_rule.h"
+#include "framework/dynamics/tree/closure_rows.h"
 #include "framework/tools/batch/tree_batch.h"
 
 namespace lockstep::lanes {
