@@ -44,9 +44,10 @@ bool loses_rank(Dynamics& dynamics, const State& state) {
   dynamics.to_slots(slots);
   const int beside = dynamics.redundancy(slots).rows;
   const bool held = dynamics.holds_rows();
-  const MatX Jt = rows_transposed(dynamics.gather_rows(slots));
+  const Evaluation& e = dynamics.gather_rows(slots);
+  const MatX Jt = e.rows().n_rows > kDenseRows ? MatX() : rows_transposed(e);
   if (!held) dynamics.forget_rows(state);
-  return Jt.cols() - Dependencies(Jt.sparseView(), kNearlyDependent).rank > beside;
+  return Jt.size() == 0 || Jt.cols() - RowSpace(Jt.sparseView()).rank(kNearlyDependent) > beside;
 }
 
 bool Dynamics::is_assembled(const State& state) {

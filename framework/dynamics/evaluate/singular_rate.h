@@ -23,7 +23,7 @@ namespace lockstep {
 // with the value p at e = 0, by the same weights.
 
 /// Whether more rows depend on others at this state, at least nearly, than beside it. Masses do not count, as they do in
-/// the pivots of solvers.
+/// the pivots of solvers. True of more than kDenseRows rows, whose rank is not found.
 bool loses_rank(Dynamics&, const State&);
 
 /// State, rates and multipliers in a singular position, from both of its sides.
