@@ -98,7 +98,7 @@ TEST_CASE("turns are counted once through events and rejected steps", "[verifica
   const auto torque = laws::law([](auto t) { return 0.2 * sin(4.0 * t) + 0.5 * exp(-400.0 * (t - 1.0) * (t - 1.0)); });
   System system;
   Body& nut = system.add_body("nut", wheel(m, J));
-  auto& thread = system.add<Screw>("thread", nut, system.ground(), pose_at(Vec3::Zero()), lead);
+  system.add<Screw>("thread", nut, system.ground(), pose_at(Vec3::Zero()), lead);
   system.add<TorqueMotor>("motor", system.add_marker("on nut", nut), system.add_marker("on ground", system.ground()),
                           {torque});
   Recorder recorder(system, {"thread.angle", "nut.z", "thread.violation"});
