@@ -62,7 +62,7 @@ double RowSpace::smallest_singular_value(int rank) const {
 
 MatX RowSpace::free(double limit) const {
   MatX N = MatX::Identity(n_, n_).rightCols(n_ - rank(limit));
-  if (qr_.rows() > 0) N.applyOnTheLeft(qr_.householderQ());
+  if (qr_.rows() > 0 && N.cols() > 0) N.applyOnTheLeft(qr_.householderQ());
   return N;
 }
 
