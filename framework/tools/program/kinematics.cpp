@@ -211,7 +211,7 @@ int follow(const Arguments& args, bool inverse) {
   DrivenMotion motion(dynamics, std::move(start));
   GrowingCsv rows(file, recorder->table());
   const StepReport report;
-  Doubts doubts(records_reactions(m.run), 0);
+  Doubts doubts(!args.quiet && records_reactions(m.run), 0);
   std::exception_ptr failed;
   try {
     for (long k = 0; k < times.size(); ++k) {
