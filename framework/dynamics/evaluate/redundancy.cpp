@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <lockstep/error.h>
@@ -13,6 +14,7 @@
 #include "framework/dynamics/evaluate/singular_rate.h"
 #include "framework/dynamics/evaluate/speed_of.h"
 #include "framework/dynamics/solvers/graph.h"
+#include "framework/dynamics/tree/rows_in_plane.h"
 #include "framework/foundation/math/limits.h"
 
 namespace lockstep {
@@ -42,12 +44,12 @@ MatX rows_transposed(const Evaluation& e) {
 bool loses_rank(Dynamics& dynamics, const State& state) {
   State slots = state;
   dynamics.to_slots(slots);
-  const int beside = dynamics.redundancy(slots).rows;
   const bool held = dynamics.holds_rows();
+  const int beside = dynamics.redundancy(slots).rows;
   const Evaluation& e = dynamics.gather_rows(slots);
   const MatX Jt = e.rows().n_rows > kDenseRows ? MatX() : rows_transposed(e);
   if (!held) dynamics.forget_rows(state);
-  return Jt.size() == 0 || Jt.cols() - RowSpace(Jt.sparseView()).rank(kNearlyDependent) > beside;
+  return beside < 0 || Jt.size() == 0 || Jt.cols() - RowSpace(Jt.sparseView()).rank(kNearlyDependent) > beside;
 }
 
 bool Dynamics::is_assembled(const State& state) {
@@ -79,9 +81,17 @@ Redundancy Dynamics::redundancy(const State& state) {
   if (!has_loops(system_, state.modes) || (state.coordinates && !state.coordinates->has_rows())) {
     found.rows = 0;
   } else {
+    int most = std::numeric_limits<int>::max();
+    if (state.coordinates) {  // rows of closures are some of all rows; before a singular pose asks for these
+      State slots = state;
+      to_slots(slots);
+      const bool held = holds_rows();
+      if (const int all = redundancy(slots).rows; all >= 0) most = all;
+      if (!held) forget_rows(state);
+    }
     const WorkCount before = work_;
     try {
-      found = find_redundancy(state);
+      found = find_redundancy(state, most);
     } catch (...) {  // nothing stays of what was not found to the end
       state.coordinates ? tree(state.modes).closures().set_redundant(Kkt::kUnknown)
                         : own().set_redundant(Kkt::kUnknown);
@@ -90,23 +100,15 @@ Redundancy Dynamics::redundancy(const State& state) {
     }
     work_ = before;
   }
-  if (found.rows < 0) return found;
-  redundancies_.emplace(std::move(key), found);
-  if (state.coordinates && state.coordinates->has_rows()) {  // of all rows, before a singular pose asks for it
-    State slots = state;
-    to_slots(slots);
-    const bool held = holds_rows();
-    redundancy(slots);
-    if (!held) forget_rows(state);
-  }
+  if (found.rows >= 0) redundancies_.emplace(std::move(key), found);
   return found;
 }
 
-// The least number of small pivots in poses on both sides: along the motion itself, at rest along the accelerations,
-// which stay on its branch; and if this is no singular position also along a free motion of all parts. If fewer
-// rows depend on others before these poses are projected, or their C contradict one another, some do so on the
-// constraints only.
-Redundancy Dynamics::find_redundancy(const State& state) try {
+// The least number of small pivots in poses on both sides, `most` at most: along the motion itself, at rest along the
+// accelerations, which stay on its branch; and if this is no singular position also along a free motion of all parts. If
+// fewer rows depend on others before these poses are projected, or their C contradict one another, some do so on the
+// constraints only. Unknown as long as laws have yet to move what has small pivots.
+Redundancy Dynamics::find_redundancy(const State& state, int most) try {
   if (!is_assembled(state)) return {};
   const auto know = [&](int n) {
     state.coordinates ? tree(state.modes).closures().set_redundant(n) : own().set_redundant(n);
@@ -137,7 +139,7 @@ Redundancy Dynamics::find_redundancy(const State& state) try {
   State here = state;
   project(here, 0);
   const int of_here = small(here);
-  Redundancy found{.rows = of_here};
+  Redundancy found{.rows = std::min(of_here, most)};
   std::vector<State> poses = {here};
   const auto look_along = [&](const State& moving, bool from_rest) {  // then its velocities are accelerations
     std::vector<Motion> motions;
@@ -157,35 +159,31 @@ Redundancy Dynamics::find_redundancy(const State& state) try {
         found.rows = std::min(found.rows, small(beside));
         if (few && (off.dependent < look_off(beside).dependent || !off.agrees)) found.on_constraints = true;
         poses.push_back(std::move(beside));
-      } catch (const UserCodeError&) {
-        throw;
       } catch (const Error&) {  // what cannot be evaluated there answers nothing
       }
     return true;
   };
   State moving = here;
-  if (!look_along(here, false)) try {
+  bool moves = look_along(here, false);
+  if (!moves) try {
       know(found.rows);
       StateRate rate = sized_like(here);
       rates(here, rate);
       moving.v = rate.v;
-      look_along(moving, true);
-    } catch (const UserCodeError&) {
-      throw;
+      moves = look_along(moving, true);
     } catch (const Error&) {
     }
   if (found.rows == of_here) {
     for (Eigen::Index i = 0; i < moving.v.size(); ++i) moving.v[i] = std::cos(1.0 + 2.3 * static_cast<double>(i));
     project_velocity(moving);
-    look_along(moving, false);
+    moves = look_along(moving, false) || moves;
   }
+  if (!moves && of_here > 0 && may_have_laws(system_)) return know(Kkt::kUnknown), Redundancy{};
   found.regular = 0;
   know(found.rows);
   for (const State& pose : poses) found.regular = std::max(found.regular, std::min(1.0, pivots(pose).detector));
   return found;
-} catch (const UserCodeError&) {
-  throw;
-} catch (const Error&) {
+} catch (const Error&) {  // named by the evaluation of this state that follows
   return {};
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <random>
 #include <utility>
 
@@ -11,6 +10,7 @@
 #include <Eigen/SparseCholesky>
 
 #include <lockstep/error.h>
+#include "framework/dynamics/solvers/graph.h"
 
 namespace lockstep {
 
@@ -27,21 +27,6 @@ VecX lengths_of_rows(const Sparse& Jt) {
   }
   return lengths;
 }
-
-// Sets of rows that circuits connect.
-class Sets {
- public:
-  explicit Sets(int n) : parent_(static_cast<std::size_t>(n)) { std::iota(parent_.begin(), parent_.end(), 0); }
-  int of(int i) {
-    for (int& p = at(i); p != at(p); p = at(p)) at(i) = at(p);
-    return at(i);
-  }
-  void join(int i, int j) { at(of(i)) = of(j); }
-
- private:
-  int& at(int i) { return parent_[static_cast<std::size_t>(i)]; }
-  std::vector<int> parent_;
-};
 
 }  // namespace
 
@@ -94,7 +79,7 @@ MatX RowSpace::circuits(double limit) const {
 
 std::vector<DependentRows> RowSpace::sets() const {
   const int regular = rank(kNearlyDependent), exact = rank();
-  Sets sets(n_rows());
+  Parts sets(n_rows());
   for (int place = regular; place < n_rows(); ++place) {
     const VecX shares = circuit(place, regular);
     for (int row = 0; row < n_rows(); ++row)

@@ -35,12 +35,17 @@ void SingularPassage::begin(const Tableau& tableau, const State& state, Dynamics
   near_ = begun_ = on_constraints_ = false;
   seen_ = {}, below_ = 0;
   if (!active_) return;
-  const Redundancy redundancy = dynamics.redundancy(state);
-  below_ = near_singular_below(redundancy.regular), on_constraints_ = redundancy.on_constraints;
+  ask(dynamics, state);
   a_.clear();
   for (int i = 0; i < tableau.n_all; ++i) a_.emplace_back(tableau.a + i * tableau.stride, i);
   stage_ = state, rate_ = sized_like(state);
   both_sides_.begin(state);
+}
+
+void SingularPassage::ask(Dynamics& dynamics, const State& state) {
+  const Redundancy redundancy = dynamics.redundancy(state);
+  below_ = redundancy.rows < 0 ? 0 : near_singular_below(redundancy.regular);
+  on_constraints_ = redundancy.on_constraints;
 }
 
 void SingularPassage::start_step() {
@@ -116,6 +121,7 @@ bool SingularPassage::accepts(double h, double error) {
 
 // What rounding leaves of the velocities leads off the branch, and is in the energy by its square.
 ProjectReport SingularPassage::land(Dynamics& dynamics, State& end) {
+  if (active_ && !(below_ > 0)) ask(dynamics, end);
   ProjectReport report;
   const bool noisy = seen_.limit && round_off(both_sides_.distance()) * both_sides_.distance() > std::sqrt(relative_);
   if (noisy) report.before = dynamics.violation_of_closures(end);
@@ -129,7 +135,7 @@ void SingularPassage::finish_step(StepReport& report) {
   begun_ = true;
   report.h_next = std::max(report.h_next, longer_);
   near_ = when_ == StagesWhen::automatic && seen_.indicator < (on_ == StagesOn::manifold ? kRegular : 1) * below_;
-  if (std::isfinite(seen_.indicator)) below_ = std::max(below_, near_singular_below(seen_.indicator));
+  if (below_ > 0 && std::isfinite(seen_.indicator)) below_ = std::max(below_, near_singular_below(seen_.indicator));
 }
 
 }  // namespace lockstep

@@ -68,12 +68,13 @@ class LOCKSTEP_API SingularPassage {
   };
   using Sides = SingularRate::Sides;
   bool evaluate(Dynamics&, const State& y, double h, int i, Stages&);
+  void ask(Dynamics&, const State&);
 
   StagesWhen when_;
   const char* method_;
   bool active_ = false;
   bool on_constraints_ = false;  // rows are redundant on the constraints only
-  double below_ = 0;             // an indicator below this is near a singular position
+  double below_ = 0;             // an indicator below this is near a singular position; 0: not known yet
   double relative_ = 1e-6;       // tolerance
   std::vector<Weights> a_;
   SingularRate both_sides_;

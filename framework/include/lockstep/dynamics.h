@@ -306,7 +306,8 @@ class LOCKSTEP_API ReactionIteration {
 
 /// How the rows of the links in force depend on one another in all assembled poses of a branch but singular ones.
 struct Redundancy {
-  int rows = Kkt::kUnknown;     ///< rows that depend on others (Kkt::redundant)
+  /// Rows that depend on others (Kkt::redundant), by their pivots: masses that differ by 1e7 make others as small.
+  int rows = Kkt::kUnknown;
   bool on_constraints = false;  ///< some do so in assembled poses only, as in the loops of Bennett and Bricard
   double regular = 1;           ///< the largest SolveReport::detector that was seen
 };
@@ -438,8 +439,8 @@ class LOCKSTEP_API Dynamics {
 
   // -- redundant rows
   /// How the rows of the links in force depend on one another on the branch of this state, in its coordinates. Found once
-  /// for these links, at the first state on the constraints; so no answer depends on who asked what before. Unknown
-  /// (rows < 0) before such a state.
+  /// for these links, at the first state on the constraints from which the mechanism moves, or that has no small pivots.
+  /// Unknown (rows < 0) before such a state.
   Redundancy redundancy(const State&);
 
   // -- matrices
@@ -467,7 +468,7 @@ class LOCKSTEP_API Dynamics {
   Evaluation& gathered(const State&);
   bool is_assembled(const State&);
   SolveReport pivots(const State&);
-  Redundancy find_redundancy(const State&);
+  Redundancy find_redundancy(const State&, int most);
   Tree& tree(const std::vector<bool>& modes);
   void joint_rates(const State&, StateRate& out, SolveReport*);
   ProjectReport project_joint(State&, double goal);
