@@ -73,13 +73,18 @@ void BlockFactorization::fill(const Kkt& kkt) {
   }
 }
 
+// A row whose slots are not all eliminated before it may have a small pivot because those that are do not move along it:
+// what the others add to it counts as if they were free.
 void BlockFactorization::measure_pivots(const Kkt& kkt) {
   row_diagonal(kkt, S_diagonal_);
+  const BlockPlan::Place* place = jacobian_.data();
+  auto pivots = pivots_.tail(kkt.pattern.m);
+  add_row_diagonal(kkt, pivots, [&] { return !place++->transposed; });
   watch_.see(
       kkt.redundant,
       [&](auto&& row) {
         for_each_row(kkt.pattern, [&](int j, std::size_t kind) {
-          row(pivots_[kkt.pattern.n + j], S_diagonal_[j] + plan_.proximal() * kkt.E[j], kind);
+          row(pivots[j], S_diagonal_[j] + plan_.proximal() * kkt.E[j], kind);
         });
       },
       [&] { return pivot_floors(kkt, plan_.proximal()); });

@@ -129,12 +129,6 @@ LOCKSTEP_KERNEL void solve_backward(const Plan& plan, const Numbers& z) {
 // -- right sides
 
 template <class K, class X>
-LOCKSTEP_KERNEL void start_links(const Plan& plan, const Numbers& z) {
-  for_each_link<K, X>(
-      plan, [&]<int M, bool kTurned>(const Node& node)
-                __attribute__((always_inline)) { start_link<K, X, M, kTurned>(plan, node, z); });
-}
-template <class K, class X>
 LOCKSTEP_KERNEL void apply_links(const Plan& plan, const double* x, const Numbers& z) {
   for_each_link<K, X>(
       plan, [&]<int M, bool kTurned>(const Node& node)

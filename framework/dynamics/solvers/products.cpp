@@ -58,16 +58,7 @@ void add_sizes_of_rows_transposed_times(const Kkt& kkt, const VecX& lambda, VecX
 
 void row_diagonal(const Kkt& kkt, VecX& s) {
   s.setZero();
-  const double* minv = kkt.Minv.data();
-  for (const KktLink& link : kkt.pattern.links) {
-    std::size_t at = link.J;
-    for (int i = 0; i < link.n_slots; ++i) {
-      const auto slot = static_cast<std::size_t>(link.slot[static_cast<std::size_t>(i)]);
-      const int width = kkt.pattern.width[slot];
-      for (int j = 0; j < link.m; ++j, at += static_cast<std::size_t>(width))
-        s[link.first_row + j] += quadratic_form(minv + kkt.pattern.M[slot], kkt.J.data() + at, width);
-    }
-  }
+  add_row_diagonal(kkt, s, [] { return true; });
 }
 
 }  // namespace lockstep

@@ -57,4 +57,20 @@ inline double quadratic_form(const double* B, const double* x, int width) {
   return sum;
 }
 
+/// s gains what those sides of the links add to the diagonal of J M^-1 J^T for which take() holds, in the order of Kkt::J.
+template <class S, class Take>
+void add_row_diagonal(const Kkt& kkt, S& s, Take&& take) {
+  for (const KktLink& link : kkt.pattern.links) {
+    std::size_t at = link.J;
+    for (int i = 0; i < link.n_slots; ++i) {
+      const auto slot = static_cast<std::size_t>(link.slot[static_cast<std::size_t>(i)]);
+      const int width = kkt.pattern.width[slot];
+      const bool takes = take();
+      for (int j = 0; j < link.m; ++j, at += static_cast<std::size_t>(width))
+        if (takes)
+          s[link.first_row + j] += quadratic_form(kkt.Minv.data() + kkt.pattern.M[slot], kkt.J.data() + at, width);
+    }
+  }
+}
+
 }  // namespace lockstep

@@ -43,10 +43,6 @@ LOCKSTEP_INLINE T what_counts_as_small(const T& diagonal, const T& left) {
   const T kept = left < most ? left : most;
   return kept < least ? least : kept;
 }
-/// Whether the pivot of a row counts as small.
-inline bool is_small_pivot(double pivot, double diagonal, double left) {
-  return pivot < what_counts_as_small(diagonal, left);
-}
 /// What proximal terms leave, by kind of row. The pivot of a redundant row j is n' E n / n_j^2, with n the dependency:
 /// its own proximal term and those of the rows that it depends on. Those are measured in the scales of their links, and
 /// moments become forces by lever arms: beside slender rods, whose moments about their axes have a scale a thousand times
@@ -101,7 +97,7 @@ class PivotWatch {
  public:
   void begin(int n_rows) { pivots_.reserve(static_cast<std::size_t>(n_rows)); }
   /// `each` calls its argument with the pivot of every row, its diagonal, and its RowKind. floors(): what proximal terms
-  /// would leave of a redundant row by kind, as in is_small_pivot; asked only if it matters.
+  /// would leave of a redundant row by kind, as in what_counts_as_small(); asked only if it matters.
   template <class Each, class Floors>
   void see(int redundant, Each&& each, Floors&& floors) {
     int below = 0;
