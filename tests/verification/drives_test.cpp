@@ -143,6 +143,26 @@ TEST_CASE("a start may ask for the speed of a link's free coordinate", "[verific
                        {"A.rz", "D.rz", "cannot be met together"});
 }
 
+TEST_CASE("a start velocity that no motion has is refused, whether the links hold it or nearly so",
+          "[verification][drives]") {
+  const double tilt = GENERATE(0.001, 0.3);  // of a slide out of the plane of a trammel
+  System sys;
+  Body& bar = sys.add_body("bar", shapes::rod(1.0, {0.3, 0, 0}, {0, 0.4, 0}));
+  Body& block1 = sys.add_body("block1", flywheel());
+  Body& block2 = sys.add_body("block2", flywheel());
+  block1.home.x = {0.3, 0, 0}, block2.home.x = {0, 0.4, 0};
+  sys.add<Prismatic>("P1", block1, sys.ground(), pose_at({0.3, 0, 0}, Vec3(1, 0, tilt).normalized()));
+  sys.add<Prismatic>("P2", block2, sys.ground(), pose_at({0, 0.4, 0}, Vec3(0, 1, 0)));
+  sys.add<Revolute>("R1", bar, block1, pose_at({0.3, 0, 0}));
+  sys.add<Revolute>("R2", bar, block2, pose_at({0, 0.4, 0}));
+  Dynamics dynamics(sys, std::make_unique<SchurSolver>());
+  State start = sys.start();
+  testing::check_words(testing::message_of<AssemblyError>([&] {
+                         assemble(dynamics, start, {{"P1", Axis::z, 0.3}});
+                       }),
+                       {"start velocity: P1.z cannot be met; the mechanism does not move that way"});
+}
+
 TEST_CASE("a speed drive that comes into force begins where the mechanism is", "[verification][drives]") {
   System sys;
   Body& wheel = sys.add_body("wheel", flywheel());

@@ -26,7 +26,8 @@ constexpr double kLittle = 1e-3;  // of its length, turns times it, of speeds or
 double start_limit() { return StepLoopOptions{}.start_limit; }
 
 // Projects first, then corrects along the free motions only: W = M^-1-orthogonal responses to each target's row. Again
-// while that leaves less.
+// while that leaves less. Targets may depend on each other: any impulse that gives their rates will do, since all give the
+// same motion.
 void meet(Dynamics& dynamics, State& state, const std::vector<VelocityTarget>& targets) {
   dynamics.project_velocity(state);
   const auto m = static_cast<Eigen::Index>(targets.size());
@@ -42,7 +43,15 @@ void meet(Dynamics& dynamics, State& state, const std::vector<VelocityTarget>& t
       gap[i] = target.value - at.rate, largest = std::max(largest, std::abs(target.value));
     }
     const double left = gap.lpNorm<Eigen::Infinity>();
-    if (left <= 4 * std::numeric_limits<double>::epsilon() * largest || !(left < before)) return;
+    if (left <= 4 * std::numeric_limits<double>::epsilon() * largest) return;
+    if (!(left < before)) {
+      if (left <= start_limit() * std::max(1.0, largest)) return;
+      std::vector<std::string> names;
+      for (const VelocityTarget& t : targets) names.push_back(t.link + "." + std::string(to_string(t.axis)));
+      throw AssemblyError("start velocity: " + text::join(names) +
+                          (targets.size() > 1 ? " cannot be met together; the" : " cannot be met; the") +
+                          " mechanism does not move that way: ask for fewer coordinates, or for one that is free");
+    }
     before = left;
     const Evaluation& e = dynamics.gather_rows(state);
     const VecX none = VecX::Zero(e.rows().n_rows);
@@ -51,17 +60,7 @@ void meet(Dynamics& dynamics, State& state, const std::vector<VelocityTarget>& t
       factor.solve(e, rows.row(i).transpose(), none, a, lambda);
       response.col(i) = a;
     }
-    // Targets may depend on each other: any impulse that gives their rates will do, since all give the same motion.
-    const MatX compliance = rows.lazyProduct(response);
-    const VecX impulse = compliance.fullPivLu().solve(gap);
-    if ((compliance * impulse - gap).lpNorm<Eigen::Infinity>() > start_limit() * std::max({1.0, left, largest})) {
-      std::vector<std::string> names;
-      for (const VelocityTarget& t : targets) names.push_back(t.link + "." + std::string(to_string(t.axis)));
-      throw AssemblyError("start velocity: " + text::join(names) +
-                          " cannot be met together; the mechanism does not move that way: "
-                          "ask for fewer coordinates, or for one that is free");
-    }
-    state.v += response * impulse;
+    state.v += response * rows.lazyProduct(response).fullPivLu().solve(gap);
     dynamics.project_velocity(state);
   }
 }

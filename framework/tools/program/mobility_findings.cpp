@@ -25,6 +25,7 @@ State counted_start(Dynamics& dynamics, Mechanism& m, const State& typed, Mobili
       assemble(dynamics, start, m.start_speeds, m.assembly);
     else
       check_start(dynamics, start, StepLoopOptions().start_limit);
+    refuse_locked(dynamics, start);
   } catch (const Error&) {
     found.refused = std::current_exception(), start = typed;
   }

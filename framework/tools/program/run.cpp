@@ -297,6 +297,7 @@ class ProgramRun {
     if (const std::string taken = frames_taken_in_short(loaded_.scene); !taken.empty())
       words_.say("  taken      {}\n", taken);
     tell_near(start);
+    refuse_locked(dynamics_, start);
     if (args_.quiet) return start;
     not_unique_ = columns_not_unique(dynamics_, start, m_.run);
     if (!not_unique_.empty())

@@ -12,7 +12,6 @@
 #include <lockstep/lock.h>
 #include <lockstep/step_loop.h>
 #include "framework/dynamics/simulate/along_laws.h"
-#include "framework/foundation/math/limits.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/analysis/branch_point.h"
 #include "framework/tools/analysis/doubts.h"
@@ -120,11 +119,6 @@ void warn_of_branches(Dynamics& dynamics, StepLoop& sim) {
   if (!at.singular) return;
   constexpr double kOff = 1e-3;  // of the velocity
   const bool moves = at.moves(start.v);
-  if (at.locked && start.v.lpNorm<Eigen::Infinity>() > kNegligible)
-    throw AssemblyError(fmt::format(
-        "the start lies in a singular position: {}. Rows that are nearly redundant there hold as soon as it moves: let "
-        "it start at rest, or turn the axes that should agree (lockstep check names the rows)",
-        at.text(dynamics, start)));
   const double off = moves && at.all ? at.off_branches(dynamics.system(), start.v) : 0;
   sim.warn(fmt::format(
       "the start lies in a singular position: {}{}", at.text(dynamics, start),

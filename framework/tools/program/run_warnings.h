@@ -12,7 +12,6 @@ namespace lockstep {
 /// Warns, one line each, of settings that have no effect, or hardly the one that was meant.
 void warn_of_settings(const Scene&, const Mechanism&, const Arguments&, StepLoop&);
 /// Warns of a start in a singular position, where the rows alone do not say how the motion continues.
-/// Throws AssemblyError if it moves where the mechanism is locked.
 void warn_of_branches(Dynamics&, StepLoop&);
 /// What keeps a run of the mechanism as it stands from joint coordinates, at a start: "rows of link 'high' that depend on
 /// others are left out", "integrator radau5 does not take joint coordinates"; "" if nothing does.

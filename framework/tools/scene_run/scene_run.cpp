@@ -4,9 +4,11 @@
 
 #include <lockstep/error.h>
 #include <lockstep/solvers.h>
-#include "framework/dynamics/simulate/start_positions.h"
 #include "framework/dynamics/simulate/decided_rows.h"
+#include "framework/dynamics/simulate/start_positions.h"
 #include "framework/dynamics/solvers/graph.h"
+#include "framework/foundation/math/limits.h"
+#include "framework/tools/analysis/branch_point.h"
 #include "framework/tools/analysis/left_out_rows.h"
 
 namespace lockstep {
@@ -117,6 +119,15 @@ State decided_start(Dynamics& dynamics, Mechanism& m, NearRows* out) {
   }
   if (out != nullptr) *out = std::move(near);
   return start;
+}
+
+void refuse_locked(Dynamics& dynamics, const State& start) {
+  if (!(start.v.lpNorm<Eigen::Infinity>() > kNegligible)) return;
+  if (const BranchPoint at = branch_point(dynamics, start); at.locked)
+    throw AssemblyError(
+        "the start lies in a singular position: " + at.text(dynamics, start) +
+        ". Rows that are nearly redundant there hold as soon as it moves: let it start at rest, or turn "
+        "the axes that should agree (lockstep check names the rows)");
 }
 
 std::vector<NearDependency> nearly_redundant_at(Dynamics& dynamics, Mechanism& m, const State& start) {

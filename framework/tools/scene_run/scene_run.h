@@ -50,7 +50,11 @@ LOCKSTEP_API State decided_start(Dynamics& dynamics, Mechanism& m, NearRows* nea
 /// Rows that nearly depend on others at an assembled start, where nothing is decided; none where that cannot be found out.
 LOCKSTEP_API std::vector<NearDependency> nearly_redundant_at(Dynamics& dynamics, Mechanism& m, const State& start);
 
-/// The same start, assembled unless the scene says otherwise; counted angles begin where drives do. `report`, where given, takes what assembly changed.
+/// Throws AssemblyError if a start moves in a singular position in which the mechanism is locked.
+LOCKSTEP_API void refuse_locked(Dynamics&, const State& start);
+
+/// The same start, assembled unless the scene says otherwise; counted angles begin where drives do. `report`, where given,
+/// takes what assembly changed. Throws what assemble() and refuse_locked() throw.
 inline State assembled_start(Dynamics& dynamics, Mechanism& m, AssemblyReport* report = nullptr) {
   State start = decided_start(dynamics, m);
   if (m.run.assemble) {
@@ -59,6 +63,7 @@ inline State assembled_start(Dynamics& dynamics, Mechanism& m, AssemblyReport* r
   } else {
     begin_turns(dynamics, start);
   }
+  refuse_locked(dynamics, start);
   return start;
 }
 
