@@ -129,6 +129,32 @@ TEST_CASE("runner: kinematics and inverse write what a run writes", "[plugin][ru
     CHECK(inverse["A.drive_rz.torque_on_p_link_z"][i] == inverse["drive_torque"][i]);
 }
 
+// An angle about x has no value where the crank has turned by half a turn about z; only a column reads it.
+TEST_CASE("runner: a recorded angle without a value ends neither kinematics nor inverse", "[plugin][runner]") {
+  const std::string scene = scene_file("turned", R"("bodies": [{"name": "crank", "rod": {"mass": 1, "from": [0, 0, 0],
+      "to": [1, 0, 0]}}],
+    "links": [{"name": "A", "type": "revolute", "p": "crank", "s": "ground", "at": [0, 0, 0],
+               "drive": {"axis": "rz", "law": {"type": "ramp", "slope": 3}}}],
+    "run": {"until": 2, "output": 0.25, "record": ["A.angle_z", "crank.angle_x"]})");
+  for (const std::string verb : {"kinematics ", "inverse "}) {
+    const Called r = call(verb + scene + " --record turned.csv");
+    INFO(r.text);
+    CHECK(r.exit == 0);
+    const Table table = read_csv(kRunnerFolder + "/turned.csv");
+    REQUIRE(table.n_rows() == 9);
+    CHECK(table["A.angle_z"].back() == Approx(6));
+  }
+}
+
+// Two hinges whose axes are nearly one: nothing is redundant, and nothing is shared.
+TEST_CASE("runner: explain calls rows that nearly depend on others not redundant", "[plugin][runner]") {
+  const Called r =
+      call("explain '" + std::string(paths::kSource) + "/tests/stability/scenes/flat_cranks.json' A --set before=1e-3");
+  INFO(r.text);
+  CHECK(r.exit == 0);
+  CHECK_FALSE(contains(r.text, " 0 of the rows"));
+}
+
 TEST_CASE("runner: kinematics needs no masses, and refuses too few drives", "[plugin][runner]") {
   const std::string members = R"("bodies": [{"name": "arm"}],
     "links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0, 0, 0], "axis": "z",

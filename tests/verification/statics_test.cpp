@@ -457,4 +457,24 @@ TEST_CASE("statics: a note names a marker that a law moves under a damper", "[ve
   CHECK(body_pose(m.system.body("b"), found.state).x[0] == Approx(1.1 + 10.0 / 123).epsilon(1e-10));
 }
 
+TEST_CASE("statics: turns are counted from pose to pose", "[verification][statics]") {
+  const auto at_rest = [](const std::string& hinge, const std::string& members) {
+    const std::string text = R"({"lockstep": 1, "gravity": [0, 0, 0],
+      "bodies": [{"name": "arm", "mass": 2, "inertia": [0.1, 0.1, 0.1], "center": [0.5, 0, 0]}],
+      "links": [{"name": "A", "type": "revolute", "p": "arm", "s": "ground", "at": [0, 0, 0], "axis": "z")" +
+                             hinge + R"(}], "forces": [{"name": "m", "type": "torque_motor", "p": "arm", "s": "ground",
+                 "at": [0, 0, 0], "torque": 7})" +
+                             members + "]}";
+    Mechanism m = build_mechanism(scene_from_text(text, "arm.json"), builtin_registry());
+    const AtRest found(system_of(m));
+    return std::make_pair(found.report.pressed, angle_of(m.system.body("arm"), found.state));
+  };
+  const auto spring = at_rest("", R"(, {"name": "s", "type": "torsion_spring_damper", "p": "arm", "s": "ground",
+    "at": [0, 0, 0], "stiffness": 0.5})");
+  CHECK(std::remainder(spring.second - 7 / 0.5, kTwoPi) == Approx(0).margin(1e-9));
+  const auto stop = at_rest(R"(, "stops": [{"axis": "rz", "low": "-10 deg", "high": "400 deg"}])", "");
+  CHECK(stop.first == std::vector<std::string>{"A.stop_rz_high"});
+  CHECK(stop.second == Approx(40 * kPi / 180).margin(1e-9));
+}
+
 }  // namespace statics_test

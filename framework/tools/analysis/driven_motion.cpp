@@ -62,13 +62,13 @@ void DrivenMotion::move_speed_drives(double t0, double t1) {
   }
 }
 
-/// Gives the trial's angles the values of its pose. False, and why, if one is not near where its rates led.
+/// Gives the trial's angles the values of its pose. False, and why, if one that rows hold is not near where its rates led.
 bool DrivenMotion::settle_angles() {
   const Inputs& in = dynamics_.inputs(trial_);
   for (const auto& angle : dynamics_.system().counted_angles()) {
     const double led = angle->expected(in.s);
     angle->set(in, led, trial_.s);
-    if (std::abs(angle->expected(in.s) - led) < CountedAngle::kInDoubt) continue;
+    if (!angle->coupled() || std::abs(angle->expected(in.s) - led) < CountedAngle::kInDoubt) continue;
     why_ = "the " + angle->name() + " is more than a quarter turn from where its rates lead";
     return false;
   }

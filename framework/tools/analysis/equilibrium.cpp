@@ -77,6 +77,8 @@ bool EquilibriumSearch::settle(State& state) {
   } catch (const NonFiniteError&) {
   }
   state.v.setZero();
+  const Inputs& in = dynamics_.inputs(state);  // turns go on from the pose before
+  for (const auto& angle : system_.counted_angles()) angle->set(in, angle->expected(in.s), state.s);
   return fits;
 }
 

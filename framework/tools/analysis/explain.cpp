@@ -115,7 +115,8 @@ LinkAccount account_of(Dynamics& dynamics, const State& state, const Lock& link)
     out.on_p = link.pairs().front().first->body->name, out.on_s = link.pairs().front().second->body->name;
   out.merged = system.merged(link);
   for (Dependency& d : mobility(dynamics, state).dependencies)
-    if (std::ranges::any_of(d.rows, [&](const std::string& row) { return row.starts_with(link.name() + "."); }))
+    if (d.too_many > 0 &&
+        std::ranges::any_of(d.rows, [&](const std::string& row) { return row.starts_with(link.name() + "."); }))
       out.dependencies.push_back(std::move(d));
   add_laws(link, state.t, out.laws);
   for (int k = 0; k < link.row_count(); ++k)

@@ -202,7 +202,7 @@ int follow(const Arguments& args, bool inverse) {
   const std::unique_ptr<Recorder> recorder = make_recorder(m);
   Dynamics dynamics = make_dynamics(m, loaded.registry);
   State start = decided_start(dynamics, m);
-  assemble(dynamics, start);
+  assemble(dynamics, start, m.start_speeds, m.assembly);
   if (!args.quiet && !args.json) fmt::print("{}\n", loaded.title());
   for (const EventRequest& e : m.events)
     fmt::print(stderr, "lockstep: event '{}' does not act: nothing runs here\n", e.event.name);

@@ -37,15 +37,19 @@ struct Resting {
   Resting(const Scene& scene, const Registry& registry)
       : m(build_mechanism(scene, registry)), dynamics(make_dynamics(m, registry)), state(decided_start(dynamics, m)) {}
 
-  /// From the assembled start, or from the poses of `before`, if it has as many. `friction`: whether it may hold them.
-  void find(const Arguments& args, const State* before, bool friction) {
+  /// Takes the assembled start, or the poses of `before`, if it has as many.
+  void begin(const Arguments& args, const State* before = nullptr) {
     state.t = instant_of(args);
-    if (before != nullptr && before->q.size() == state.q.size()) state.q = before->q;
+    if (before != nullptr && before->q.size() == state.q.size()) state.q = before->q, state.s = before->s;
     state.v.setZero();
     if (m.run.assemble || before != nullptr)
-      assemble(dynamics, state);
+      assemble(dynamics, state, {}, before == nullptr ? m.assembly : AssemblyOptions());
     else
       begin_turns(dynamics, state);
+  }
+  /// From there. `friction`: whether it may hold the poses.
+  void find(const Arguments& args, const State* before, bool friction) {
+    begin(args, before);
     report = find_equilibrium(dynamics, state, {.friction = friction, .nearest = args.nearest});
   }
   /// Rows and multipliers at rest, without accelerations.
@@ -245,12 +249,7 @@ int find_all(const Arguments& args, const Loaded& loaded) {
   constexpr int kMostStarts = 1'000'000;
   const int starts = whole_number("--all", args.all, kMostStarts);
   Resting first(loaded.scene, loaded.registry);
-  first.state.t = instant_of(args);
-  first.state.v.setZero();
-  if (first.m.run.assemble)
-    assemble(first.dynamics, first.state);
-  else
-    begin_turns(first.dynamics, first.state);
+  first.begin(args);
   EquilibriaReport found = find_equilibria(first.dynamics, first.state, {.starts = starts});
   Json all = Json::array();
   if (!args.json)
