@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "framework/foundation/math/limits.h"
+#include "framework/mechanism/rows/loads.h"
 
 namespace lockstep {
 
@@ -21,19 +22,6 @@ constexpr double kStalled =
 constexpr int kMostReactions = 30;   // solutions with friction at the new multipliers
 constexpr double kReactions = 1e-6;  // relative to its first change: the end of these solutions; Newton does the rest
 constexpr double kSlow = 0.2;        // a larger ratio of two changes needs a fresh matrix
-
-// out -= Jh^T lambda
-void subtract_reactions(const RowTable& rows, const VecX& lambda, VecX& out) {
-  for (const RowEntry& e : rows.entries) {
-    const RowView block = rows.block(e);
-    for (int i = 0; i < e.slots.n; ++i)
-      for (int k = 0; k < e.m; ++k) {
-        const auto r = block.J(i, k);
-        const double l = lambda[e.first_row + k];
-        for (int j = 0; j < 6; ++j) out[6 * e.slots[i] + j] -= l * r[j];
-      }
-  }
-}
 
 // Largest change of a position or rotation, the latter times the length; likewise of velocities.
 double largest_change(const VecX& d, double length) {
@@ -218,8 +206,9 @@ double GeneralizedAlpha::correct(Dynamics& dynamics, double h, bool anew) {
   double change = 0;
   if (start_.s.size() > 0) {  // not in the matrix: repeated until it settles
     dynamics.system().state_rates({e.inputs(), vd1_, lambda1_, e.rows()}, sd_now_);
-    const double scale = 1 + end_.s.lpNorm<Eigen::Infinity>();
-    change = gh * (sd_now_ - sd1_).lpNorm<Eigen::Infinity>() / scale * length;
+    const int n = dynamics.system().n_error_controlled_states();  // the others follow the motion
+    const double scale = 1 + end_.s.head(n).lpNorm<Eigen::Infinity>();
+    change = gh * (sd_now_ - sd1_).head(n).lpNorm<Eigen::Infinity>() / scale * length;
     sd1_ = sd_now_;
   }
   force_ = -vd1_;

@@ -115,7 +115,8 @@ void Rattle::refuse_unsuited(Dynamics& dynamics, const State& state) const {
 
 StepReport Rattle::step(Dynamics& dynamics, State& state, double h) {
   dynamics.system().check_size(state);
-  const bool quadratures = state.s.size() > 0;
+  const auto n_angles = CountedAngle::kStates * static_cast<Eigen::Index>(dynamics.system().counted_angles().size());
+  const bool quadratures = state.s.size() > n_angles;
   if (quadratures) dynamics.rate(state, rate0_);
   if (restored_ && goes_on_from(state)) factor_again(dynamics);
   restored_ = false;
@@ -130,6 +131,7 @@ StepReport Rattle::step(Dynamics& dynamics, State& state, double h) {
   for (int i = 0; i < scheme_.n; ++i) {
     const double part = scheme_.part[static_cast<std::size_t>(i)] * h;
     substep(dynamics, part);
+    if (!quadratures) now_.s = next_.s;  // angles alone
     if (!quadratures) continue;
     dynamics.rate(now_, rate1_);  // symmetric, of order 2, as the substep: what composes the motion composes works too
     now_.s += 0.5 * part * (rate0_.s + rate1_.s);

@@ -46,7 +46,7 @@ class AdamsBashforth final : public Integrator {
   }
 
   StepReport step(Dynamics& dynamics, State& state, double h) override {
-    if (n_kept_ > 0 && !is_end_of_last_step(state)) n_kept_ = 0;
+    if (n_kept_ > 0 && !is_end_of_last_step(state, dynamics.system().n_error_controlled_states())) n_kept_ = 0;
     dynamics.rate(state, k_[0]);
     const bool multi = fits(state.t, h);
     start_ = state;
@@ -87,9 +87,10 @@ class AdamsBashforth final : public Integrator {
     StateRate f;
   };
 
-  bool is_end_of_last_step(const State& state) const {
+  /// Of State::s the first `n` are compared: an accepted step corrects counted angles, which come after them.
+  bool is_end_of_last_step(const State& state, int n) const {
     return std::abs(state.t - end_.t) <= 1e-12 * std::max(1.0, std::abs(state.t)) && state.q == end_.q &&
-           state.v == end_.v && state.s == end_.s;
+           state.v == end_.v && state.s.size() == end_.s.size() && state.s.head(n) == end_.s.head(n);
   }
 
   /// Enough rates before t, at distances like h: very unequal distances would make large weights.

@@ -72,7 +72,7 @@ class Ida final : public Integrator {
     start_.t = state.t, start_.q = state.q, start_.v = state.v, start_.s = state.s;
     StepReport report;
     const long rejected = rejections();
-    bool again = !followed_ || !is_end_of_last_step(state);
+    bool again = !followed_ || !is_end_of_last_step(state, dynamics.system().n_error_controlled_states());
     followed_ = false;
     for (report.h = h;; report.h *= 0.5, ++report.rejected, again = true) {
       if (state.t + report.h == state.t) refuse(state.t, report.h, "the step shrank to nothing");
@@ -210,9 +210,10 @@ class Ida final : public Integrator {
 
   // -- a step
   /// Whether this is the state that step() left, not one moved since (an event, a jump of a law, another run).
-  bool is_end_of_last_step(const State& state) const {
+  /// Of State::s the first `n` are compared: an accepted step corrects counted angles, which come after them.
+  bool is_end_of_last_step(const State& state, int n) const {
     return std::abs(state.t - end_.t) <= kSameInstant * std::max(1.0, std::abs(state.t)) && state.q == end_.q &&
-           state.v == end_.v && state.s == end_.s;
+           state.v == end_.v && state.s.size() == end_.s.size() && state.s.head(n) == end_.s.head(n);
   }
 
   /// From start_ with order 1 and a first step of at most h.

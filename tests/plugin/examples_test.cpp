@@ -130,4 +130,16 @@ TEST_CASE("adams_bashforth evaluates once a step and begins anew where its histo
   CHECK(evaluations(0.01) == 1);
 }
 
+TEST_CASE("adams_bashforth keeps its history beside a counted angle", "[plugin][check]") {
+  const Registry registry = registry_with("adams_bashforth");
+  System system({.gravity = {0, -9.81, 0}});
+  Body& arm = system.add_body("arm", MassProperties{2.0, Vec3(0.5, 0, 0), Mat3::Identity()});
+  Lock& hinge = system.add<Revolute>("A", arm, system.ground(), pose_at({0, 0, 0}));
+  system.count(*hinge.pairs().front().first, *hinge.pairs().front().second, 2);
+  Dynamics dynamics(system, std::make_unique<SchurSolver>());
+  StepLoop loop(dynamics, registry.integrators.make("adams_bashforth", {}, &registry, "integrator"), {.step = 1e-3});
+  loop.run_until(0.5);
+  CHECK(dynamics.work().evaluations < 600);  // one a step, four at the start
+}
+
 }  // namespace examples_test

@@ -5,10 +5,12 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include <lockstep/forces.h>
 #include <lockstep/integrators.h>
 #include <lockstep/joints.h>
+#include <lockstep/registry.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>
 #include <lockstep/system.h>
@@ -52,6 +54,22 @@ TEST_CASE("a counted angle makes several turns in a step, in either formulation"
   }
 }
 
+TEST_CASE("half a turn is counted as a positive angle, whichever way it was given", "[unit][angles]") {
+  for (const double given : {kPi, -kPi}) {
+    Wheel wheel;
+    wheel.body.home.q = Quat::from(std::cos(0.5 * given), Vec3(0, 0, std::sin(0.5 * given)));
+    Dynamics dynamics(wheel.system, std::make_unique<SchurSolver>(), {.formulation = Formulation::omega});
+    State start = wheel.system.start();
+    const Inputs in = dynamics.inputs(start);
+    wheel.angle.set(in, 0, start.s);
+    CHECK(wheel.angle.value(dynamics.inputs(start)) == Approx(kPi));
+    wheel.angle.set(in, 3 * kPi, start.s);
+    CHECK(wheel.angle.value(dynamics.inputs(start)) == Approx(3 * kPi));
+    wheel.angle.set(in, -kPi, start.s);
+    CHECK(wheel.angle.value(dynamics.inputs(start)) == Approx(-kPi));
+  }
+}
+
 TEST_CASE("a million turns leave the angle its digits", "[unit][angles]") {
   Wheel wheel;
   const double speed = 1e6 * kTwoPi + 0.3;
@@ -80,6 +98,27 @@ TEST_CASE("a counted angle changes neither coordinates nor velocities", "[unit][
   CHECK(with.q == without.q);
   CHECK(with.v == without.v);
   CHECK(with.s.size() == without.s.size() + 3);
+}
+
+// Evaluations, too: no method takes a corrected angle for a change of the motion.
+TEST_CASE("a counted angle costs no method evaluations", "[unit][angles]") {
+  const std::string method = GENERATE("generalized_alpha", "rattle2", "rattle4", "rk4", "semi_implicit_euler");
+  CAPTURE(method);
+  const auto end_of = [&](bool counted) {
+    System s({.gravity = Vec3(0, -9.81, 0)});
+    Body& a = s.add_body("a", shapes::rod(1.0, Vec3::Zero(), Vec3(1, 0, 0)));
+    Lock& joint = s.add<Revolute>("A", a, s.ground(), pose_at(Vec3::Zero()));
+    if (counted) s.count(*joint.pairs().front().first, *joint.pairs().front().second, 2);
+    Dynamics dynamics(s, std::make_unique<SchurSolver>(), {.formulation = Formulation::omega});
+    StepLoop loop(dynamics, builtin_registry().integrators.make(method, Params{}, nullptr, "run.integrator"),
+                  {.step = 1e-3});
+    loop.run_until(0.5);
+    return std::make_pair(loop.state(), dynamics.work().evaluations);
+  };
+  const auto with = end_of(true), without = end_of(false);
+  CHECK(with.first.q == without.first.q);
+  CHECK(with.first.v == without.first.v);
+  CHECK(with.second == without.second);
 }
 
 TEST_CASE("all that count one angle share it", "[unit][angles]") {

@@ -10,6 +10,7 @@
 #include "framework/dynamics/evaluate/joint_coordinates.h"
 #include "framework/dynamics/evaluate/slot_coordinates.h"
 #include "framework/dynamics/tree/rows_in_plane.h"
+#include "framework/mechanism/rows/loads.h"
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
@@ -204,7 +205,7 @@ void Dynamics::lay_out_reactions(Tree& t) const {
 // Forces with those of the closures.
 void Dynamics::load_closures(Tree& t) {
   t.loaded = t.f;
-  if (!t.closures().empty()) t.closures().react(t.closure_rows, t.loaded);
+  if (!t.closures().empty()) subtract_reactions(t.closure_rows, t.closures().lambda(), t.loaded);
 }
 
 // Joints do no work along their free coordinates: what forces and closures leave of the power of inertia is that of laws,

@@ -92,17 +92,6 @@ bool ClosureRows::is_left_by_redundant_rows(double before) const {
   return stays && worst_ <= kContradiction && regular_met_ && n_small_ <= redundant_;
 }
 
-void ClosureRows::react(const RowTable& table, VecX& f) const {
-  for (const RowEntry& e : table.entries) {
-    const RowView block = table.block(e);
-    for (int i = 0; i < e.slots.n; ++i)
-      for (int k = 0; k < e.m; ++k) {
-        const std::array<double, 6> J = block.J(i, k);
-        for (int c = 0; c < 6; ++c) f[6 * e.slots[i] + c] -= lambda_[e.first_row + k] * J[static_cast<std::size_t>(c)];
-      }
-  }
-}
-
 void ClosureRows::complete(SolveReport& report) {
   const auto each = [&](auto&& row) {
     for (std::size_t j = 0; j < fronts_.sources.size(); ++j) {

@@ -33,8 +33,6 @@ class LOCKSTEP_API ClosureRows {
   void set_redundant(int n) { redundant_ = n; }
 
   const VecX& lambda() const { return lambda_; }  ///< one per row of the table
-  /// Adds what the closures do to forces of the slots: f <- f - J' lambda.
-  void react(const RowTable&, VecX& f) const;
 
  protected:
   ClosureRows() = default;

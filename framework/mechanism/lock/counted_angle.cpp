@@ -10,7 +10,9 @@ namespace lockstep {
 
 namespace {
 
-double nearest(double angle, double about) { return angle + kTwoPi * std::round((about - angle) / kTwoPi); }
+// Whole turns beyond (-pi, pi].
+double turns_of(double angle) { return std::ceil(angle / kTwoPi - 0.5); }
+double nearest(double angle, double about) { return angle - kTwoPi * turns_of(angle - about); }
 
 }  // namespace
 
@@ -30,7 +32,7 @@ double CountedAngle::rate(const Inputs& in) const {
 
 void CountedAngle::accept(const Inputs& in, VecX& s) const {
   double *own = s.data() + first(), &phi = own[0], &n = own[1], &doubt = own[2];
-  const double pose = nearest(of_pose(in), phi), turns = std::round(pose / kTwoPi);
+  const double pose = nearest(of_pose(in), phi), turns = turns_of(pose);
   doubt = std::max(doubt, std::abs(pose - phi));
   phi = pose - kTwoPi * turns, n += turns;
 }
@@ -38,7 +40,7 @@ void CountedAngle::accept(const Inputs& in, VecX& s) const {
 void CountedAngle::set(const Inputs& in, double about, VecX& s) const {
   double *own = s.data() + first(), &phi = own[0], &n = own[1];
   const double pose = nearest(of_pose(in), about);
-  n = std::round(pose / kTwoPi), phi = pose - kTwoPi * n;
+  n = turns_of(pose), phi = pose - kTwoPi * n;
 }
 
 TurnAngle::TurnAngle(const Marker& p, const Marker& s, int axis)

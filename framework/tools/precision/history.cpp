@@ -3,25 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/mechanism/rows/loads.h"
+
 namespace lockstep {
 namespace {
 
 Quat turn_of(const VecX& q, Eigen::Index slot) { return Quat::from(q.segment<4>(7 * slot + 3)); }
-
-// Generalised force of all links on the slots, -J^T lambda (2.1).
-VecX loads(const Evaluated& values, Eigen::Index n) {
-  VecX load = VecX::Zero(n);
-  for (const RowEntry& e : values.rows.entries) {
-    const RowView block = values.rows.block(e);
-    for (int k = 0; k < e.m; ++k)
-      for (int i = 0; i < e.slots.n; ++i) {
-        const auto r = block.J(i, k);
-        for (int c = 0; c < 6; ++c)
-          load[6 * e.slots[i] + c] -= r[static_cast<std::size_t>(c)] * values.lambda[e.first_row + k];
-      }
-  }
-  return load;
-}
 
 }  // namespace
 
@@ -32,7 +19,8 @@ void HistoryObserver::output(const Sample& s) {
   s.dynamics().to_slots(slots);
   to_.t.push_back(slots.t), to_.q.push_back(slots.q), to_.v.push_back(slots.v);
   to_.energy.push_back(energy_.value(s)), to_.kinetic.push_back(kinetic_.value(s));
-  to_.load.push_back(loads(s.values(), slots.v.size()));
+  const Evaluated& values = s.values();
+  subtract_reactions(values.rows, values.lambda, to_.load.emplace_back(VecX::Zero(slots.v.size())));
   evaluations_ += s.dynamics().work().evaluations - before;
   spent_ += cpu_() - begin;
 }
