@@ -3,8 +3,15 @@
 #include <string>
 #include <vector>
 
+#include <lockstep/assembly.h>
 #include <lockstep/error.h>
+#include <lockstep/registry.h>
+#include <lockstep/scene.h>
+#include <lockstep/simulation.h>
+#include <lockstep/solvers.h>
+#include "framework/description/scene/system_of.h"
 #include "tests/support/catch.h"
+#include "tests/support/driven_parallelogram.h"
 #include "tests/support/open_defect.h"
 #include "tests/support/run_scene.h"
 #include "tests/support/worst.h"
@@ -65,15 +72,14 @@ TEST_CASE("reactions in a singular pose are those on both sides of it", "[verifi
           (std::sin(q) * l * l * rate * rate * (4 * slider + 2 * arm) + 0.5 * kG * l * (crank + arm)) * std::cos(q);
       CAPTURE(t, force, right);
       CHECK(ended.table["slider.x"][k] == Approx(2 * l * std::cos(q)).margin(1e-7));
-      // A millisecond beside the pose: within 4e-5 at tolerances of 1e-9 to 1e-12, by two compilers.
-      if (std::abs(t - pose) > 5e-4 && way.integrator == "dop853") CHECK(force == Approx(right).epsilon(1e-4));
+      CHECK(force == Approx(right).epsilon(1e-7));
       keep_worst(worst_force, std::abs(force - right));
       keep_worst(worst_torque, std::abs(ended.table["T"][k] - torque));
     }
   }
   CAPTURE(worst_force, worst_torque);
-  CHECK(worst_force < 0.05);
-  CHECK(worst_torque < 1e-5);
+  CHECK(worst_force < 1e-5);
+  CHECK(worst_torque < 1e-7);
 }
 
 // Where the crossed parallelogram lies flat, each rate is a fixed multiple of the first crank's and has an extremum there,
@@ -95,10 +101,10 @@ TEST_CASE("accelerations at a start in a change point are those of the branch th
   REQUIRE(table.n_rows() == 6);
   const std::vector<double>&left = table["left.alpha_world_z"], &other = table["right.alpha_world_z"];
   CAPTURE(alpha, left, other, table["Ax"]);
-  for (const std::size_t row : {0, 1}) {
-    CHECK(left[row] == Approx(alpha).epsilon(1e-4));
-    CHECK(other[row] == Approx(right * alpha).epsilon(1e-4));
-  }
+  CHECK(left[0] == Approx(alpha).margin(1e-6));
+  CHECK(other[0] == Approx(right * alpha).margin(1e-6));
+  CHECK(left[1] == Approx(alpha).margin(1e-3));  // 1e-4 s later
+  CHECK(other[1] == Approx(right * alpha).margin(1e-3));
   CHECK(std::isnan(table["Ax"][0]));  // it grows as 1/t towards the start
   CHECK(table["Ax"][1] * 1e-4 == Approx(table["Ax"][2] * 1e-3).epsilon(0.01));
 }
@@ -134,6 +140,36 @@ TEST_CASE("accelerations near a flat position are as good as elsewhere", "[verif
   CAPTURE(near, away);
   CHECK(away < 1e-8);
   CHECK(near < 1e-7);
+}
+
+// At 1e-4 rad beside the flat position rounding leaves 1e-1 of a reaction; a spline has no values before its start.
+TEST_CASE("reactions beside a singular position are uncertain where a law begins, too", "[verification]") {
+  const std::string law = GENERATE(as<std::string>(), R"({"type": "ramp", "slope": 3})",
+                                   R"({"type": "spline", "points": [[0, 0], [0.2, 0.6], [0.4, 1.2]],
+                                       "ends": "natural", "outside": "refuse"})");
+  Mechanism m = build_mechanism(
+      scene_from_text(driven_parallelogram(1e-4, law, R"("until": 0.2)"), "parallelogram.json"), builtin_registry());
+  Dynamics dynamics(system_of(m), std::make_unique<SchurSolver>(), {Formulation::omega, {}});
+  State state = m.system.start();
+  assemble(dynamics, state, m.start_speeds, m.assembly);
+  CHECK(dynamics.solution_at(state).uncertainty > 1e-2);
+}
+
+// The flat position is reached after 0.1 s. There nothing determines how A and D share the force along the bars.
+TEST_CASE("a multiplier without a value leaves the forces across its direction", "[verification]") {
+  Simulation run(build_mechanism(
+      scene_from_text(driven_parallelogram(-0.3, R"({"type": "ramp", "slope": 3})",
+                                           R"("tolerance": 1e-8, "until": 0.2, "times": [0.099, 0.1, 0.101],
+        "record": ["A.lambda_x", "A.force_on_p_world_x", "A.force_on_p_world_y", "A.torque_on_p_world_z"])"),
+                      "parallelogram.json"),
+      builtin_registry()));
+  run.run();
+  const Table& table = run.table();
+  REQUIRE(table.n_rows() == 3);
+  CHECK(std::isnan(table["A.lambda_x"][1]));
+  CHECK(std::isnan(table["A.force_on_p_world_x"][1]));
+  const std::vector<double>& across = table["A.force_on_p_world_y"];
+  CHECK(across[1] == Approx(0.5 * (across[0] + across[2])).epsilon(1e-3));
 }
 
 }  // namespace singular_pose_test

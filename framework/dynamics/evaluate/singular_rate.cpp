@@ -40,6 +40,7 @@ SingularRate::Sides SingularRate::find(Dynamics& dynamics, State& state, double 
   const double speed = state.coordinates ? state.v.lpNorm<Eigen::Infinity>() : speed_of(state.v, L);
   distance_ = HUGE_VAL, largest_ = root_ = 0;
   if (!(speed > 0)) return Sides::differ;
+  distance_ = std::sqrt(detector);
   for (VecX* x : {&out.q, &out.v, &out.s, &out.followed, &v_, &shorter_}) x->setZero();
   largest_lambda_ = multiplier_error_ = 0;
   for (std::size_t i = 0; i < kWeights.size(); ++i) {

@@ -46,7 +46,9 @@ class LOCKSTEP_API SingularRate {
   /// it show how far the position is. With the state untouched `differ` is also the answer when the mechanism
   /// is at rest, or when it cannot be brought onto the constraints or evaluated there (a law begins or ends).
   Sides find(Dynamics&, State&, double detector, StateRate& out);
-  double distance() const { return distance_; }  ///< of the position by the last find(), rad; HUGE_VAL: unknown
+  /// Of the position by the last find(), rad: by the detector alone if no state beside could be evaluated; HUGE_VAL at
+  /// rest.
+  double distance() const { return distance_; }
   double error() const { return error_; }        ///< relative, of the accelerations that it found
   /// The multipliers that it found, of a state in the slots' own coordinates; NaN where one has no limit.
   const VecX& multipliers() const { return lambda_; }

@@ -10,8 +10,8 @@ LinkWrench on_slot(const Lock& link, const RowView& block, const RowEntry& e, co
   for (int k = 0; k < e.m; ++k) {
     if (!Reactions::belongs(link.row(e.own[static_cast<std::size_t>(k)]), part)) continue;
     const auto r = block.J(i, k);
-    F -= lambda[k] * Vec3(r[0], r[1], r[2]);
-    m -= lambda[k] * Vec3(r[3], r[4], r[5]);
+    for (std::size_t c = 0; c < 6; ++c)  // a multiplier without a value is in the directions of its row alone
+      if (r[c] != 0) (c < 3 ? F : m)[static_cast<Eigen::Index>(c % 3)] -= lambda[k] * r[c];
   }
   return {F, O.A * m - cross(Vec3(point - O.x), F)};
 }

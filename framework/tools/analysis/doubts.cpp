@@ -4,6 +4,7 @@
 #include <spdlog/fmt/ranges.h>
 
 #include <algorithm>
+#include <string_view>
 
 #include <lockstep/text.h>
 #include "framework/dynamics/solvers/graph.h"
@@ -75,9 +76,10 @@ std::string first_of(const std::vector<std::string>& names) {
 }
 
 bool records_reactions(const RunSettings& run) {
-  return std::ranges::any_of(run.record, [](const ChannelRequest& r) {
-    return r.channel.find("_on_p_") != std::string::npos || r.channel.find("_on_s_") != std::string::npos ||
-           r.channel.find(".lambda_") != std::string::npos;
+  constexpr std::string_view kParts[] = {"_on_p_", "_on_s_", ".lambda_", "friction", ".normal_force", ".drive"};
+  return std::ranges::any_of(run.record, [&](const ChannelRequest& r) {
+    return std::ranges::any_of(kParts,
+                               [&](std::string_view part) { return r.channel.find(part) != std::string::npos; });
   });
 }
 
