@@ -10,6 +10,8 @@
 #include <lockstep/integrators.h>
 #include <lockstep/joints.h>
 #include <lockstep/laws.h>
+#include <lockstep/registry.h>
+#include <lockstep/scene.h>
 #include <lockstep/simulation.h>
 #include <lockstep/solvers.h>
 #include "framework/dynamics/simulate/decided_rows.h"
@@ -304,6 +306,66 @@ TEST_CASE("a call that switches what was decided at the start is refused by the 
   } catch (const ModelError& error) {
     CHECK(error.thing.kind == "link");
     CHECK(error.thing.name == "high");
+  }
+}
+
+TEST_CASE("a step of another length leaves the steps of the method their length", "[unit][dynamics]") {
+  Flight flight;
+  Simulation run(flight.system, {.integrator = "rk4", .step = 0.1});
+  run.run_until(1);
+  run.loop().step(0.05);
+  CHECK(run.state().t == Approx(1.05).margin(1e-12));
+  run.loop().step();
+  CHECK(run.state().t == Approx(1.15).margin(1e-12));
+  run.loop().step(0.25);
+  run.run_until(2);
+  CHECK(run.state().t == 2);
+}
+
+TEST_CASE("a force that fails when it is switched on can be switched off", "[unit][dynamics]") {
+  const std::string method = GENERATE("dopri5", "rk4", "generalized_alpha");
+  CAPTURE(method);
+  Flight flight;
+  bool broken = true;
+  Force& wind = flight.system.add(function_force("wind", {&flight.p}, [&](const Inputs&, WrenchSum&) {
+    if (broken) throw 7;
+  }));
+  wind.set_switched(false);
+  Simulation run(flight.system, {.integrator = method, .step = method == "dopri5" ? 0.0 : 0.125});
+  run.run_until(1);
+  try {
+    run.activate("wind");
+    run.run_until(1.5);
+    FAIL("a force that throws was evaluated by nobody");
+  } catch (const UserCodeError&) {
+  }
+  run.deactivate("wind");
+  run.run_until(2);
+  CHECK(run.state().q[0] == Approx(2));
+}
+
+TEST_CASE("an event whose condition throws when it joins is not in the run", "[unit][dynamics]") {
+  Flight flight;
+  Simulation run(flight.system, {.integrator = "dopri5"});
+  run.run_until(1);
+  CHECK_THROWS_AS(run.add_event({.name = "bad", .value = [](const Sample&) -> double { throw 7; }}), UserCodeError);
+  run.run_until(2);
+  CHECK(run.state().q[0] == Approx(2));
+}
+
+// sqrt of a height that falls below zero between two steps.
+TEST_CASE("a one-sided link whose gap has no value is named", "[unit][dynamics]") {
+  const std::string text = R"({"lockstep": 1, "gravity": [0, 0, -9.81],
+    "bodies": [{"name": "b", "sphere": {"mass": 1, "radius": 0.1}, "position": [0, 0, 1]}],
+    "links": [{"name": "floor", "type": "function", "p": "b", "s": "ground", "at_p": [0, 0, 1], "at_s": [0, 0, 0],
+               "phi": "=sqrt(z)-0.5", "unilateral": {"restitution": 0.8}}],
+    "run": {"integrator": "dop853", "until": 2}})";
+  Simulation run(build_mechanism(scene_from_text(text, "floor.json"), builtin_registry()));
+  try {
+    run.run();
+    CHECK(run.state().q[2] > 0.25);  // steps that are short enough meet the floor
+  } catch (const NonFiniteError& e) {
+    check_words(e.what(), {"one-sided link 'floor'"});
   }
 }
 

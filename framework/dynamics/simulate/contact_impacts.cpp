@@ -22,7 +22,7 @@ namespace {
 
 constexpr double kNoise = 1e-10;  // relative to the largest impulse, speed, force or acceleration: less is rounding
 
-std::uint64_t bit_of(std::size_t contact) { return std::uint64_t{1} << contact % 64; }
+std::uint64_t bit_of(std::size_t contact) { return contact < 64 ? std::uint64_t{1} << contact : 0; }
 
 void add_name(std::string& names, const Lock& link) { names += (names.empty() ? "'" : ", '") + link.name() + "'"; }
 

@@ -34,7 +34,8 @@ class ContactManager : public GuardOwner {
   struct Settled {
     bool impact = false;        ///< velocities jumped
     bool restart = false;       ///< the method must restart
-    std::uint64_t touched = 0;  ///< a bit for each link that was touched or let go, but for those that rest on
+    std::uint64_t touched =
+        0;  ///< bits of the links that were touched or let go (the first 64), but for those that rest
     std::string resting;        ///< names the links that stay in contact, whose rows must be made consistent
   };
   /// Resolves impacts, contacts and releases at this state. What a row or a force throws leaves the contacts as they

@@ -1,7 +1,11 @@
 #include "framework/dynamics/simulate/contacts.h"
 
-#include <algorithm>
+#include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
+#include <cmath>
+
+#include <lockstep/error.h>
 #include "framework/dynamics/evaluate/projection_rule.h"
 #include "framework/dynamics/solvers/scales.h"
 
@@ -40,6 +44,9 @@ Gap Contacts::gap(std::size_t i, const Inputs& in) {
     const Motion& O = in.slot(slots[k]);
     cd += r[0] * O.v[0] + r[1] * O.v[1] + r[2] * O.v[2] + r[3] * O.w[0] + r[4] * O.w[1] + r[5] * O.w[2];
   }
+  if (!std::isfinite(block.C(0) + cd))
+    throw NonFiniteError(
+        fmt::format("the gap of one-sided link '{}' is not finite at t = {:.9g} s", contact.link->name(), in.t), in.t);
   return {contact.sign * block.C(0), contact.sign * cd};
 }
 

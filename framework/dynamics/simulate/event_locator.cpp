@@ -87,9 +87,12 @@ bool EventLocator::turn(const std::string& name, bool on) {
   return true;
 }
 
-void EventLocator::join(const State& state) {
+void EventLocator::join(const State& state) try {
   watched_.push_back({});
   watch(state);
+} catch (...) {
+  events_.pop_back(), watched_.pop_back();
+  throw;
 }
 
 void EventLocator::start(double t) {

@@ -27,10 +27,9 @@ class EventLocator : public GuardOwner {
   void check_switched(const Event&, const std::string& who) const;
   /// Turns the events of this name on or off; false for the name of a link or force. Throws ModelError for an unknown name.
   bool turn(const std::string& name, bool on);
-  /// Starts the event added last in a run that has reached this state.
+  /// Starts the event added last in a run that has reached this state; it is gone again if its condition throws.
   void join(const State&);
   bool empty() const { return events_.empty(); }
-  std::size_t size() const { return events_.size(); }
   const Event& operator[](std::size_t i) const { return events_[i]; }
 
   /// Starts a new run at t: earlier events never happen.

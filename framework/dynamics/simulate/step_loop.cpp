@@ -70,7 +70,7 @@ void StepLoop::set_state(State state) {
     check_start(dynamics_, state, options_.start_limit);
     state_ = std::move(state);
     report_ = {};
-    begun_ = false, parts_->due = {};
+    begun_ = false, parts_->due = {}, parts_->started = 0;
   });
 }
 
@@ -160,18 +160,17 @@ StepReport StepLoop::step(double h) {
   return parts_->interval.report();
 }
 
-// What an error left due comes first.
-void StepLoop::start() {
+// What an error left due comes first. What a call switches is to change before the method `begins` with it.
+void StepLoop::start(bool begins) {
   dynamics_.set_up();
   system().check_size(state_);  // the system may have grown since
   if (!begun_) return start_run();
   deliver();
   const bool taken = take_inputs();
-  if (stale_)
-    begin_method();
-  else if (taken || parts_->interval.acts_otherwise(state_))
+  if (stale_ && begins)
+    begin_method(), stale_ = false;
+  else if (!stale_ && (taken || parts_->interval.acts_otherwise(state_)))
     begin_steps();
-  stale_ = false;
   if (parts_->events.any_due(state_.t)) settle_now();
 }
 
@@ -262,6 +261,7 @@ void StepLoop::make_step(double limit, double largest) {
   interval.make(state_, wanted, !p.events.empty() || !p.contacts.empty());
   p.clock.count_step(wanted, interval.report());
   const Sample sample(dynamics_, state_, interval.report(), end_step(wanted));
+  if (largest > 0) p.clock.set_anchor(state_.t);
   ++report_.steps, p.clock.last().add(state_.t);
   p.events.pass(state_.t);
   note_step(t0, sample);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <string>
 #include <tuple>
+#include <utility>
 
 #include <lockstep/error.h>
 #include "framework/dynamics/simulate/consistency.h"
@@ -81,13 +82,12 @@ void StepLoop::switch_now(const char* call, const Event& change) {
   exclusively(call, [&] {
     aim_at(kNever);
     keeps_stop_ = true;
-    start();
+    start(false);
     struct Switched {
       const Event*& by_call;
       Delivery& due;
       ~Switched() {
-        by_call = nullptr;
-        if (due.what <= Due::events) due = {};
+        if (std::exchange(by_call, nullptr) != nullptr && due.what <= Due::events) due = {};
       }
     } switched{parts_->by_call, parts_->due};
     parts_->by_call = &change;
@@ -112,6 +112,7 @@ void StepLoop::fire_events() {
     events.done(i, state_.t);
   }
   parts_->change.acted = parts_->change.acted || changed;
+  parts_->by_call = nullptr;
   if (changed || cut) begin_method();
 }
 
@@ -174,7 +175,7 @@ void StepLoop::settle_contacts() {
   if (!settled.restart) keep_state(parts_->kept, state_);
   if (settled.impact) ++report_.impacts;
   if (!settled.resting.empty()) make_consistent(settled.resting);
-  if (settled.impact) dynamics_.accept(state_);  // counted turns continue at the new speeds
+  if (settled.impact) dynamics_.accept(state_);  // what is remembered may depend on speeds
   if (settled.restart) begin_method();
 }
 

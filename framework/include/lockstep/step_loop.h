@@ -267,7 +267,7 @@ class LOCKSTEP_API StepLoop {
   void exclusively(const char* what, Act&& act);
   /// First call of a run: start checked, method begun, observers started, events of this very instant. Later calls: what
   /// an error left undone.
-  void start();
+  void start(bool begins = true);
   void start_run();
   void make_start();
   /// Steps to t, and the output of the end if it is due.
