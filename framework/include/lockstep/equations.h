@@ -225,11 +225,6 @@ template <class B1, class B2, class P, class S>
 LOCKSTEP_INLINE auto relative_angular_velocity(const B1& O1, const B2& O2, const P& p, const S& m) {
   return transpose_times(m.A, transpose_times(O2.A, O1.A * (O1.w + p.A * p.w)) - O2.w) - m.w;
 }
-/// The row of that angular velocity along a direction, which is n in world axes and n2 in O2 axes.
-template <class M, class N, class N2>
-LOCKSTEP_INLINE auto angular_velocity_row(const M& A1, const N& n, const N2& n2) {
-  return Row{vec::None{}, transpose_times(A1, n), -n2};
-}
 
 /// (1/2) (q a - b q) for vectors a and b: less = a - b, sum = a + b.
 template <class Q, class L, class S>

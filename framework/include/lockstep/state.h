@@ -87,8 +87,8 @@ struct State {
   double t = 0;  ///< time, s
   VecX q;        ///< 7 per slot: x (world, m), quaternion (scalar first) of the slot's frame at its mass centre
   VecX v;        ///< 6 per slot: velocity (world, m/s), angular velocity (slot axes, rad/s)
-  VecX s;        ///< other integrated states, each with a rate: controllers, speed laws, quadratures
-  VecX z;        ///< memory, not integrated: turn counters; written only when a step is accepted
+  VecX s;        ///< other integrated states, each with a rate: controllers, speed laws, quadratures, counted angles
+  VecX z;        ///< memory, not integrated (a switch, a foot on a curve); written only when a step is accepted
   std::vector<bool> modes;    ///< which links are in force, by link number; changed only between steps
   std::vector<bool> watched;  ///< which unilateral links come into force when they are touched; others: false
   std::shared_ptr<const Coordinates> coordinates{};  ///< what q and v are, if not as above

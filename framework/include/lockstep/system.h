@@ -277,7 +277,7 @@ class LOCKSTEP_API System final : public AngleCounter {
   int n_states() const { return n_states_; }  ///< size of State::s
   int n_memory() const { return n_memory_; }  ///< size of State::z
   /// How many of State::s, from the first on, control the step of an adaptive integrator by their error; the others are
-  /// quadratures.
+  /// quadratures and counted angles.
   int n_error_controlled_states() const { return n_controlled_; }
   /// The state at the start, t = 0: home poses, start velocities, start values; not yet assembled. Throws ModelError
   /// before setup.

@@ -272,7 +272,7 @@ std::vector<std::string> notes_on(const System& system, const State& state) {
     if (link->n_own_memory() > 0) notes.push_back("link '" + link->name() + "': its memory is held");
   }
   for (const auto& force : system.forces()) {
-    if (force->n_own_memory() > 0) notes.push_back("force '" + force->name() + "': its memory (counted turns) is held");
+    if (force->n_own_memory() > 0) notes.push_back("force '" + force->name() + "': its memory is held");
     if (force->reacting() != nullptr)
       notes.push_back("force '" + force->name() + "': friction at rest, with the reactions of this state");
   }

@@ -12,7 +12,7 @@ namespace lockstep {
 /// dx = N y. Columns of N are orthonormal where turns count as lengths (times MechanismMatrices::length).
 struct MinimalCoordinates {
   MatX N;          ///< unknowns x freedoms
-  int nearly = 0;  ///< rows whose pivots lie between 1e-9 and 1e-4: near a singular position
+  int nearly = 0;  ///< rows whose pivots lie between 1e-9 and 1e-3: near a singular position
 };
 
 /// Turns as lengths: what a displacement of each unknown by 1 is divided by.

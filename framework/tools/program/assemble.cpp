@@ -37,7 +37,6 @@ int assemble_command(const Arguments& args) {
                                          {"moved_most", r.moved_most},   {"largest_turn", r.largest_turn},
                                          {"turned_most", r.turned_most}, {"bodies", bodies}};
   if (args.json) print_document(report);
-  // Farther than the distance asked for, or than what the report warns of.
   const double far = std::max(r.largest_move, m.system.length() * r.largest_turn);
   if (args.within.empty()) return r.warnings.empty() ? kExitOk : kExitDoubtful;
   const double within = positive_number("--within", args.within, Unit::length, "0.1m");

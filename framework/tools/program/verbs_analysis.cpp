@@ -31,7 +31,7 @@ void add_assemble(CLI::App& verb, Arguments& a) {
           "how often it is assembled");
   add(verb, "--within", a.within, "D",
       "end with 11 where a body is moved farther than D from where the scene puts it, turns times the length of the "
-      "mechanism; default: where the report warns, from a tenth of that length, half a metre or half a radian on")
+      "mechanism; default: if assembly warns of the start")
       ->excludes(branches)
       ->excludes(wild);
   wild->excludes(branches);

@@ -65,8 +65,7 @@ void add_nothing(CLI::App&, Arguments&) {}
 
 constexpr Verb kOtherVerbs[] = {
     {"import", "Read a robot in URDF and write it as a scene", add_import, import_command,
-     "Limits become stops, damping becomes forces; what is left out (shapes and meshes, mimicry, friction) is "
-     "named.\n\n"
+     "Limits become stops, damping becomes forces; what is left out (mimicry, friction) is named.\n\n"
      "Example:\n  lockstep import robot.urdf --out robot.json"},
     {"list", "List the laws, links, forces, integrators and solvers that scenes may name", add_list, list_command,
      "Example:\n  lockstep list links"},

@@ -1,6 +1,6 @@
 // Checkpoints as files.
 //
-//   "lockstep checkpoint 3\n", the length n, n numbers as they are in memory, a hash of all of it
+//   "lockstep checkpoint N\n" of layout N, the length n, n numbers as they are in memory, a hash of all of it
 //
 // The number in the first line is that of the layout: which numbers follow one another, down to those of integrators,
 // solvers and observers. Whoever changes what one of them saves gives the layout another number.
