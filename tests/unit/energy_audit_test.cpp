@@ -9,6 +9,8 @@
 #include <lockstep/forces.h>
 #include <lockstep/integrators.h>
 #include <lockstep/joints.h>
+#include <lockstep/laws.h>
+#include <lockstep/solvers.h>
 #include "tests/support/catch.h"
 #include "tests/support/motions.h"
 
@@ -46,6 +48,17 @@ Audit audit_of(double stored, bool says, AuditLimits limits = {}) {
 }
 
 }  // namespace
+
+TEST_CASE("a power of laws that is not a number is no reason to read multipliers", "[unit][record]") {
+  System system;
+  Body& arm = system.add_body("arm", shapes::rod(1.0, {0, 0, 0}, {1, 0, 0}));
+  system.add<Revolute>("hinge", arm, system.ground(), pose_at({0, 0, 0})).drive(Axis::rz, laws::ramp(1.0));
+  Dynamics dynamics(system, std::make_unique<SchurSolver>(), {.formulation = Formulation::omega});
+  const Evaluation& e = dynamics.gather(system.start());
+  REQUIRE(e.rows().n_rows > 0);
+  CHECK(std::isnan(power_of_laws(e.rows(), VecX())));
+  CHECK(power_of_laws(e.rows(), VecX::Zero(e.rows().n_rows)) == 0);
+}
 
 TEST_CASE("an audit tells a sound run from one whose forces and energies differ", "[unit][record]") {
   const Audit sound = audit_of(4, true);

@@ -152,7 +152,7 @@ Redundancy Dynamics::find_redundancy(const State& state, int most) try {
         normalize(beside);
         const double x = std::abs(angle) / speed;  // v t, or a t^2/2
         beside.t += std::copysign(from_rest ? std::sqrt(2 * x) : x, angle);
-        const bool few = std::abs(angle) == kBeside &&
+        const bool few = of_here > 0 && std::abs(angle) == kBeside &&
                          (state.coordinates ? tree(state.modes).closure_rows : own().rows()).n_rows <= kDenseRows;
         const Look off = few ? look_off(beside) : Look{0, true};
         if (!(project(beside, 0).after <= kRoundOff * system_.length())) continue;

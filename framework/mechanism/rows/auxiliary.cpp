@@ -10,6 +10,7 @@ void Auxiliary::start(std::span<double> s) const { std::fill(s.begin(), s.end(),
 void Auxiliary::impact(const Evaluated&, std::span<double>) const {}
 
 double power_of_laws(const RowTable& rows, const VecX& lambda) {
+  if (lambda.size() != rows.n_rows) return NAN;  // they are not solved for
   double power = 0;
   for (const RowEntry& e : rows.entries) {
     const RowView block = rows.block(e);
