@@ -26,8 +26,8 @@ constexpr double kLittle = 1e-3;  // of its length, turns times it, of speeds or
 double start_limit() { return StepLoopOptions{}.start_limit; }
 
 // Projects first, then corrects along the free motions only: W = M^-1-orthogonal responses to each target's row. Again
-// while that leaves less. Targets may depend on each other: any impulse that gives their rates will do, since all give the
-// same motion.
+// while that leaves less than half. Targets may depend on each other: any impulse that gives their rates will do, since
+// all give the same motion.
 void meet(Dynamics& dynamics, State& state, const std::vector<VelocityTarget>& targets) {
   dynamics.project_velocity(state);
   const auto m = static_cast<Eigen::Index>(targets.size());
@@ -44,7 +44,7 @@ void meet(Dynamics& dynamics, State& state, const std::vector<VelocityTarget>& t
     }
     const double left = gap.lpNorm<Eigen::Infinity>();
     if (left <= 4 * std::numeric_limits<double>::epsilon() * largest) return;
-    if (!(left < before)) {
+    if (!(left < before / 2)) {
       if (left <= start_limit() * std::max(1.0, largest)) return;
       std::vector<std::string> names;
       for (const VelocityTarget& t : targets) names.push_back(t.link + "." + std::string(to_string(t.axis)));
