@@ -70,6 +70,12 @@ TEST_CASE("rows that are nearly redundant are named before a start velocity that
   CHECK(contains(trammel.text, "start velocity: P1.z cannot be met"));
 }
 
+// Rounding takes a little off the rate in each round: it went on for minutes. A fuzzed scene.
+TEST_CASE("a start velocity that rounding alone comes nearer to is refused at once", "[runner]") {
+  check_refused(run_named(defect("crank_that_cannot_turn"), "crank_that_cannot_turn"), 5,
+                {"start velocity: A.rz cannot be met; the mechanism does not move that way"});
+}
+
 // The axes of the two chains differ visibly: as soon as it moves, it is locked. No verb runs it, quiet or not.
 TEST_CASE("a start that moves where the mechanism is locked is refused by every verb", "[runner]") {
   for (const std::string& words :
