@@ -176,6 +176,10 @@ TEST_CASE("a call that switches does not use up a stop", "[unit][events]") {
   run.run_until(1);
   run.add_event({.name = "halt", .at = 1, .stop = true});
   run.deactivate("push"), run.deactivate("push");
+  Snapshot saved;
+  run.loop().save(saved);
+  CHECK(run.run_until(4).stopped_by == "halt");
+  run.loop().load(saved);
   CHECK(run.run_until(4).stopped_by == "halt");
   CHECK(run.state().t == 1);
   run.deactivate("push");
@@ -195,7 +199,8 @@ TEST_CASE("an input that a drive reads may not move it at once", "[unit][dynamic
   driven.u.set(0.25);
   for (int k = 0; k < 2; ++k)
     check_words(message_of<AssemblyError>([&] { run.run_until(2); }),
-                {"input 'u' was set from 0 to 0.25", "jumps in position at t = 1 s", "hinge", "no motion follows", "set the input back"});
+                {"input 'u' was set from 0 to 0.25", "jumps in position at t = 1 s", "hinge", "no motion follows",
+                 "set the input back"});
   CHECK(run.state().t == 1);
   driven.u.set(0);
   run.run_until(2);

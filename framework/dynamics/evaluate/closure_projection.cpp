@@ -1,6 +1,5 @@
 // The projection in joint coordinates: onto the rows that close loops (framework/docs/solvers.md, sections 6 and 9).
 #include <algorithm>
-#include <cmath>
 
 #include "framework/dynamics/evaluate/joint_coordinates.h"
 #include "framework/dynamics/evaluate/projection_rule.h"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "framework/dynamics/evaluate/newton_factor.h"
 #include "framework/dynamics/solvers/scales.h"

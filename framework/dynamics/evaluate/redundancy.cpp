@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include <lockstep/error.h>
@@ -77,21 +76,11 @@ Redundancy Dynamics::redundancy(const State& state) {
   std::vector<bool> key = state.modes;
   key.push_back(state.coordinates != nullptr);
   if (const auto known = redundancies_.find(key); known != redundancies_.end()) return known->second;
-  Redundancy found;
-  if (!has_loops(system_, state.modes) || (state.coordinates && !state.coordinates->has_rows())) {
-    found.rows = 0;
-  } else {
-    int most = std::numeric_limits<int>::max();
-    if (state.coordinates) {  // rows of closures are some of all rows; before a singular pose asks for these
-      State slots = state;
-      to_slots(slots);
-      const bool held = holds_rows();
-      if (const int all = redundancy(slots).rows; all >= 0) most = all;
-      if (!held) forget_rows(state);
-    }
+  Redundancy found{.rows = 0};
+  if (has_loops(system_, state.modes) && (!state.coordinates || state.coordinates->has_rows())) {
     const WorkCount before = work_;
     try {
-      found = find_redundancy(state, most);
+      found = find_redundancy(state);
     } catch (...) {  // nothing stays of what was not found to the end
       state.coordinates ? tree(state.modes).closures().set_redundant(Kkt::kUnknown)
                         : own().set_redundant(Kkt::kUnknown);
@@ -104,61 +93,74 @@ Redundancy Dynamics::redundancy(const State& state) {
   return found;
 }
 
-// The least number of small pivots in poses on both sides, `most` at most: along the motion itself, at rest along the
-// accelerations, which stay on its branch; and if this is no singular position also along a free motion of all parts. If
-// fewer rows depend on others before these poses are projected, or their C contradict one another, some do so on the
-// constraints only. Unknown as long as laws have yet to move what has small pivots.
-Redundancy Dynamics::find_redundancy(const State& state, int most) try {
+// The least number of small pivots in poses on both sides, of closures not more than of all rows. The poses lie along
+// the motion itself, at rest along the accelerations, which stay on its branch; and if this is no singular position also
+// along a free motion of all parts, unless that is the same one. If fewer rows depend on others before these poses are
+// projected, or their C contradict one another, some do so on the constraints only. Unknown as long as laws have yet to
+// move what has small pivots. The nearest poses are enough if no pivot is small, and the farthest with them if some are,
+// as long as the numbers are the same and this pose is not near a singular position by the limit that they give. If that
+// limit can rise no more, and no pivot is small, no pose is asked.
+Redundancy Dynamics::find_redundancy(const State& state) try {
   if (!is_assembled(state)) return {};
   const auto know = [&](int n) {
     state.coordinates ? tree(state.modes).closures().set_redundant(n) : own().set_redundant(n);
   };
-  const auto small = [&](const State& at) {
-    know(Kkt::kUnknown);
-    return pivots(at).small_pivots;
+  // Its pivots, if n rows are redundant.
+  const auto look = [&](const State& at, int n) {
+    know(n);
+    const SolveReport report = pivots(at);
+    return Redundancy{.rows = report.small_pivots, .regular = std::min(1.0, report.detector)};
   };
-  struct Look {
-    int dependent;
-    bool agrees;  // J d = -C has a solution
-  };
+  // How many rows depend on others, and whether J d = -C has a solution.
   const auto look_off = [&](const State& at) {
     MatX Jt = at.coordinates ? tree(at.modes).rows_transposed(system_, at) : rows_transposed(gather_rows(at));
     const double least = kRoundOff * Jt.norm();  // a row that vanishes is one of round-off
     for (Eigen::Index row = 0; row < Jt.cols(); ++row)
       if (!(Jt.col(row).norm() > least)) Jt.col(row).setZero();
-    const Eigen::Index n_rows = Jt.cols();
     const RowSpace space(Jt.sparseView());
-    Look look{static_cast<int>(n_rows) - space.rank(), true};
-    if (is_assembled(at)) return look;
+    std::pair off{static_cast<int>(Jt.cols()) - space.rank(), true};
+    if (is_assembled(at)) return off;
     const VecX& C = at.coordinates ? tree(at.modes).C : C_;
     const MatX circuits = space.circuits();
     for (Eigen::Index k = 0; k < circuits.cols(); ++k)
-      look.agrees = look.agrees && std::abs(circuits.col(k).dot(C)) <= kSlight * circuits.col(k).norm() * C.norm();
-    return look;
+      off.second = off.second && std::abs(circuits.col(k).dot(C)) <= kSlight * circuits.col(k).norm() * C.norm();
+    return off;
   };
   State here = state;
   project(here, 0);
-  const int of_here = small(here);
-  Redundancy found{.rows = std::min(of_here, most)};
-  std::vector<State> poses = {here};
+  const Redundancy of_here = look(here, Kkt::kUnknown);
+  int all = of_here.rows;
+  if (state.coordinates) {  // omega may have to answer where it cannot find them
+    State slots = here;
+    to_slots(slots);
+    const bool held = holds_rows();
+    if (const int n = redundancy(slots).rows; n >= 0) all = n;
+    if (!held) forget_rows(state);
+  }
+  if (of_here.rows == 0 && near_singular_below(of_here.regular) == near_singular_below(1)) return know(0), of_here;
+  Redundancy found = of_here;
   const auto look_along = [&](const State& moving, bool from_rest) {  // then its velocities are accelerations
     std::vector<Motion> motions;
     system_.motions(moving, motions);
     const double speed = speed_of(motions, system_.length());
     if (!(speed > kNegligible)) return false;
-    for (const double angle : {kBeside, -kBeside, 2 * kBeside, -2 * kBeside, 4 * kBeside, -4 * kBeside}) try {
+    int n = 0;
+    for (const double angle : {kBeside, -kBeside, 4 * kBeside, -4 * kBeside, 2 * kBeside, -2 * kBeside}) try {
         State beside = here;
         advance(beside, angle / speed, moving.v);
         normalize(beside);
         const double x = std::abs(angle) / speed;  // v t, or a t^2/2
         beside.t += std::copysign(from_rest ? std::sqrt(2 * x) : x, angle);
-        const bool few = of_here > 0 && std::abs(angle) == kBeside &&
+        const bool few = of_here.rows > 0 && !found.on_constraints && std::abs(angle) == kBeside &&
                          (state.coordinates ? tree(state.modes).closure_rows : own().rows()).n_rows <= kDenseRows;
-        const Look off = few ? look_off(beside) : Look{0, true};
+        const auto [dependent, agrees] = few ? look_off(beside) : std::pair{0, true};
         if (!(project(beside, 0).after <= kRoundOff * system_.length())) continue;
-        found.rows = std::min(found.rows, small(beside));
-        if (few && (off.dependent < look_off(beside).dependent || !off.agrees)) found.on_constraints = true;
-        poses.push_back(std::move(beside));
+        const Redundancy there = look(beside, Kkt::kUnknown);
+        if (there.rows < found.rows) found.rows = there.rows, found.regular = 0;
+        if (there.rows == found.rows) found.regular = std::max(found.regular, there.regular);
+        if (few && (!agrees || dependent < look_off(beside).first)) found.on_constraints = true;
+        const bool both = ++n == (of_here.rows > 0 ? 4 : 2) && angle < 0;
+        if (both && found.rows == of_here.rows && of_here.regular >= near_singular_below(found.regular)) break;
       } catch (const Error&) {  // what cannot be evaluated there answers nothing
       }
     return true;
@@ -173,15 +175,16 @@ Redundancy Dynamics::find_redundancy(const State& state, int most) try {
       moves = look_along(moving, true);
     } catch (const Error&) {
     }
-  if (found.rows == of_here) {
+  if (found.rows == of_here.rows) {
+    const VecX first = moving.v;
     for (Eigen::Index i = 0; i < moving.v.size(); ++i) moving.v[i] = std::cos(1.0 + 2.3 * static_cast<double>(i));
     project_velocity(moving);
-    moves = look_along(moving, false) || moves;
+    const bool other = std::abs(first.dot(moving.v)) < (1 - kSlight) * first.norm() * moving.v.norm();
+    moves = ((other || !moves) && look_along(moving, false)) || moves;
   }
-  if (!moves && of_here > 0 && may_have_laws(system_)) return know(Kkt::kUnknown), Redundancy{};
-  found.regular = 0;
+  if (!moves && of_here.rows > 0 && may_have_laws(system_)) return know(Kkt::kUnknown), Redundancy{};
+  if (all < found.rows) found.rows = all, found.regular = look(here, all).regular;
   know(found.rows);
-  for (const State& pose : poses) found.regular = std::max(found.regular, std::min(1.0, pivots(pose).detector));
   return found;
 } catch (const Error&) {  // named by the evaluation of this state that follows
   return {};

@@ -1,6 +1,7 @@
 // SingularRate: the limits of a motion at a state in a singular position, or close to it.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include <lockstep/dynamics.h>
@@ -26,6 +27,14 @@ namespace lockstep {
 /// the pivots of solvers. True of more than kDenseRows rows, whose rank is not found.
 bool loses_rank(Dynamics&, const State&);
 
+/// The SolveReport::detector below which a position counts as near a singular one, from where stages go onto the
+/// constraints. `regular`: Redundancy::regular, small in all positions if bodies differ much in inertia; from 0.1 on the
+/// limit is the same.
+inline double near_singular_below(double regular) {
+  constexpr double kSingular = 1e-2, kUnusual = 0.1;  // the largest limit, and its part of `regular`
+  return std::min(kSingular, kUnusual * regular);
+}
+
 /// State, rates and multipliers in a singular position, from both of its sides.
 class LOCKSTEP_API SingularRate {
  public:
@@ -49,7 +58,7 @@ class LOCKSTEP_API SingularRate {
   /// Of the position by the last find(), rad: by the detector alone if no state beside could be evaluated; HUGE_VAL at
   /// rest.
   double distance() const { return distance_; }
-  double error() const { return error_; }        ///< relative, of the accelerations that it found
+  double error() const { return error_; }  ///< relative, of the accelerations that it found
   /// The multipliers that it found, of a state in the slots' own coordinates; NaN where one has no limit.
   const VecX& multipliers() const { return lambda_; }
   double multiplier_error() const { return multiplier_error_; }  ///< relative, of those that have one
@@ -73,7 +82,7 @@ class LOCKSTEP_API SingularRate {
   VecX shorter_;                 // the accelerations without 4 d
   double root_ = 0, slope_ = 0;  // of the detector at the state, with its sign, and its change from there to d
   bool grows_ = false;
-  double largest_ = 0;           // acceleration
+  double largest_ = 0;  // acceleration
   double distance_ = 0, error_ = 0;
   VecX lambda_, shorter_lambda_;  // the limit of the multipliers, and the one without 4 d
   VecX pole_;                     // p/d of each

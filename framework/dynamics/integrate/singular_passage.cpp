@@ -16,16 +16,12 @@ namespace lockstep {
 
 namespace {
 
-constexpr double kTurn = 0.5;            // rad per step, with the stages on the constraints
-constexpr double kSingular = 1e-2;       // indicator below which the stages go onto the constraints: this,
-constexpr double kUnusual = 0.1;         // or this part of the one in regular positions, if that is less;
-constexpr double kRegular = 3;           // and times which they leave them again
+constexpr double kTurn = 0.5;   // rad per step, with the stages on the constraints
+constexpr double kRegular = 3;  // times near_singular_below(), at which stages leave the constraints again
 
 double round_off(double distance) { return SingularRate::round_off(distance); }
 
 }  // namespace
-
-double near_singular_below(double regular) { return std::min(kSingular, kUnusual * regular); }
 
 void SingularPassage::begin(const Tableau& tableau, const State& state, Dynamics& dynamics) {
   const bool projects = dynamics.options().stabilization.kind == Stabilization::Kind::project;

@@ -9,10 +9,6 @@
 
 namespace lockstep {
 
-/// The SolveReport::detector below which a position counts as near a singular one; `regular`: Redundancy::regular,
-/// small in all positions if bodies differ much in inertia.
-LOCKSTEP_API double near_singular_below(double regular);
-
 // One policy. Near a singular position the stages are evaluated on the constraints, where the accelerations are a
 // smooth function of the motion; and always if rows are redundant only there, as in a spherical loop of hinges. At
 // the distance e, rad, rounding leaves eps/e^3 of the accelerations, and the indicator is e^2 at most. If that may be

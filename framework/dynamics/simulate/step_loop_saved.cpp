@@ -116,7 +116,7 @@ void StepLoop::save(Snapshot& out) {
   if (counts_on) dynamics_.save_state(before, out);
   save_report(report_, out);
   for (const ControlInput& input : system().control_inputs()) out.put(input.value());
-  out.put(stale_ ? 1 : 0), out.put(warned_of_turns_ ? 1 : 0);
+  out.put(stale_ ? 1 : 0), out.put(warned_of_turns_ ? 1 : 0), out.put(keeps_stop_ ? 1 : 0);
   parts.clock.save(out), parts.events.save(out), parts.contacts.save(out), parts.interval.save(out);
   Snapshot work;
   dynamics_.save(work);
@@ -153,13 +153,13 @@ void StepLoop::load_parts(SnapshotReader& in) {
   SimulationReport report = load_report(in);
   std::vector<double> inputs(system().control_inputs().size());
   for (double& value : inputs) value = in.get();
-  const bool stale = in.get_flag(), warned = in.get_flag();
+  const bool stale = in.get_flag(), warned = in.get_flag(), keeps = in.get_flag();
   SnapshotReader of_clock = in;
   Clock(p.clock).load(in), p.events.load(in);
   begun_ = false;
   state_ = std::move(state), p.before_change = std::move(before), report_ = std::move(report);
   for (std::size_t k = 0; k < inputs.size(); ++k) dynamics_.control_inputs()[k].set(inputs[k]);
-  stale_ = stale, warned_of_turns_ = warned, keeps_stop_ = false;
+  stale_ = stale, warned_of_turns_ = warned, keeps_stop_ = keeps;
   p.interval.start(state_);
   begin_inputs();
   p.clock.load(of_clock), p.clock.last().begin(state_.t);

@@ -468,7 +468,7 @@ class LOCKSTEP_API Dynamics {
   Evaluation& gathered(const State&);
   bool is_assembled(const State&);
   SolveReport pivots(const State&);
-  Redundancy find_redundancy(const State&, int most);
+  Redundancy find_redundancy(const State&);
   Tree& tree(const std::vector<bool>& modes);
   void joint_rates(const State&, StateRate& out, SolveReport*);
   ProjectReport project_joint(State&, double goal);

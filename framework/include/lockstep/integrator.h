@@ -70,7 +70,8 @@ class LOCKSTEP_API Integrator {
   const std::string& origin() const { return origin_; }
   void set_origin(std::string origin) { origin_ = std::move(origin); }  ///< called by the registry
   /// Sizes the scratch and forgets the history. Called at the start and whenever the links in force changed or the
-  /// state was changed or taken back.
+  /// state was changed or taken back. Not called at the breakpoint of a law: a method whose history would not fit behind
+  /// that compares the state of step() with the one that it returned.
   virtual void begin(Dynamics&, const State&) = 0;
   /// Makes one step of at most h, s, from `state`, which becomes the new state (projected where the dynamics says so).
   /// An adaptive method may make a shorter step; a rejected attempt leaves no trace. Throws StepError, and whatever an
