@@ -235,9 +235,7 @@ const Inputs* Dynamics::accept(State& state) {
   if (!system_.keeps_anything()) return nullptr;
   const Inputs& in = read(state);
   system_.accept(in, state);
-  if (Tree* const t = tree_of(state); t != nullptr && system_.control_inputs().empty())
-    t->kept.t = state.t, t->kept.q = state.q, t->kept.v = state.v, t->kept.s = state.s,
-    t->kept.coordinates = state.coordinates;
+  if (tree_) tree_->kept.s = state.s;  // corrected, which moves nothing
   return &in;
 }
 

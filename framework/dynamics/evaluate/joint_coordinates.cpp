@@ -43,7 +43,7 @@ Dynamics::Tree& Dynamics::tree(const std::vector<bool>& modes) {
   Tree& t = *tree_;
   if (t.revision == system_.revision() && t.modes == modes) return t;
   t.revision = -1, t.modes = modes;  // the revision when all of it is made
-  t.coordinates = nullptr, t.recursion = nullptr, t.kept.coordinates = nullptr;
+  t.coordinates = nullptr, t.recursion = nullptr, t.keeps = false;
   const bool asked = options_.formulation == Formulation::joint;
   TreeLayout layout = lay_out_tree(system_, modes, asked ? Taken::all : Taken::where_cheaper);
   t.why_not = std::move(layout.why_not), t.closure_rows = std::move(layout.closures);
@@ -127,13 +127,12 @@ Inputs Dynamics::Tree::inputs(const State& state) {
   in.t = state.t, in.motions = motions;
   in.s = {state.s.data(), static_cast<std::size_t>(state.s.size())};
   in.z = {state.z.data(), static_cast<std::size_t>(state.z.size())};
-  read_angles(state, in, angles, angle_rates);
+  if (n_angles > 0) read_angles(state, in, angles, angle_rates);
   return in;
 }
 
 void Dynamics::Tree::read_angles(const State& state, Inputs& in, std::vector<double>& values,
                                  std::vector<double>& rates) const {
-  if (n_angles == 0) return;
   values.assign(n_angles, NAN), rates.assign(n_angles, NAN);
   for (const AxisInBoth& turn : turns)
     if (turn.v >= 0)
@@ -144,12 +143,12 @@ void Dynamics::Tree::read_angles(const State& state, Inputs& in, std::vector<dou
 }
 
 void Dynamics::Tree::outward(const State& y, std::vector<Motion>& out) {
-  kept.coordinates = nullptr;
+  keeps = false;
   recursion->outward(*coordinates, y, out);
 }
 
 void Dynamics::Tree::outward_once(const State& y, const Inputs& of_kept) {
-  if (kept.coordinates != nullptr && y.t == kept.t && y.q == kept.q && y.v == kept.v && y.s == kept.s)
+  if (keeps && y.t == kept.t && y.q == kept.q && y.v == kept.v && y.s == kept.s)
     motions.assign(of_kept.motions.begin(), of_kept.motions.end());
   else
     outward(y, motions);
@@ -157,7 +156,7 @@ void Dynamics::Tree::outward_once(const State& y, const Inputs& of_kept) {
 
 void Dynamics::set_up() {
   system_.setup();
-  if (tree_) tree_->kept.coordinates = nullptr;  // a host may have changed laws
+  if (tree_) tree_->keeps = false;  // a host may have changed laws
 }
 
 // Null where the state has other coordinates.
@@ -168,14 +167,15 @@ Dynamics::Tree* Dynamics::tree_of(const State& y) const {
 
 const Inputs& Dynamics::read(const State& state) {
   ++n_inputs_;
-  if (tree_) tree_->kept.coordinates = nullptr;
+  if (tree_) tree_->keeps = false;
   Tree* const t = tree_of(state);
   if (t == nullptr) return inputs_.at(system_, state);
   return inputs_.at(
       state, [&](std::vector<Motion>& motions, Inputs& in, std::vector<double>& angles, std::vector<double>& rates) {
         t->outward(state, motions);
         in.motions = motions;
-        t->read_angles(state, in, angles, rates);
+        if (t->n_angles > 0) t->read_angles(state, in, angles, rates);
+        if (system_.control_inputs().empty()) t->keep(state);
       });
 }
 
@@ -310,8 +310,9 @@ const VecX& Dynamics::accelerations(const State& state) {
 void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* report) {
   Tree& t = tree(state.modes).of(state);
   system_.check_size(state);
-  if (ClosureRows& rows = t.closures(); !rows.empty() && rows.redundant() == Kkt::kUnknown)
-    rows.set_redundant(redundancy(state).rows);
+  ClosureRows& rows = t.closures();
+  const bool closed = !rows.empty();
+  if (closed && rows.redundant() == Kkt::kUnknown) rows.set_redundant(redundancy(state).rows);
   t.outward_once(state, inputs_.get());
   const Inputs in = t.inputs(state);
   const bool driven = t.coordinates->n_v() == 0;
@@ -319,13 +320,12 @@ void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* repo
   const Solution* solved = nullptr;
   t.multipliers_known = true;
   if (driven)
-    t.recursion->follow(*t.coordinates);
-  else if (t.closures().empty())
+    t.recursion->follow(*t.coordinates), out.v.resize(0);
+  else if (!closed)
     t.recursion->accelerate(*t.coordinates, t.motions, t.f, out.v);
   else
     solved = joint_accelerations(t, state, in, out, report);
   out.largest_a = t.recursion->largest().a(), out.largest_alpha = t.recursion->largest().alpha();
-  if (driven) out.v.resize(0);
   t.coordinates->kinematic_rate(state, out.q);
   if (out.followed.size() > 0 || t.solves || t.reads_power) t.recursion->accelerations(*t.coordinates, t.motions, t.a);
   write_followed(t.coordinates->followed(), t.motions, t.a, out.followed);

@@ -49,9 +49,11 @@ struct Dynamics::Tree {
   // Itself; throws ModelError where the state has other joint coordinates.
   Tree& of(const State&);
   ClosureRows& closures() { return recursion->closures(); }
-  // Motions, and what the recursion keeps of them: of this accepted state, if it has coordinates, for the next step's first
-  // stage. They depend on t, q, v and s alone where no law reads what a host sets.
+  // If it `keeps` them, the last inputs and what the recursion knows are of the motions of this state, which is often the
+  // next one to be evaluated. They depend on t, q, v and s alone if no law reads what a host sets.
+  bool keeps = false;
   State kept;
+  void keep(const State& y) { kept.t = y.t, kept.q = y.q, kept.v = y.v, kept.s = y.s, keeps = true; }
   void outward(const State&, std::vector<Motion>& out);
   void outward_once(const State&, const Inputs& of_kept);
 
