@@ -94,16 +94,21 @@ TEST_CASE("forty bays pass their flat positions to 1e-9 m", "[verification][inte
 }
 
 // Near a flat position of forty bays rounding leaves errors of 1e-10 in a step: it goes on with what can be reached. Along
-// joints a closure is met to the rounding of a chain of turns, which is more than that of two bodies: the error is noise,
-// of 2e-11 to 4e-10 m over tolerances of 1e-12 to 2e-11.
+// joints a closure is met to the rounding of a chain of turns, which is more than that of two bodies: the error is noise. Of
+// 25 tolerances from 1e-12 to 2e-11 its median is 4e-11 m by gcc and 2e-11 m by clang, its largest value 3e-10 and 6e-10 m.
 TEST_CASE("forty bays go on at tolerances below what can be reached", "[verification][integrators]") {
   const auto [formulation, largest_error, most_steps] =
-      GENERATE(table<Formulation, double, int>({{Formulation::omega, 1e-10, 2000}, {Formulation::joint, 5e-10, 4000}}));
-  const double tolerance = GENERATE(1e-11, 1.3e-11, 1e-12);
-  const Passage p = pass("nfourbar_40", formulation, "dop853", "auto", tolerance);
-  CAPTURE(formulation, tolerance, p.error, p.energy, p.report.steps, p.report.rejected);
-  CHECK(p.error <= largest_error);
-  CHECK(p.report.steps < most_steps);
+      GENERATE(table<Formulation, double, int>({{Formulation::omega, 1e-10, 2000}, {Formulation::joint, 1e-9, 4000}}));
+  std::vector<double> errors;
+  for (const double tolerance : {1e-12, 3e-12, 5.5e-12, 1e-11, 1.3e-11}) {
+    const Passage p = pass("nfourbar_40", formulation, "dop853", "auto", tolerance);
+    CAPTURE(formulation, tolerance, p.error, p.energy, p.report.steps, p.report.rejected);
+    CHECK(p.error <= largest_error);
+    CHECK(p.report.steps < most_steps);
+    errors.push_back(p.error);
+  }
+  std::ranges::nth_element(errors, errors.begin() + 2);
+  CHECK(errors[2] < 1e-10);
 }
 
 // In space three rows are redundant, and the moments about the axes of the rods have a scale a thousand times as large
