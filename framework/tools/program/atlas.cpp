@@ -58,8 +58,11 @@ class Atlas {
     for (AtlasPanel& panel : plan_.panels)
       if (panel.unsuited.empty()) panels.push_back(&panel);
     const auto n_panels = static_cast<long>(panels.size());
+    std::mutex mutex;
     share_out(total_, [&](long k) {
+      std::unique_lock lock(mutex);
       progress.at(static_cast<double>(done_++));
+      lock.unlock();
       if (spent_ > plan_.budget) return;
       compute(*panels[static_cast<std::size_t>(k % n_panels)], 1 + (k / n_panels * stride) % n_);
     });
@@ -188,7 +191,7 @@ class Atlas {
   std::map<std::string, Shared> references_;
   std::mutex mutex_;
   std::atomic<double> spent_ = 0;
-  std::atomic<long> done_ = 0;
+  long done_ = 0;
 };
 
 }  // namespace

@@ -62,7 +62,7 @@ nlohmann::ordered_json atlas_json(const AtlasPlan& plan) {
       p["left_out"] = panel.unsuited;
     } else {
       for (const auto& [outcome, n] : counts_of(panel)) p["counts"][words_of(outcome)] = n;
-      nlohmann::ordered_json outcomes = nlohmann::ordered_json::array(), passed = outcomes;
+      nlohmann::ordered_json outcomes = nlohmann::ordered_json::array(), passed = nlohmann::ordered_json::array();
       const std::size_t n_y = plan.variables[1].values.size();
       for (std::size_t i = 0; i < panel.cells.size(); ++i) {
         if (i % n_y == 0) outcomes.push_back(nlohmann::ordered_json::array()), passed.push_back(outcomes.back());

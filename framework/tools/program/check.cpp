@@ -2,7 +2,6 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <functional>
 #include <new>
 #include <nlohmann/json.hpp>
 #include <optional>

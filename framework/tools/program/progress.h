@@ -21,7 +21,7 @@ class Interrupt {
 enum class Counts { seconds, runs, budget };
 
 /// Prints to standard error: on a terminal up to ten times a second, cut to its width; otherwise a line every ten
-/// seconds.
+/// seconds. For one thread at a time.
 class Progress {
  public:
   Progress(double until, bool quiet, Counts counts = Counts::seconds);

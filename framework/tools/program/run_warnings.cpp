@@ -3,7 +3,6 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <memory>
 #include <new>
 
 #include <lockstep/analysis.h>
