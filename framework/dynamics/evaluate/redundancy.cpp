@@ -11,6 +11,7 @@
 #include "framework/dynamics/evaluate/projection_rule.h"
 #include "framework/dynamics/evaluate/row_space.h"
 #include "framework/dynamics/evaluate/singular_rate.h"
+#include "framework/dynamics/evaluate/slot_coordinates.h"
 #include "framework/dynamics/evaluate/speed_of.h"
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/dynamics/tree/rows_in_plane.h"
