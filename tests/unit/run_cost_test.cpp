@@ -56,6 +56,26 @@ TEST_CASE("a run evaluates its stages, finds motions once a step, and reads chan
   CHECK(run.dynamics.inputs_read() - motions == 500);
 }
 
+// The law is asked once for each state whose motions are found along the tree. Their end is read for the check of turns.
+TEST_CASE("the motions at the end of a step are those of the next first stage", "[unit][dynamics]") {
+  System system({.gravity = Vec3(0, -9.81, 0)});
+  Body& arm = system.add_body("arm", shapes::rod(1.0, Vec3::Zero(), Vec3(1, 0, 0)));
+  Body& rod = system.add_body("rod", shapes::rod(1.0, Vec3(1, 0, 0), Vec3(2, 0, 0)));
+  long calls = 0;
+  system.add<Revolute>("A", arm, system.ground(), pose_at(Vec3::Zero())).drive(Axis::rz, laws::law([&calls](auto t) {
+                                                                                 ++calls;
+                                                                                 return 0.5 - 0.5 * cos(3.0 * t);
+                                                                               }));
+  system.add<Revolute>("B", rod, arm, pose_at(Vec3(1, 0, 0)));
+  Dynamics dynamics(system, std::make_unique<SchurSolver>(), {.formulation = Formulation::joint, .stabilization = {}});
+  StepLoop loop(dynamics, std::make_unique<Rk4>(), {.step = 1e-3});
+  loop.run_until(0.1);
+  const long before = calls, steps = loop.report().steps;
+  loop.run_until(0.6);
+  REQUIRE(loop.report().steps - steps == 500);
+  CHECK(calls - before == 4 * 500 + 1);  // a call of the run forgets what was found before it
+}
+
 TEST_CASE("accelerations along a tree cost one evaluation a row, and no rows of links", "[unit][dynamics]") {
   Recorded run(Formulation::joint);
   Recorder rows(run.system, {"B.angle_z_dd", "b.ax", "b.center_ay"});

@@ -131,7 +131,7 @@ Redundancy Dynamics::find_redundancy(const State& state) try {
   project(here, 0);
   const Redundancy of_here = look(here, Kkt::kUnknown);
   int all = of_here.rows;
-  if (state.coordinates) {  // omega may have to answer where it cannot find them
+  if (state.coordinates) {  // omega may have to answer later in a pose that does not show them
     State slots = here;
     to_slots(slots);
     const bool held = holds_rows();
