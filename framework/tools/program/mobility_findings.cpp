@@ -2,8 +2,6 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <vector>
-
 #include <lockstep/assembly.h>
 #include <lockstep/error.h>
 #include <lockstep/step_loop.h>
@@ -33,16 +31,12 @@ State counted_start(Dynamics& dynamics, Mechanism& m, const State& typed, Mobili
   return start;
 }
 
-nlohmann::ordered_json position_json(Dynamics& dynamics, const State& state, const BranchPoint& position) {
+nlohmann::ordered_json position_json(const MobilityFindings& found) {
+  const BranchPoint& position = found.position;
   if (!position.known) return nullptr;
-  nlohmann::ordered_json branches = nlohmann::ordered_json::array();
-  State at = state;
-  dynamics.to_slots(at);
-  const Inputs& in = dynamics.inputs(at);
-  for (const VecX& tangent : position.tangents) branches.push_back(motion_words(dynamics.system(), in, tangent));
   return {{"in", position.singular},       {"near", position.singular || position.nearness < kNearPosition},
           {"smallest", position.nearness}, {"motions", position.motions},
-          {"branches", branches},          {"all_branches", position.all}};
+          {"branches", found.branches},    {"all_branches", position.all}};
 }
 
 }  // namespace
@@ -53,7 +47,10 @@ MobilityFindings mobility_of(Dynamics& dynamics, Mechanism& m, const State& type
   found.mobility = mobility(dynamics, counted);
   found.reactions = uniqueness(dynamics, counted);
   found.position = branch_point(dynamics, counted);
-  found.position_json = position_json(dynamics, counted, found.position);
+  State at = counted;
+  dynamics.to_slots(at);
+  for (const VecX& tangent : found.position.tangents)
+    found.branches.push_back(motion_words(dynamics.system(), dynamics.inputs(at), tangent));
   found.position_words = found.position.text(dynamics, counted);
   if (const int n = found.mobility.freedoms; n > 0 && n <= kMostMotions) found.moves = driven_by(dynamics, counted);
   return found;
@@ -88,7 +85,7 @@ void put_mobility(nlohmann::ordered_json& j, const MobilityFindings& found, cons
   j["rows_not_unique"] = found.reactions.rows;
   j["columns_not_unique"] = columns_not_unique(run, found.reactions);
   j["free_motions"] = found.moves.free;
-  j["singular_position"] = found.position_json;
+  j["singular_position"] = position_json(found);
 }
 
 }  // namespace lockstep

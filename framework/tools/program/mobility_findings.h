@@ -3,6 +3,7 @@
 
 #include <exception>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -20,8 +21,8 @@ struct MobilityFindings {
   NearRows near;
   UniquenessReport reactions;
   BranchPoint position;
-  nlohmann::ordered_json position_json;
-  std::string position_words;  ///< "" in a regular one
+  std::vector<std::string> branches;  ///< the motions that leave a branch point
+  std::string position_words;         ///< "" in a regular one
   DriveReport moves;
   std::exception_ptr refused;  ///< why a run would not start; null where it would
 };
