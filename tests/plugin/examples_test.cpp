@@ -3,6 +3,7 @@
 
 #include <lockstep/check.h>
 #include <lockstep/error.h>
+#include <lockstep/joints.h>
 #include <lockstep/loader.h>
 #include <lockstep/registry.h>
 #include <lockstep/solvers.h>

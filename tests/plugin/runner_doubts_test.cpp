@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include <lockstep/recorder.h>
 #include "tests/support/catch.h"
 #include "tests/support/open_defect.h"
 #include "tests/support/four_bar_scene.h"

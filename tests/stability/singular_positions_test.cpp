@@ -8,6 +8,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <lockstep/assembly.h>
+#include <lockstep/integrators.h>
 #include <lockstep/joints.h>
 #include <lockstep/registry.h>
 #include <lockstep/scene.h>
