@@ -6,7 +6,7 @@ random="$1"
 for tool in perl cmake ninja gcov; do
   command -v $tool >/dev/null || { echo "skipped: there is no $tool"; exit 77; }
 done
-place="$(mktemp -d)"
+place="$(mktemp -d -t small_XXXXXX)"
 trap 'rm -rf "$place"' EXIT
 n_failed=0
 fault() { echo "$1"; n_failed=$((n_failed + 1)); }
@@ -103,5 +103,9 @@ grep -F -A1 "$slip" "$place/said" | grep -q 'equal in effect' || fault "a slip t
 grep -q 'caught by' "$place/said" && fault "--only-survivors lists others"
 "$root/tests/mutants/random" --room smal >"$place/said" 2>&1 && fault "a room that is not there was taken"
 says "there is no room 'smal'; framework/layout.txt has the wings small"
+mkdir "$place/tree.h"
+cp -r "$root/tests" "$place/tree.h/"
+"$place/tree.h/tests/mutants/random" --room small >"$place/said" 2>&1 && fault "a path in which gcc sees headers was taken"
+says "with '.h' in the path"
 if [ "$n_failed" -gt 0 ]; then sed 's/^/  | /' "$place/first"; fi
 [ "$n_failed" -eq 0 ]
