@@ -133,8 +133,8 @@ class Gear final : public Lock {
     RowPlan plan;
     plan.add({RowKind::function, "by hand"});
     for (std::size_t k = 0; k < 2; ++k) {
-      P[k] = MarkerFrame(*pairs_[k].first), S[k] = MarkerFrame(*pairs_[k].second);
-      plan.slots.add(P[k].slot), plan.slots.add(S[k].slot);
+      P_[k] = MarkerFrame(*pairs_[k].first), S_[k] = MarkerFrame(*pairs_[k].second);
+      plan.slots.add(P_[k].slot), plan.slots.add(S_[k].slot);
     }
     return plan;
   }
@@ -144,7 +144,7 @@ class Gear final : public Lock {
 
  private:
   void row(const Inputs& in, const RowBlock& block) const {
-    const Turn one(P[0], S[0], in), two(P[1], S[1], in);
+    const Turn one(P_[0], S_[0], in), two(P_[1], S_[1], in);
     block.C(0) = one.angle + ratio * two.angle;
     block.Ct(0) = 0;
     block.Qhat(0) = -(one.bend + ratio * two.bend);
@@ -152,14 +152,14 @@ class Gear final : public Lock {
       Vec3 g = Vec3::Zero();
       for (std::size_t k = 0; k < 2; ++k) {
         const Vec3 its = k == 0 ? one.g : Vec3(ratio * two.g);
-        if (P[k].slot == slots()[i]) g += its;
-        if (S[k].slot == slots()[i]) g -= its;
+        if (P_[k].slot == slots()[i]) g += its;
+        if (S_[k].slot == slots()[i]) g -= its;
       }
       block.set(i, 0, Vec3(Vec3::Zero()), Vec3(in.slot(slots()[i]).A.transpose() * g));
     }
   }
   std::vector<std::pair<const Marker*, const Marker*>> pairs_;
-  std::array<MarkerFrame, 2> P, S;
+  std::array<MarkerFrame, 2> P_, S_;
 };
 
 }  // namespace lockstep::hand
