@@ -1,4 +1,5 @@
 // A plugin that ends the process that opens it, in the way that LOCKSTEP_TEST_DEADLY says.
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -27,8 +28,9 @@ bool begin() {
   if (how == "ill") die(SIGILL);
   if (how == "abort") die(SIGABRT);
   if (how == "alarm") die(SIGALRM);  // as when time is up
-  if (how == "exit") _exit(3);
-  if (how == "quiet") _exit(0);
+  // Not by _exit: the thread sanitizer's reports an end within dlopen, by a code of its own.
+  if (how == "exit") syscall(SYS_exit_group, 3);
+  if (how == "quiet") syscall(SYS_exit_group, 0);
   if (how == "late") std::atexit([] { die(SIGABRT); });
   return true;
 }
