@@ -317,7 +317,7 @@ struct Redundancy {
 /// Formulation and stabilisation.
 struct DynamicsOptions {
   Formulation formulation = Formulation::automatic;  ///< unknowns of the equations of motion
-  Stabilization stabilization;                       ///< how drift off the constraints is removed
+  Stabilization stabilization{};                     ///< how drift off the constraints is removed
 };
 
 /// Accelerations and multipliers at one state, with the evaluation that they belong to. Views of a Dynamics, valid
