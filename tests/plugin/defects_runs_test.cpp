@@ -78,10 +78,8 @@ TEST_CASE("a start velocity that rounding alone comes nearer to is refused at on
 
 // The axes of the two chains differ visibly: as soon as it moves, it is locked. No verb runs it, quiet or not.
 TEST_CASE("a start that moves where the mechanism is locked is refused by every verb", "[runner]") {
-  for (const std::string& words :
-       {"run SCENE --no-picture --record locked.csv", "run SCENE --quiet --record locked.csv", "check SCENE",
-        "sweep SCENE --vary run.until=0.1 --record locked.csv"}) {
-    std::string line = words;
+  for (std::string line : {"run SCENE --no-picture --record locked.csv", "run SCENE --quiet --record locked.csv",
+                           "check SCENE", "sweep SCENE --vary run.until=0.1 --record locked.csv"}) {
     line.replace(line.find("SCENE"), 5, defect("near_redundant_sarrus"));
     const Called ran = call(line);
     INFO(line << '\n' << ran.text);
