@@ -105,7 +105,7 @@ grep -q 'caught by' "$place/said" && fault "--only-survivors lists others"
 says "there is no room 'smal'; framework/layout.txt has the wings small"
 mkdir "$place/tree.h"
 cp -r "$root/tests" "$place/tree.h/"
-"$place/tree.h/tests/mutants/random" --room small >"$place/said" 2>&1 && fault "a path in which gcc sees headers was taken"
-says "with '.h' in the path"
+"$place/tree.h/tests/mutants/random" --room small >"$place/said" 2>&1 && fault "a path that the hooks leave out was taken"
+says "with '.h' in their path; move the tree"
 if [ "$n_failed" -gt 0 ]; then sed 's/^/  | /' "$place/first"; fi
 [ "$n_failed" -eq 0 ]

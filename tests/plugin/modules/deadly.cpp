@@ -28,7 +28,7 @@ bool begin() {
   if (how == "ill") die(SIGILL);
   if (how == "abort") die(SIGABRT);
   if (how == "alarm") die(SIGALRM);  // as when time is up
-  // Not by _exit: the thread sanitizer's reports an end within dlopen, by a code of its own.
+  // The thread sanitizer replaces _exit, and ends with a code of its own if it is called within dlopen.
   if (how == "exit") syscall(SYS_exit_group, 3);
   if (how == "quiet") syscall(SYS_exit_group, 0);
   if (how == "late") std::atexit([] { die(SIGABRT); });
