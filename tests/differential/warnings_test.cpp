@@ -189,7 +189,9 @@ std::string recorded(json scene, const std::string& files) {
 
 Counts counts(const std::string& of) {
   std::filesystem::create_directories(testing::kRunnerFolder);
-  return {.files = testing::kRunnerFolder + "/warned_" + of};
+  Counts n;
+  n.files = testing::kRunnerFolder + "/warned_" + of;
+  return n;
 }
 
 Seeds seeds() { return seeds_up_to(13); }
