@@ -410,7 +410,7 @@ TEST_CASE("a sweep's row doubts what a run by itself doubts", "[verification][de
 // At this tolerance rounding leaves more beside the flat position, by itself and in lanes, which the copies leave there.
 TEST_CASE("copies that left the lanes say which tolerance they did not reach", "[verification][defects]") {
   Scene scene = read_scene(paths::kSource + std::string("/tests/verification/scenes/parallelogram.json"));
-  scene.run.tolerance.relative = 1e-14, scene.run.tolerance.atol_x = 1e-16, scene.run.until = 2.7;
+  scene.run.tolerance.relative = 3e-16, scene.run.tolerance.atol_x = 1e-18, scene.run.until = 2.7;
   const Registry& registry = builtin_registry();
   const Table columns = recorded_columns(scene, registry);
   const std::vector<SweepRun> lanes = sweep_lanes(std::vector<Scene>(3, scene), registry, columns, {}, nullptr);
@@ -418,7 +418,7 @@ TEST_CASE("copies that left the lanes say which tolerance they did not reach", "
   REQUIRE(sweep_run(scene, registry, columns).doubts.size() == 1);
   for (const SweepRun& lane : lanes) {
     REQUIRE(lane.doubts.size() == 1);
-    CHECK(contains(lane.doubts[0], "the tolerance of 1e-14 was not reached in "));
+    CHECK(contains(lane.doubts[0], "the tolerance of 3e-16 was not reached in "));
   }
 }
 
