@@ -120,6 +120,12 @@ TEST_CASE("NewtonMatrix: a complex system is two real ones", "[unit][dynamics]")
   VecXc y = a * (Re + i * Im) + b * (Dr + i * Di) + c * (Kr + i * Ki) + (Tr + i * Ti) - f;
   clear_particles(sys, y);
   CHECK(y.cwiseAbs().maxCoeff() <= 1e-10);
+  const auto said = [&](const VecXc& of_slots, const VecXc& of_rows) {
+    return lockstep::testing::message_of<ModelError>([&] { N.solve(of_slots, of_rows, x, l); });
+  };
+  const std::string m = "where " + std::to_string(r.size()) + " are", n = "where " + std::to_string(f.size()) + " are";
+  CHECK(lockstep::testing::says(said(f, VecXc::Zero(1)), {"a vector of the rows has 1 numbers", m.c_str()}));
+  CHECK(lockstep::testing::says(said(VecXc::Zero(5), r), {"a vector of the slots has 5 numbers", n.c_str()}));
 }
 
 TEST_CASE("NewtonMatrix without tangents gives the accelerations", "[unit][dynamics]") {
