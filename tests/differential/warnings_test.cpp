@@ -121,7 +121,7 @@ std::string kind(const std::string& sentence) {
 struct Counts {
   std::string files;  // what its runs write, without extension: the cases may run side by side
   long scenes = 0, refused = 0, amplified = 0, right = 0, wrong = 0, between = 0, warned_wrong = 0, ended = 0;
-  std::vector<std::string> false_alarms, silent_wrongs;
+  std::vector<std::string> false_alarms{}, silent_wrongs{};
 };
 
 void judge(const std::string& name, const std::string& scene, Counts& n) {
@@ -189,9 +189,7 @@ std::string recorded(json scene, const std::string& files) {
 
 Counts counts(const std::string& of) {
   std::filesystem::create_directories(testing::kRunnerFolder);
-  Counts n;
-  n.files = testing::kRunnerFolder + "/warned_" + of;
-  return n;
+  return {.files = testing::kRunnerFolder + "/warned_" + of};
 }
 
 Seeds seeds() { return seeds_up_to(13); }

@@ -69,6 +69,18 @@ double residual(const NewtonMatrix& N, const System& sys, double a, double b, do
                   (z - r).lpNorm<Eigen::Infinity>() / r.lpNorm<Eigen::Infinity>());
 }
 
+/// Vectors of other sizes than f, r are refused, by both numbers.
+template <class V>
+void check_sizes(NewtonMatrix& N, const V& f, const V& r) {
+  const auto said = [&](const V& of_slots, const V& of_rows) {
+    V x, l;
+    return lockstep::testing::message_of<ModelError>([&] { N.solve(of_slots, of_rows, x, l); });
+  };
+  const std::string m = "where " + std::to_string(r.size()) + " are", n = "where " + std::to_string(f.size()) + " are";
+  CHECK(lockstep::testing::says(said(f, V::Zero(1)), {"a vector of the rows has 1 numbers", m.c_str()}));
+  CHECK(lockstep::testing::says(said(V::Zero(5), r), {"a vector of the slots has 5 numbers", n.c_str()}));
+}
+
 }  // namespace
 
 TEST_CASE("NewtonMatrix solves what it gathered, redundant rows and all", "[unit][dynamics]") {
@@ -87,13 +99,7 @@ TEST_CASE("NewtonMatrix solves what it gathered, redundant rows and all", "[unit
     CHECK(report.residual <= 1e-12);
     CHECK(residual(N, sys, 1.0, h, h * h, f, r, x, l) <= 1e-10);
   }
-  const std::string m = "where " + std::to_string(r.size()) + " are", n = "where " + std::to_string(f.size()) + " are";
-  const auto said = [&](const VecX& of_slots, const VecX& of_rows) {
-    return lockstep::testing::message_of<ModelError>([&] { N.solve(of_slots, of_rows, x, l); });
-  };
-  const VecX one = VecX::Zero(1), five = VecX::Zero(5);
-  CHECK(lockstep::testing::says(said(f, one), {"a vector of the rows has 1 numbers", m.c_str()}));
-  CHECK(lockstep::testing::says(said(five, r), {"a vector of the slots has 5 numbers", n.c_str()}));
+  check_sizes(N, f, r);
 }
 
 TEST_CASE("NewtonMatrix: a complex system is two real ones", "[unit][dynamics]") {
@@ -120,12 +126,7 @@ TEST_CASE("NewtonMatrix: a complex system is two real ones", "[unit][dynamics]")
   VecXc y = a * (Re + i * Im) + b * (Dr + i * Di) + c * (Kr + i * Ki) + (Tr + i * Ti) - f;
   clear_particles(sys, y);
   CHECK(y.cwiseAbs().maxCoeff() <= 1e-10);
-  const auto said = [&](const VecXc& of_slots, const VecXc& of_rows) {
-    return lockstep::testing::message_of<ModelError>([&] { N.solve(of_slots, of_rows, x, l); });
-  };
-  const std::string m = "where " + std::to_string(r.size()) + " are", n = "where " + std::to_string(f.size()) + " are";
-  CHECK(lockstep::testing::says(said(f, VecXc::Zero(1)), {"a vector of the rows has 1 numbers", m.c_str()}));
-  CHECK(lockstep::testing::says(said(VecXc::Zero(5), r), {"a vector of the slots has 5 numbers", n.c_str()}));
+  check_sizes(N, f, r);
 }
 
 TEST_CASE("NewtonMatrix without tangents gives the accelerations", "[unit][dynamics]") {
