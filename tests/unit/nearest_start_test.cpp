@@ -66,6 +66,17 @@ TEST_CASE("weights of starts share out a move", "[unit][assembly]") {
   CHECK(found.report.after < 1e-11);
 }
 
+// Six particles fill the slots before the body's own.
+TEST_CASE("a start by an angle is met by a body that comes after particles", "[unit][assembly]") {
+  std::string bodies;
+  for (int k = 0; k < 6; ++k)
+    bodies += fmt::format(R"({{"name": "p{0}", "particle": 1, "position": [{0}, 1, 0]}}, )", k);
+  const Assembled found(R"("bodies": [)" + bodies + R"({"name": "b", "mass": 1, "inertia": [1, 1, 1]}],
+    "links": [{"name": "A", "type": "revolute", "p": "b", "s": "ground", "at": [0, 0, 0],
+               "start": {"position": {"rz": 0.7}}}])");
+  CHECK(found.angle("b") == Approx(0.7).margin(1e-9));
+}
+
 // The rocker's angle by the intersection of two circles.
 TEST_CASE("a start by a joint's coordinate is met exactly", "[unit][assembly]") {
   const double asked = GENERATE(0.0, 0.7, -1.2, 2.5, 3.1);

@@ -1,5 +1,5 @@
-// A controller with a state of its own, integrated with the mechanism: an integral action holds a slider against its
-// weight.
+// States of the user's own, integrated with the mechanism: an integral action holds a slider against its weight, and an
+// impulse is that of a reaction.
 #include <cmath>
 #include <memory>
 
@@ -22,6 +22,20 @@ class IntegralOfHeight final : public Auxiliary {
 
  private:
   const Body& body_;
+};
+
+/// One number, d/dt = force along z, N, of a link on its first body.
+class ImpulseOfLink final : public Auxiliary {
+ public:
+  explicit ImpulseOfLink(const Lock& link) : Auxiliary("impulse"), link_(link) {}
+  int size() const override { return 1; }
+  void rates(const Evaluated& values, std::span<double> sd) const override {
+    const MarkerFrame P(*link_.pairs().front().first);
+    sd[0] = Reactions(values).on_body_of(P, link_, values.in).force[2];
+  }
+
+ private:
+  const Lock& link_;
 };
 
 }  // namespace
@@ -76,6 +90,28 @@ TEST_CASE("a user's own state is integrated with the mechanism and closes a loop
   CHECK(std::abs(end.q[2] - y[0]) < method.error);
   CHECK(std::abs(end.v[2] - y[1]) < method.error);
   CHECK(std::abs(run.state().s[0] - y[2]) < method.error);
+}
+
+// Either hinge could carry all of the weight. Half a turn about the rod's axis swaps them and turns the weight over:
+// the smallest reactions are halves.
+TEST_CASE("an own state reads the smallest reactions of redundant rows, in joint coordinates too",
+          "[verification][system][joint]") {
+  const Formulation formulation = GENERATE(Formulation::joint, Formulation::omega);
+  CAPTURE(to_string(formulation));
+  const double m = 2, g = 9.81;
+  System sys({.gravity = {0, 0, -g}});
+  Body& door = sys.add_body("door", shapes::rod(m, {0, 0, 0}, {1, 0, 0}));
+  door.start = {{0, 1.5, 0}, {0, 0, 3}};  // its centre is 0.5 m from the hinges
+  const Lock& low = sys.add<Revolute>("low", door, sys.ground(), pose_at({0, 0, -0.5}));
+  sys.add<Revolute>("high", door, sys.ground(), pose_at({0, 0, 0.5}));
+  sys.add(std::make_unique<ImpulseOfLink>(low));
+  Dynamics dynamics(sys, std::make_unique<SchurSolver>(), {.formulation = formulation, .stabilization = {}});
+  State state = sys.start();
+  dynamics.to_formulation(state);
+  REQUIRE((state.coordinates != nullptr) == (formulation == Formulation::joint));
+  StateRate rate;
+  dynamics.rates(state, rate);
+  CHECK(rate.s[0] == Approx(0.5 * m * g));
 }
 
 }  // namespace auxiliary_test

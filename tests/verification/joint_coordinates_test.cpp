@@ -239,6 +239,8 @@ void check_accelerations(System& system, std::uint64_t seed) {
   CHECK(given->n == 1);
   if (!only_laws || !state.coordinates->followed().empty())
     check_given(*given, dynamics.evaluate(slots), system, only_laws);
+  else
+    CHECK(given->a.size() == 0);  // where there are no laws nothing is solved for it
   const VecX expected = accelerations(dynamics, slots);
   CHECK(largest(a - expected) < 1e-10 * largest(expected));
   double a2 = 0, al2 = 0;
@@ -388,12 +390,14 @@ TEST_CASE("a lock of one turn and nothing else closes a loop, its body is free",
 }
 
 TEST_CASE("slots without a link move freely", "[verification][joint]") {
-  System system({.gravity = {0, 0, -9.81}});
-  system.add_body("free", MassProperties{1.0, {0.1, 0, 0}, Vec3(1, 2, 2.5).asDiagonal()});
-  Body& other =
-      system.add_body("other", MassProperties{1.0, {0.1, 0.2, 0}, Vec3(1, 2, 2.5).asDiagonal()}, {{1, 0, 0}, {}});
-  system.add<Revolute>("hinge", other, system.body("free"), pose_at(Vec3(0.5, 0, 0), Vec3(1, 1, 0)));
-  for (std::uint64_t seed = 1; seed <= 4; ++seed) check_accelerations(system, seed);
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    System system({.gravity = {0, 0, -9.81}});
+    system.add_body("free", MassProperties{1.0, {0.1, 0, 0}, Vec3(1, 2, 2.5).asDiagonal()});
+    Body& other =
+        system.add_body("other", MassProperties{1.0, {0.1, 0.2, 0}, Vec3(1, 2, 2.5).asDiagonal()}, {{1, 0, 0}, {}});
+    system.add<Revolute>("hinge", other, system.body("free"), pose_at(Vec3(0.5, 0, 0), Vec3(1, 1, 0)));
+    check_accelerations(system, seed);
+  }
 }
 
 TEST_CASE("particles that are free or tied to the ground accelerate as in omega, whatever the axes of their markers",

@@ -139,6 +139,29 @@ TEST_CASE("no more rows are redundant in joint coordinates than in all", "[verif
   CHECK(dynamics.redundancy(slots).rows == 0);
 }
 
+// A parallelogram of cranks that turn at 2 rad/s: a row fades as the square of the distance from the flat position, and
+// poses up to 0.4 rad beside it are looked at.
+TEST_CASE("a flat position is told by the most regular of the poses beside it", "[verification][joint]") {
+  const Vec3 B(0.2, 0, 0), C(0.8, 0, 0), D(0.6, 0, 0);
+  System sys;
+  Body& left = sys.add_body("left", shapes::rod(1, {0, 0, 0}, B));
+  Body& right = sys.add_body("right", shapes::rod(1, D, C));
+  Body& coupler = sys.add_body("coupler", shapes::rod(1, B, C));
+  left.start = right.start = {{0, 0.2, 0}, {0, 0, 2}}, coupler.start.v = {0, 0.4, 0};
+  sys.add<Revolute>("A", left, sys.ground(), pose_at({0, 0, 0}));
+  sys.add<Revolute>("B", coupler, left, pose_at(B));
+  sys.add<Revolute>("C", coupler, right, pose_at(C));
+  sys.add<Revolute>("D", right, sys.ground(), pose_at(D));
+  Dynamics dynamics(sys, std::make_unique<SchurSolver>(), {Formulation::joint, {}});
+  State state = sys.start();
+  dynamics.to_formulation(state);
+  const Redundancy found = dynamics.redundancy(state);
+  CHECK(found.rows == 0);
+  StateRate rate;
+  const State beside = moved(dynamics, state, 0.4);
+  CHECK(found.regular == Approx(dynamics.rates_with_report(beside, rate).detector));
+}
+
 // Masses that differ by 2e4: a row that fades in the flat position has a pivot as small as that of a redundant row up to
 // 0.15 rad from there, but not at 0.45 rad. Of the 20 rows of four hinges 17 hold three bodies.
 TEST_CASE("redundant rows are told from those that fade beside a flat position of heavy cranks", "[verification]") {
