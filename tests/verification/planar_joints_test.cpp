@@ -7,7 +7,7 @@
 #include <lockstep/joints.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>
-#include "framework/dynamics/tree/planar_bodies.h"
+#include "framework/dynamics/tree/tree_recursion.h"
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/configuration.h"
@@ -140,12 +140,12 @@ VecX differences(const System& system, const State& state, const StateRate& rate
 }
 
 /// Motions are those that the joints have in space, found one after another.
-void check_motions(const System& system, const JointTree& tree, const State& state) {
-  PlanarBodies flat(tree, system, false);
+void check_motions(const System& system, const std::shared_ptr<const JointTree>& tree, const State& state) {
+  const auto flat = TreeRecursion::of(tree, system, {});
   std::vector<Motion> a, b(static_cast<std::size_t>(system.n_slots() + 1));
-  flat.outward(tree, state, a), tree.motions(state, b);
+  flat->outward(state, a), tree->motions(state, b);
   for (int slot = 0; slot < system.n_slots(); ++slot) {
-    const Motion expected = tree.motion(state, slot);
+    const Motion expected = tree->motion(state, slot);
     for (const Motion* m : {&a[static_cast<std::size_t>(slot + 1)], &b[static_cast<std::size_t>(slot + 1)]}) {
       CHECK((m->x - expected.x).norm() < 1e-12);
       CHECK((m->A - expected.A).norm() < 1e-13);
@@ -156,17 +156,17 @@ void check_motions(const System& system, const JointTree& tree, const State& sta
   }
 }
 
-/// Accelerations of the slots, slot axes, as PlanarBodies gives them, are those that omega solves for in space.
-void check_omega(Dynamics& dynamics, const JointTree& tree, const State& state) {
+/// Accelerations of the slots, slot axes, as the recursion in the plane gives them, are those that omega solves for in space.
+void check_omega(Dynamics& dynamics, const std::shared_ptr<const JointTree>& tree, const State& state) {
   const System& system = dynamics.system();
-  PlanarBodies flat(tree, system, false);
+  const auto flat = TreeRecursion::of(tree, system, {});
   std::vector<Motion> motions;
-  flat.outward(tree, state, motions);
+  flat->outward(state, motions);
   Inputs in;
   in.t = state.t, in.motions = motions;
   VecX f = VecX::Zero(6 * system.n_slots()), vd, a;
   system.gather_forces(in, f);
-  flat.accelerate(tree, motions, f, vd), flat.accelerations(tree, motions, a);
+  flat->accelerate(motions, f, vd), flat->accelerations(motions, a);
   StateRate rate;
   dynamics.rates(state, rate);
   CHECK(largest(rate.v - vd) == 0);  // the planar recursion is the one that runs
@@ -270,9 +270,9 @@ TEST_CASE("random trees in a plane move as in space and accelerate as in omega",
           System system = random_tree(seed, {.n = n, .upright = upright, .laws = laws});
           Dynamics dynamics = dynamics_of(system, Formulation::joint);
           const State state = random_state(dynamics, seed);
-          const auto& tree = static_cast<const JointTree&>(*state.coordinates);
-          REQUIRE(tree.planar());
-          CHECK(tree.planar()->plane() == Plane{n});
+          const auto tree = std::static_pointer_cast<const JointTree>(state.coordinates);
+          REQUIRE(tree->planar());
+          CHECK(tree->planar()->plane() == Plane{n});
           check_motions(system, tree, state);
           check_omega(dynamics, tree, state);
         }
@@ -290,8 +290,8 @@ TEST_CASE("mechanisms that are planar by name accelerate in joint coordinates as
         Dynamics dynamics = dynamics_of(system, Formulation::joint);
         REQUIRE(dynamics.why_not_joint(system.start().modes) == "");
         const State state = random_state(dynamics, seed);
-        const auto& tree = static_cast<const JointTree&>(*state.coordinates);
-        REQUIRE(tree.planar());
+        const auto tree = std::static_pointer_cast<const JointTree>(state.coordinates);
+        REQUIRE(tree->planar());
         check_motions(system, tree, state);
         check_omega(dynamics, tree, state);
         State slots = state;

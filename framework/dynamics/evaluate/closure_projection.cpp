@@ -21,9 +21,9 @@ double Dynamics::Tree::violation(System& system, const State& state) {
 // The recursion at the state whose rows were gathered last. The accelerations that come with it are of no interest.
 void Dynamics::Tree::factor(const State& state) {
   outward(state, motions);
-  recursion->read(*coordinates, motions, closure_rows);
+  recursion->read(motions, closure_rows);
   f.setZero();
-  recursion->accelerate(*coordinates, motions, f, correction);
+  recursion->accelerate(motions, f, correction);
 }
 
 void Dynamics::Tree::pivots(System& system, const State& state, SolveReport& report) {
@@ -66,7 +66,7 @@ ProjectReport Dynamics::Tree::project(System& system, State& state, double goal,
     if (rounds.round() == 0) report.before = rounds.residual();
     if (ends) break;
     if (!rounds.chord()) factor(state);
-    recursion->correct(*coordinates, C, correction);
+    recursion->correct(C, correction);
     coordinates->advance(state, 1.0, correction);
     coordinates->normalize(state);
   }
@@ -90,7 +90,7 @@ double Dynamics::Tree::velocities(State& state, bool factored, double goal) {
   bool old = factored;
   for (int round = 0; !(left <= goal) && round < kTreeVelocityRounds; ++round) {
     if (!factored) factor(state), factored = true;
-    recursion->correct(*coordinates, Cd, correction);
+    recursion->correct(Cd, correction);
     state.v += correction;
     coordinates->motions(state, motions);
     closures().residuals(motions, closure_rows, C, Cd);

@@ -48,7 +48,7 @@ Dynamics::Tree& Dynamics::tree(const std::vector<bool>& modes) {
   TreeLayout layout = lay_out_tree(system_, modes, asked ? Taken::all : Taken::where_cheaper);
   t.why_not = std::move(layout.why_not), t.closure_rows = std::move(layout.closures);
   t.f.setZero(6 * system_.n_slots());
-  if (layout.tree) t.recursion = TreeRecursion::of(*layout.tree, system_, std::move(layout.fronts));
+  if (layout.tree) t.recursion = TreeRecursion::of(layout.tree, system_, std::move(layout.fronts));
   t.coordinates = std::move(layout.tree);
   if (t.coordinates) lay_out_reactions(t), t.find_turns(system_);
   t.revision = system_.revision();
@@ -144,7 +144,7 @@ void Dynamics::Tree::read_angles(const State& state, Inputs& in, std::vector<dou
 
 void Dynamics::Tree::outward(const State& y, std::vector<Motion>& out) {
   keeps = false;
-  recursion->outward(*coordinates, y, out);
+  recursion->outward(y, out);
 }
 
 void Dynamics::Tree::outward_once(const State& y, const Inputs& of_kept) {
@@ -299,9 +299,9 @@ const VecX& Dynamics::accelerations(const State& state) {
   t.outward_once(state, inputs_.get());
   const Inputs in = t.inputs(state);
   system_.gather_forces(in, t.f);
-  t.recursion->accelerate(*t.coordinates, t.motions, t.f, t.correction);
-  if (t.coordinates->n_v() == 0) t.recursion->follow(*t.coordinates);
-  t.recursion->accelerations(*t.coordinates, t.motions, asked_a_);
+  t.recursion->accelerate(t.motions, t.f, t.correction);
+  if (t.coordinates->n_v() == 0) t.recursion->follow();
+  t.recursion->accelerations(t.motions, asked_a_);
   ++work_.evaluations;
   if (!asked_a_.allFinite()) gather(state);  // names the culprit
   return asked_a_;
@@ -320,14 +320,14 @@ void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* repo
   const Solution* solved = nullptr;
   t.multipliers_known = true;
   if (driven)
-    t.recursion->follow(*t.coordinates), out.v.resize(0);
+    t.recursion->follow(), out.v.resize(0);
   else if (!closed)
-    t.recursion->accelerate(*t.coordinates, t.motions, t.f, out.v);
+    t.recursion->accelerate(t.motions, t.f, out.v);
   else
     solved = joint_accelerations(t, state, in, out, report);
   out.largest_a = t.recursion->largest().a(), out.largest_alpha = t.recursion->largest().alpha();
   t.coordinates->kinematic_rate(state, out.q);
-  if (out.followed.size() > 0 || t.solves || t.reads_power) t.recursion->accelerations(*t.coordinates, t.motions, t.a);
+  if (out.followed.size() > 0 || t.solves || t.reads_power) t.recursion->accelerations(t.motions, t.a);
   write_followed(t.coordinates->followed(), t.motions, t.a, out.followed);
   out.s.resize(state.s.size());
   if (state.s.size() > 0) {
@@ -360,18 +360,18 @@ const Solution* Dynamics::joint_accelerations(Tree& t, const State& state, const
   TreeRecursion& recursion = *t.recursion;
   ClosureRows& closures = t.closures();
   system_.gather_rows(in, t.closure_rows);
-  recursion.read(*t.coordinates, t.motions, t.closure_rows);
+  recursion.read(t.motions, t.closure_rows);
   if (const Stabilization& s = options_.stabilization; s.kind == Stabilization::Kind::baumgarte) {
     closures.residuals(t.motions, t.closure_rows, t.C, t.Cd);
     t.correction = 2.0 * s.alpha * t.Cd + s.beta * s.beta * t.C;
     closures.subtract(t.correction);
   }
-  recursion.accelerate(*t.coordinates, t.motions, t.f, out.v);
+  recursion.accelerate(t.motions, t.f, out.v);
   bool met = recursion.met(false);
   double before = HUGE_VAL;
   while (!met && closures.residual() < kStalledRows * before) {
     before = closures.residual();
-    recursion.correct(*t.coordinates, out.v);
+    recursion.correct(out.v);
     met = recursion.met(true);
     ++work_.corrections;
   }
@@ -380,7 +380,7 @@ const Solution* Dynamics::joint_accelerations(Tree& t, const State& state, const
   if (met || closures.is_left_by_redundant_rows(before)) return nullptr;
   const Solution& omega = evaluate(state);
   --work_.evaluations;
-  recursion.read_off(*t.coordinates, t.motions, omega.a, out.v);
+  recursion.read_off(t.motions, omega.a, out.v);
   if (report) report->residual = omega.full_report().residual;
   return &omega;
 }
@@ -397,7 +397,7 @@ void Dynamics::read_rates(const State& state, const StateRate& slots, StateRate&
                      std::to_string(slots.s.size()) + " own states where " + std::to_string(6 * system_.n_slots()) +
                      " (6 per slot) and " + std::to_string(state.s.size()) + " are needed; take those of rate()");
   t.outward(state, t.motions);
-  t.recursion->read_off(*t.coordinates, t.motions, slots.v, out.v);
+  t.recursion->read_off(t.motions, slots.v, out.v);
   t.coordinates->kinematic_rate(state, out.q);
   out.s = slots.s;
   write_followed(t.coordinates->followed(), t.motions, slots.v, out.followed);

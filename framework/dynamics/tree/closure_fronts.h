@@ -36,6 +36,10 @@ struct ClosureFronts {
 
   int row_of(const ClosureFront& f, int i) const { return rows[static_cast<std::size_t>(f.first + i)]; }
 
+  /// The place of a row at the node of its first side, where its l begins.
+  std::size_t place_of(std::size_t row) const {
+    return static_cast<std::size_t>(sides[static_cast<std::size_t>(sources[row].first_side)].place);
+  }
   /// The place of an open row of a front at its parent.
   int place_above(std::size_t front, int i) const {
     const ClosureFront& f = all[front];

@@ -23,20 +23,20 @@ void ClosureRows::begin(ClosureFronts fronts, double length, double mass_ratio) 
   V_.assign(static_cast<std::size_t>(fronts_.n_V), 0.0);
   l_.assign(fronts_.rows.size(), 0.0);
   const auto n = static_cast<Eigen::Index>(fronts_.sources.size());
-  for (VecX* v : {&c_, &E_, &diagonal_, &scale_, &d_, &lambda_, &r_, &size_, &dlambda_}) v->setZero(n);
+  for (VecX* v : {&c_, &diagonal_, &scale_, &d_, &lambda_, &r_, &size_, &dlambda_}) v->setZero(n);
   watch_.begin(static_cast<int>(n));
 }
 
 void ClosureRows::measure_scales(const RowTable& table, double arm2) {
   scale_ = diagonal_;
   for (const RowEntry& e : table.entries) average_scales(scale_.data() + e.first_row, e.m, KindBits(e.kind, e.m));
-  E_ = kClosureProximal * scale_;
   arm2_ = arm2;
 }
 
 void ClosureRows::subtract(const VecX& x) {
   c_ -= x;
-  for (std::size_t row = 0; row < fronts_.sources.size(); ++row) l_of(row) += x[static_cast<Eigen::Index>(row)];
+  for (std::size_t row = 0; row < fronts_.sources.size(); ++row)
+    l_[fronts_.place_of(row)] += x[static_cast<Eigen::Index>(row)];
 }
 
 void ClosureRows::residuals(std::span<const Motion> motions, const RowTable& table, VecX& C, VecX& Cd) const {
@@ -80,7 +80,7 @@ bool ClosureRows::is_met(bool corrected) {
     const auto row = static_cast<Eigen::Index>(j);
     const double least = residual_floor(largest[static_cast<std::size_t>(fronts_.sources[j].kind)]);
     const double x = r_[row] == 0 ? 0.0 : std::abs(r_[row]) / std::max(size_[row], least);
-    if (!(x <= kRowTolerance) && !(d_[row] <= kRedundantPivot * E_[row])) regular_met_ = false;
+    if (!(x <= kRowTolerance) && !(d_[row] <= kRedundantPivot * kClosureProximal * scale_[row])) regular_met_ = false;
     if (worst_row_ >= 0 && (x <= worst_ || std::isnan(worst_))) continue;
     worst_ = x, worst_row_ = static_cast<int>(j);
   }
@@ -103,7 +103,7 @@ void ClosureRows::complete(SolveReport& report) {
     PivotFloors floors;
     floors.arm2 = arm2_;
     for (std::size_t j = 0; j < fronts_.sources.size(); ++j)
-      floors.add(fronts_.sources[j].kind, E_[static_cast<Eigen::Index>(j)]);
+      floors.add(fronts_.sources[j].kind, kClosureProximal * scale_[static_cast<Eigen::Index>(j)]);
     return floors.by_kind();
   });
   report.residual = worst_, report.worst_row = worst_row_;

@@ -39,26 +39,16 @@ class LOCKSTEP_API ClosureRows {
   ~ClosureRows() = default;
   /// mass_ratio: of the heaviest slot to the lightest.
   void begin(ClosureFronts, double length, double mass_ratio);
-  double* Lambda(const ClosureFront& f, int i) { return Lambda_.data() + f.Lambda + i * f.n; }
-  const double* Lambda(const ClosureFront& f, int i) const { return Lambda_.data() + f.Lambda + i * f.n; }
-  int row_of(const ClosureFront& f, int i) const { return fronts_.row_of(f, i); }
-  /// Where l of a row begins: its place at the node of its first side.
-  double& l_of(std::size_t row) {
-    return l_[static_cast<std::size_t>(fronts_.sides[static_cast<std::size_t>(fronts_.sources[row].first_side)].place)];
-  }
-  /// l of an open row of a front at its parent.
-  double& l_above(std::size_t front, int i) { return l_[static_cast<std::size_t>(fronts_.place_above(front, i))]; }
-  inline double multiplier(const ClosureFront&, int j, double with, const VecX& lambda) const;
   /// From diagonal_; arm2: as in PivotFloors.
   void measure_scales(const RowTable&, double arm2);
   /// From r_ and size_: whether the residuals are small enough. `corrected`: they are those of a correction.
   bool is_met(bool corrected);
 
   ClosureFronts fronts_;
-  std::vector<double> Lambda_, V_, l_;                     // l by place
-  VecX c_, E_, diagonal_, scale_, d_, lambda_, r_, size_;  // by row; scale_: s_j
-  VecX dlambda_, du_;                                      // of a correction: by row, by coordinate
-  int n_small_ = 0;                                        // pivots of the last elimination that got a proximal term
+  std::vector<double> Lambda_, V_, l_;                 // l by place
+  VecX c_, diagonal_, scale_, d_, lambda_, r_, size_;  // by row; scale_: s_j
+  VecX dlambda_, du_;                                  // of a correction: by row, by coordinate
+  int n_small_ = 0;                                    // pivots of the last elimination that got a proximal term
 
  private:
   PivotWatch watch_;
@@ -66,13 +56,5 @@ class LOCKSTEP_API ClosureRows {
   int worst_row_ = -1, redundant_ = Kkt::kUnknown;
   bool regular_met_ = false, differ_in_mass_ = false;
 };
-
-// lambda_j = (K_j a + l_j - sum of Lambda_ij lambda_i) / d_j over the rows that were eliminated later; `with`: K_j a + l_j
-LOCKSTEP_INLINE double ClosureRows::multiplier(const ClosureFront& front, int j, double with,
-                                               const VecX& lambda) const {
-  const double* at = Lambda(front, j);
-  for (int i = 0; i < j; ++i) with -= at[i] * lambda[row_of(front, i)];
-  return with / d_[row_of(front, j)];
-}
 
 }  // namespace lockstep

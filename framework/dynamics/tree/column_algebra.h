@@ -1,14 +1,27 @@
-// What is done with Column and Columns: a column in one instruction. For files that are compiled for several instruction
-// sets.
+// Column and Columns: vectors of three numbers in packs of four, matrices of three such columns, and what is done with them: a
+// column in one instruction. For files that are compiled for several instruction sets.
 #pragma once
 
+#include <cstddef>
+
+#include <lockstep/jet.h>
 #include <lockstep/math.h>
-#include "framework/dynamics/tree/columns.h"
 
 // Here and in what includes it: all of it is inlined, no Column is passed between functions.
 #pragma GCC diagnostic ignored "-Wpsabi"
+// As arguments of templates packs lose that they may alias, which nobody counts on there.
+#pragma GCC diagnostic ignored "-Wignored-attributes"
 
 namespace lockstep {
+
+/// The fourth number is zero. Where a struct holds columns they come first, and it says alignas(kColumn): the compiler
+/// takes 16 bytes where it does not count on AVX, and 32 where it does.
+using Column = Pack<4>;
+inline constexpr std::size_t kColumn = 32;  ///< bytes
+
+struct alignas(kColumn) Columns {
+  Column c[3];
+};
 
 LOCKSTEP_INLINE Column column(const Vec3& v) { return Column{v[0], v[1], v[2], 0.0}; }
 LOCKSTEP_INLINE Vec3 vector(const Column& v) { return {v[0], v[1], v[2]}; }

@@ -3,6 +3,7 @@
 
 #include <lockstep/state.h>
 #include "framework/dynamics/tree/joint_tree.h"
+#include "framework/dynamics/tree/moving_frame.h"
 #include "framework/dynamics/tree/tree_motion.h"
 
 namespace lockstep {
@@ -19,18 +20,16 @@ JointLaws joint_laws_at(const TreeNode&, double t, const VecX& s);
 
 /// The motion of a node with moving markers from that of its parent, world axes.
 struct MovedNode {
-  Vec3 w,          ///< angular velocity of the slot, rad/s
-      r,           ///< from the parent's mass centre, m
-      ca, cal,     ///< a = a_p + al_p x r + ca, al = al_p + cal where the coordinates' own accelerations are zero
-      X;           ///< the point about which the joint turns: the origin of P, m
-  Mat3 turn_axes;  ///< as that of Carried
-  std::array<Vec3, 3> slide;  ///< directions of the translations
+  Vec3 w,              ///< angular velocity of the slot, rad/s
+      r,               ///< from the parent's mass centre, m
+      ca, cal;         ///< a = a_p + al_p x r + ca, al = al_p + cal where the coordinates' own accelerations are zero
+  JointAxes<Vec3> at;  ///< its point: from the parent's mass centre, m
 };
 
 /// Writes the motion of a node and returns what its joint adds. `wp`: angular velocity of the parent, world axes, rad/s.
 /// Throws what the laws throw, with the link's name.
 MovedNode carry_moving(const TreeNode&, const State&, const Motion& p, const Vec3& wp, Motion& out);
-/// As vary().
+/// As JointMotion::vary.
 NodeVariation vary_moving(const TreeNode&, const State&, const StateRate& dy, const Motion& p, const NodeVariation& dp);
 /// The coordinates and velocities of a node with these motions at time t: translations along all axes of S, their rates;
 /// r, and the turn's angular velocity, axes of P; laws of the lock taken off.

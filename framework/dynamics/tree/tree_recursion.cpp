@@ -2,21 +2,14 @@
 
 #include <utility>
 
-#include "framework/dynamics/tree/articulated.h"
-#include "framework/dynamics/tree/planar_bodies.h"
-#include "framework/dynamics/tree/recursion_of.h"
-
 namespace lockstep {
-
-extern template class RecursionOf<ArticulatedBodies>;
-extern template class RecursionOf<PlanarBodies>;
 
 TreeRecursion::~TreeRecursion() = default;
 
-std::unique_ptr<TreeRecursion> TreeRecursion::of(const JointTree& tree, const System& system, ClosureFronts closures) {
-  if (tree.planar() && (closures.sources.empty() || closures.in_plane))
-    return std::make_unique<RecursionOf<PlanarBodies>>(tree, system, std::move(closures));
-  return std::make_unique<RecursionOf<ArticulatedBodies>>(tree, system, std::move(closures));
+std::unique_ptr<TreeRecursion> TreeRecursion::of(std::shared_ptr<const JointTree> tree, const System& system,
+                                                 ClosureFronts closures) {
+  const bool in_plane = tree->planar() && (closures.sources.empty() || closures.in_plane);
+  return (in_plane ? recursion_in_plane : recursion_in_space)(std::move(tree), system, std::move(closures));
 }
 
 }  // namespace lockstep

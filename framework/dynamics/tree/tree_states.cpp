@@ -34,7 +34,8 @@ LOCKSTEP_FLAT_CLONES void JointTree::carry_all(const State& y, std::span<Motion>
     }
     Imposed now;
     if (node.imposed) laws_at(node, y.t, y.s, now);
-    carry(node, now, y, {half.cosine(), half.sine()}, p, p.A * p.w, out[motion_of(node)]);
+    const NodeJoint joint{node, now};
+    carry(lockstep::motion_of(joint, y), half.cosine(), half.sine(), p, p.A * p.w, out[motion_of(node)]);
   }
 }
 
@@ -122,18 +123,30 @@ bool JointTree::take_off_turns(State& y) const {
   return any;
 }
 
+namespace {
+
+NodeVariation vary_node(const TreeNode& n, const State& y, const StateRate& d, const Motion& p, const Motion& own,
+                        const NodeVariation& dp) {
+  Imposed now;
+  if (n.imposed) laws_at(n, y.t, y.s, now);
+  const NodeJoint joint{n, now};
+  return motion_of(joint, y).vary(p.A, own.A, p.A * p.w, d.q.data() + n.first_q, d.v.data() + n.first_v, dp);
+}
+
+}  // namespace
+
 void JointTree::variations(const State& y, std::span<const Motion> at, const StateRate& d, VecX& dx, VecX& dv) const {
   const auto n = static_cast<Eigen::Index>(nodes_.size());
   dx.resize(6 * n), dv.resize(6 * n);
   for (const TreeNode& node : nodes_) {
-    NodeVariation p;
+    NodeVariation p{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
     if (node.parent >= 0) {
       const int slot = nodes_[static_cast<std::size_t>(node.parent)].slot;
       p = {dx.segment<3>(6 * slot), dx.segment<3>(6 * slot + 3), dv.segment<3>(6 * slot), dv.segment<3>(6 * slot + 3)};
     }
     const Motion& parent = at[motion_of(node.parent)];
     const NodeVariation own =
-        node.moving ? vary_moving(node, y, d, parent, p) : vary(node, y, d, parent, at[motion_of(node)], p);
+        node.moving ? vary_moving(node, y, d, parent, p) : vary_node(node, y, d, parent, at[motion_of(node)], p);
     dx.segment<3>(6 * node.slot) = own.x, dx.segment<3>(6 * node.slot + 3) = own.phi;
     dv.segment<3>(6 * node.slot) = own.v, dv.segment<3>(6 * node.slot + 3) = own.w;
   }
@@ -159,7 +172,7 @@ void write_turn(const TreeNode& node, const Quat& r, const Vec3& rates, const St
 
 // The pose of far seen from near: r and rho of P seen from S, or their inverse.
 void JointTree::read_off(const State& slots, const State* near, State& out) const {
-  out.q.resize(n_q_), out.v.resize(n_v_);
+  out.q.setZero(n_q_), out.v.setZero(n_v_);
   out.t = slots.t, out.s = slots.s, out.z = slots.z, out.modes = slots.modes, out.watched = slots.watched;
   for (const TreeNode& node : nodes_) {
     Motion p;
@@ -190,9 +203,12 @@ void JointTree::read_off(const State& slots, const State* near, State& out) cons
     if (node.reversed) r = conjugate(r);
     Imposed now;
     if (node.imposed) laws_at(node, slots.t, slots.s, now), r = conjugate(now.q) * r;
-    const Vec3 law = node.imposed ? Vec3(slide_axes(node, p, own) * now.w) : Vec3::Zero();
-    const Vec3 turn = turn_axes(node, now, p, own).transpose() * (w - wp - law);
-    write_turn(node, r, turn, near, out);
+    const NodeJoint joint{node, now};
+    const Carried<Vec3> c = lockstep::motion_of(joint, out).carried(p.A, own.A, wp);
+    const Vec3 turned = w - wp - (node.imposed ? c.law : Vec3(Vec3::Zero()));
+    Vec3 rates = Vec3::Zero();
+    for (int k = 0; k < node.n_v() - node.n_slides; ++k) rates[k] = c.turns[k].dot(turned);
+    write_turn(node, r, rates, near, out);
   }
 }
 

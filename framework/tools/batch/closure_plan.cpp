@@ -65,7 +65,7 @@ ClosurePlan make_closure_plan(const System& system, const TreeLayout& layout) {
         const ClosureSource& source = plan.fronts.sources[first_row + k];
         const auto at = static_cast<std::size_t>(source.first_side) + i;
         const ClosureSide& of = plan.fronts.sides[at];
-        plan.slots[at] = {plan.size_J + k, m, static_cast<std::size_t>(of.node), static_cast<std::size_t>(of.place)};
+        plan.slots[at] = {plan.size_J + k, m, static_cast<std::size_t>(of.node)};
         const auto slot = static_cast<std::size_t>(side.slot);
         if (!seen[slot]) plan.seen.push_back({slot, static_cast<std::size_t>(of.node)});
         seen[slot] = true;

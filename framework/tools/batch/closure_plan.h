@@ -15,7 +15,7 @@ namespace lockstep::lanes {
 struct ClosureSlot {
   std::size_t J = 0;  ///< of the row in Numbers::J, column after column,
   std::size_t m = 0;  ///< so far apart
-  std::size_t node = 0, place = 0;
+  std::size_t node = 0;
 };
 
 /// A link that closes a loop: its rows.
@@ -57,12 +57,12 @@ ClosurePlan make_closure_plan(const System&, const TreeLayout&);
 bool are_alike(const System&, const TreeLayout&, const System&, const TreeLayout&);
 
 /// The arrays of closures, in packs of eight. Per side: J, world axes | per place: K, l | per front: Lambda, V | per row |
-/// per node and velocity, of a correction.
+/// per node and velocity, of a correction. K, wrench and change are structs of packs, those of one round after another.
 struct ClosureNumbers {
   Numbers rows;                     ///< body, frames, law; J, c, C, Ct
   const double* inverse = nullptr;  ///< 1/m | J^-1 xx xy xz yy yz zz, per node
   double *J = nullptr, *K = nullptr, *l = nullptr, *Lambda = nullptr, *V = nullptr;
-  double *E = nullptr, *diagonal = nullptr, *scale = nullptr, *d = nullptr, *lambda = nullptr, *dlambda = nullptr;
+  double *diagonal = nullptr, *scale = nullptr, *d = nullptr, *lambda = nullptr, *dlambda = nullptr;
   double *r = nullptr, *size = nullptr, *Cd = nullptr;
   double *wrench = nullptr, *change = nullptr, *du = nullptr;
 };

@@ -204,39 +204,39 @@ LOCKSTEP_PASS(combine,
 LOCKSTEP_PASS(factor_and_solve, (const Plan& plan, const Numbers& z), (plan, from(z, lane)))
 LOCKSTEP_PASS(solve, (const Plan& plan, const Numbers& z), (plan, from(z, lane)))
 LOCKSTEP_PASS(apply, (const Plan& plan, const Numbers& z), (plan, from(z, lane)))
-LOCKSTEP_PASS(outward, (const TreePlan& plan, const TreeNumbers& z), (plan, from(z, lane)))
+LOCKSTEP_PASS(outward, (const TreePlan& plan, const TreeNumbers& z), (plan, from(plan, z, lane)))
 LOCKSTEP_PASS(accelerate_tree, (const TreePlan& plan, const TreeNumbers& z, double* rate),
-              (plan, from(z, lane), rate + lane))
+              (plan, from(plan, z, lane), rate + lane))
 LOCKSTEP_PASS(change,
               (const TreePlan& plan, const TreeNumbers& z, const double* before, const double* h, double* now,
                double* out),
-              (plan, from(z, lane), before + lane, h + lane, now + lane, out + lane))
+              (plan, from(plan, z, lane), before + lane, h + lane, now + lane, out + lane))
 LOCKSTEP_PASS(vary, (const TreePlan& plan, const TreeNumbers& z, const double* dy, double* out),
-              (plan, from(z, lane), dy + lane, out + lane))
+              (plan, from(plan, z, lane), dy + lane, out + lane))
 LOCKSTEP_PASS(accelerate_closed,
               (const TreePlan& tree, const TreeNumbers& z, const ClosurePlan& plan, const ClosureNumbers& c,
                double* rate),
-              (tree, from(z, lane), plan, from(c, lane), rate + lane))
+              (tree, from(tree, z, lane), plan, from(plan, c, lane), rate + lane))
 LOCKSTEP_PASS(factor_closures,
               (const TreePlan& tree, const TreeNumbers& z, const ClosurePlan& plan, const ClosureNumbers& c),
-              (tree, from(z, lane), plan, from(c, lane)))
+              (tree, from(tree, z, lane), plan, from(plan, c, lane)))
 LOCKSTEP_PASS(correct_closures,
               (const TreePlan& tree, const TreeNumbers& z, const ClosurePlan& plan, const ClosureNumbers& c,
                const double* r, double* dv),
-              (tree, from(z, lane), plan, from(c, lane), r + lane, dv + lane))
+              (tree, from(tree, z, lane), plan, from(plan, c, lane), r + lane, dv + lane))
 LOCKSTEP_PASS(add_correction,
               (const TreePlan& tree, const TreeNumbers& z, const ClosurePlan& plan, const ClosureNumbers& c,
                const double* dv, double* rate),
-              (tree, from(z, lane), plan, from(c, lane), dv + lane, rate + lane))
+              (tree, from(tree, z, lane), plan, from(plan, c, lane), dv + lane, rate + lane))
 LOCKSTEP_PASS(closure_errors, (const TreeNumbers& z, const ClosurePlan& plan, const ClosureNumbers& c),
-              (plan, from(z, lane), from(c, lane)))
+              (plan, from(z, lane), from(plan, c, lane)))
 LOCKSTEP_PASS(closure_rates, (const TreeNumbers& z, const ClosurePlan& plan, const ClosureNumbers& c),
-              (plan, from(z, lane), from(c, lane)))
+              (plan, from(z, lane), from(plan, c, lane)))
 LOCKSTEP_PASS(closure_residuals,
               (const TreeNumbers& z, const ClosurePlan& plan, const ClosureNumbers& c, bool raised, double* out),
-              (plan, from(z, lane), from(c, lane), raised, out + lane))
+              (plan, from(z, lane), from(plan, c, lane), raised, out + lane))
 LOCKSTEP_PASS(closure_pivots, (const ClosurePlan& plan, const ClosureNumbers& c, const double* left, double* out),
-              (plan, from(c, lane), left + lane, out + lane))
+              (plan, from(plan, c, lane), left + lane, out + lane))
 LOCKSTEP_PASS(closure_norm, (const ClosurePlan& plan, const double* x, const double* L, double* out),
               (plan, x + lane, L + lane, out + lane))
 LOCKSTEP_TARGET void half_turns_pass(const TreePlan& plan, const TreeNumbers& z) { half_turns(plan, z); }

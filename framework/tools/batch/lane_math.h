@@ -5,10 +5,9 @@
 // memory there are always eight lanes side by side; narrower packs make several rounds (lane_all.h).
 #pragma once
 
-#include <cmath>
-
 #include <lockstep/jet.h>
 #include <lockstep/vec.h>
+#include "framework/dynamics/tree/spaces.h"
 #include "framework/tools/batch/lane_plan.h"
 
 #define LOCKSTEP_LANE LOCKSTEP_INLINE
@@ -20,18 +19,12 @@ using V = Pack<kWide>;                       ///< of the eight that are stored s
 
 LOCKSTEP_LANE V load(const double* p, std::size_t at) { return *reinterpret_cast<const V*>(p + kLanes * at); }
 LOCKSTEP_LANE void store(double* p, std::size_t at, const V& v) { *reinterpret_cast<V*>(p + kLanes * at) = v; }
-LOCKSTEP_LANE V size_of(const V& v) { return v < 0.0 ? -v : v; }
+using bodies::magnitude, bodies::square_root;
 LOCKSTEP_LANE V larger(const V& a, const V& b) { return a > b ? a : b; }
 /// The larger one; a NaN stays.
 LOCKSTEP_LANE V largest_or_nan(const V& most, const V& x) {
   const V next = x <= most ? most : x;
   return most != most ? most : next;
-}
-
-LOCKSTEP_LANE V square_root(const V& a) {
-  V r{};
-  for (int l = 0; l < kWide; ++l) r[l] = std::sqrt(a[l]);
-  return r;
 }
 
 LOCKSTEP_LANE auto load3(const double* p, std::size_t at) {
@@ -44,6 +37,19 @@ LOCKSTEP_LANE auto load4(const double* p, std::size_t at) { return vec::Quaterni
 using V3 = decltype(load3(nullptr, 0));
 using M3 = decltype(load9(nullptr, 0));
 using Q4 = decltype(load4(nullptr, 0));
+using Space = bodies::InSpace<V>;
+using Symmetric = bodies::Symmetric<V>;
+
+/// An array of eight lanes: [i] is its pack i, + i what begins there.
+struct LaneArray {
+  double* p;
+  LOCKSTEP_LANE V& operator[](int i) const { return *reinterpret_cast<V*>(p + kLanes * i); }
+  LOCKSTEP_LANE LaneArray operator+(int n) const { return {p + kLanes * n}; }
+};
+template <class T>
+LOCKSTEP_LANE T* pack(T* p, std::size_t at) {
+  return p + kLanes * at;
+}
 
 LOCKSTEP_LANE void store(double* p, std::size_t at, vec::Zero) { store(p, at, V{}); }
 LOCKSTEP_LANE void store(double* p, std::size_t at, vec::One) { store(p, at, V{} + 1.0); }

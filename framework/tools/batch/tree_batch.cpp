@@ -86,7 +86,8 @@ TreeBatch::TreeBatch(std::span<System* const> systems, int first, const Trees& t
   };
   z_.gravity = size(gravity_, 3), z_.joint = size(joint_, joint::size * n), z_.more = size(more_, plan_.size_more);
   z_.law = size(law_, plan_.size_law), z_.half = size(half_, n), z_.cosine = size(cosine_, n), z_.sine = size(sine_, n);
-  z_.moving = size(moving_, moving::size * (n + 1)), z_.dof = size(dof_, dof::size * plan_.n_v);
+  z_.moving = size(moving_, moving::size * (n + 1)), z_.travel = size(travel_, travel::size * n);
+  z_.dof = size(dof_, dof::size * plan_.n_v);
   z_.waiting = size(waiting_, articulated::size * plan_.n_waiting), z_.largest = size(largest_, 2);
   z_.varied = size(varied_, varied::size * (n + 1)), size(start_, end::size * n), size(now_, end::size * n);
   if (has_forces_) z_.wrench = wrench_.data();

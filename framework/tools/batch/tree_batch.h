@@ -56,7 +56,8 @@ class LOCKSTEP_API TreeBatch final : public Batch {
   TreePlan plan_;
   std::vector<std::size_t> node_of_;  // of each slot
   TreeNumbers z_;
-  Aligned<double> gravity_, joint_, more_, law_, half_, cosine_, sine_, moving_, dof_, waiting_, largest_, varied_;
+  Aligned<double> gravity_, joint_, more_, law_, half_, cosine_, sine_, moving_, travel_, dof_, waiting_, largest_,
+      varied_;
   Aligned<double> start_, now_;  // of steps: end::size packs a node
   alignas(64) std::array<double, 4 * kLanes> sizes_{};
 };

@@ -46,7 +46,7 @@ void TreeClosures::begin(const Systems& systems, const Layouts& layouts, const P
   z_.J = size(J_, spatial::size * plan_.slots.size()), z_.K = size(K_, spatial::size * places), z_.l = size(l_, places);
   z_.Lambda = size(Lambda_, static_cast<std::size_t>(plan_.fronts.n_Lambda));
   z_.V = size(V_, static_cast<std::size_t>(plan_.fronts.n_V));
-  z_.E = size(E_, m), z_.diagonal = size(diagonal_, m), z_.scale = size(scale_, m), z_.d = size(d_, m);
+  z_.diagonal = size(diagonal_, m), z_.scale = size(scale_, m), z_.d = size(d_, m);
   z_.lambda = size(lambda_, m), z_.dlambda = size(dlambda_, m), z_.r = size(r_, m), z_.size = size(size_, m);
   z_.Cd = size(Cd_, m), z_.wrench = size(wrench_, spatial::size * n_nodes);
   z_.change = size(change_, spatial::size * n_nodes), z_.du = size(du_, n_v);
@@ -170,7 +170,7 @@ void TreeClosures::measure_floors() {
     PivotFloors floors;
     for (std::size_t j = 0; j < plan_.n_rows(); ++j) {
       const ClosureSource& source = plan_.fronts.sources[j];
-      floors.add(source.kind, E_[kL * j + l]);
+      floors.add(source.kind, kClosureProximal * scale_[kL * j + l]);
       for (int i = 0; i < source.n_sides && source.kind == RowKind::translation; ++i) {
         const double* J = J_.data() + kL * spatial::size * static_cast<std::size_t>(source.first_side + i) + l;
         floors.arm2 = std::max(floors.arm2, J[3 * kL] * J[3 * kL] + J[4 * kL] * J[4 * kL] + J[5 * kL] * J[5 * kL]);

@@ -61,8 +61,8 @@ class TreeClosures {
   RowTable scratch_;  // of one link
   const Passes* pass_ = nullptr;
   bool has_laws_ = false, floors_known_ = false;
-  Aligned<double> body_, frames_, law_, rows_J_, c_, C_, Ct_, inverse_, J_, K_, l_, Lambda_, V_, E_, diagonal_, scale_,
-      d_, lambda_, dlambda_, r_, size_, Cd_, wrench_, change_, du_, masked_, dv_, length_;
+  Aligned<double> body_, frames_, law_, rows_J_, c_, C_, Ct_, inverse_, J_, K_, l_, Lambda_, V_, diagonal_, scale_, d_,
+      lambda_, dlambda_, r_, size_, Cd_, wrench_, change_, du_, masked_, dv_, length_;
   alignas(64) std::array<double, 2 * kLanes> pivots_{};        // n_small, smallest_pivot
   alignas(64) std::array<double, 3 * kLanes> pivot_floors_{};  // one pack per RowKind
 };

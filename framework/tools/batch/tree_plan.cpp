@@ -18,9 +18,7 @@ TreePlan make_plan(const JointTree& tree) {
       if (!includes(t.rows, row_bit(axis))) n.slides[static_cast<std::size_t>(k++)] = axis;
     plan.nodes.push_back(n);
   }
-  std::vector<int> parents;
-  for (const LaneNode& n : plan.nodes) parents.push_back(n.parent);
-  const std::vector<InwardPlace> places = inward_places(parents, plan.n_waiting);
+  const std::vector<InwardPlace> places = inward_places(plan.nodes, plan.n_waiting);
   for (std::size_t k = 0; k < places.size(); ++k) static_cast<InwardPlace&>(plan.nodes[k]) = places[k];
   return plan;
 }

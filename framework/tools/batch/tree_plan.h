@@ -51,18 +51,19 @@ namespace marked {
 inline constexpr std::size_t u = 0, ud = 3, udd = 6, q = 9, w = 13, a = 16, one = 19;
 inline constexpr std::size_t near = 0, far = one, lock = 2 * one, size = 3 * one;
 }  // namespace marked
-/// Of a slot, world axes: e | A, row after row | w | x | v | r, ca, cal: a = a_p + al_p x r + ca, al = al_p + cal | a | al.
+/// Of a slot, world axes: e | A, row after row | w | x | v | a | al.
 namespace moving {
-inline constexpr std::size_t e = 0, A = 4, w = 13, x = 16, v = 19, r = 22, ca = 25, cal = 28, a = 31, al = 34,
-                             size = 37;
+inline constexpr std::size_t e = 0, A = 4, w = 13, x = 16, v = 19, a = 22, al = 25, size = 28;
 }
-/// Of a velocity: motion (l, n) of the slot per unit | U = IA (l, n) | u | 1 / D.
+// Of what the recursion alone reads, a struct of packs each (dynamics/tree/joint_passes.h).
+namespace travel {
+inline constexpr std::size_t size = 9;  ///< r, c
+}
 namespace dof {
-inline constexpr std::size_t l = 0, n = 3, Uf = 6, Ut = 9, u = 12, D_1 = 13, size = 14;
+inline constexpr std::size_t size = 14;  ///< Coordinate
 }
-/// An articulated inertia, force = M a + H al + f, moment = H' a + I al + t: M, I as J above | H, column after column.
 namespace articulated {
-inline constexpr std::size_t M = 0, I = 6, H = 12, f = 21, t = 24, size = 27;
+inline constexpr std::size_t size = 27;  ///< Inertia
 }
 
 /// The end of a step, of a slot: x | e | v | w, slot axes.
@@ -74,14 +75,15 @@ namespace varied {
 inline constexpr std::size_t x = 0, phi = 3, v = 6, w = 9, size = 12;
 }
 
-/// The arrays of a batch in joint coordinates, in packs of eight.
+/// The arrays of a batch in joint coordinates, in packs of eight; travel, dof and waiting: those of one round after another.
 struct TreeNumbers {
   const double* y = nullptr;        ///< state: q, v, s
   const double* gravity = nullptr;  ///< 3
   const double* wrench = nullptr;   ///< of the forces: 6 per slot; null: there are none
   const double *joint = nullptr, *more = nullptr, *law = nullptr;
   double *half = nullptr, *cosine = nullptr, *sine = nullptr;    ///< of half the angle of each node
-  double *moving = nullptr, *dof = nullptr, *waiting = nullptr;  ///< the ground first | per velocity | inertias
+  double* moving = nullptr;                                      ///< the ground first
+  double *travel = nullptr, *dof = nullptr, *waiting = nullptr;  ///< per node | per velocity | inertias
   double* largest = nullptr;                                     ///< |a|^2, |al|^2 of the slot that has most
   double* varied = nullptr;                                      ///< the ground first
   bool with_positions = false;                                   ///< x and v of the slots are asked for

@@ -1,0 +1,192 @@
+// RecursionIn: the recursion on a tree, one text for all spaces and numbers. A file that is compiled for several
+// instruction sets instantiates it.
+#pragma once
+
+#include <memory>
+#include <utility>
+
+#include "framework/dynamics/tree/inward_places.h"
+#include "framework/dynamics/tree/joint_passes.h"
+#include "framework/dynamics/tree/loop_closures.h"
+#include "framework/dynamics/tree/tree_recursion.h"
+
+namespace lockstep {
+
+/// Slots are the nodes of a tree in a Space (spaces.h), parents before their children:
+///
+///     size(), parent(k), place(k), first_v(k)   the tree; where nodes pass on (InwardPlace)
+///     with_joint(k, f)                          calls f with the passes through the joint (joint_passes.h)
+///     put(k, found)                             leaves an acceleration of the node's point, returns that of the mass centre
+///     found(k)                                  what was left
+///     Largest                                   add(a^2, al^2) keeps the largest of both
+///
+/// From the leaves to the roots, IA = I + sum over children of (IA - U D^-1 U'), and p likewise. add_slot(k, IA): adds the
+/// inertia I of a slot alone, and what acts on it; waiting: one for each of the places, zero before and after.
+template <class Slots, class Rows, class Waiting, class AddSlot>
+LOCKSTEP_INLINE void inward(Slots& slots, Rows& rows, Waiting& waiting, AddSlot&& add_slot) {
+  using Inertia = typename Slots::Space::Inertia;
+  Inertia IA{};
+  bool from_next = false;
+  for (std::size_t k = slots.size(); k-- > 0;) {
+    const InwardPlace& place = slots.place(k);
+    if (!from_next) IA = Inertia{};
+    if (place.own >= 0) {
+      Inertia& here = waiting[static_cast<std::size_t>(place.own)];
+      IA.add(here), here = Inertia{};
+    }
+    add_slot(k, IA);
+    rows.close(k, IA);
+    slots.with_joint(
+        k, [&](const auto& joint) __attribute__((always_inline)) {
+          joint.eliminate(IA, place.to == -1);
+          rows.pass_on(k, joint);
+          if (place.to != -1) joint.shift(IA);
+        });
+    from_next = place.to == InwardPlace::kNext;
+    if (place.to >= 0) waiting[static_cast<std::size_t>(place.to)].add(IA);
+  }
+  rows.close_at_ground();
+}
+
+template <class Largest, class Twist>
+LOCKSTEP_INLINE void see_largest(Largest& most, const Twist& of) {
+  using bodies::dot;
+  most.add(dot(of.a, of.a), dot(of.al, of.al));
+}
+
+/// Adds changes of the accelerations, by node; returns the largest as they are then.
+template <class Slots, class Twist>
+LOCKSTEP_INLINE typename Slots::Largest add_changes(Slots& slots, const Twist* changes) {
+  typename Slots::Largest most;
+  for (std::size_t k = 0; k < slots.size(); ++k) {
+    Twist own = slots.found(k);
+    see_largest(most, slots.put(k, own += changes[k]));
+  }
+  return most;
+}
+
+/// From the roots to the leaves: writes the accelerations of the coordinates, and leaves those of the slots, the largest of
+/// which it returns.
+template <class Slots, class Rows, class Numbers>
+LOCKSTEP_INLINE typename Slots::Largest outward(Slots& slots, Rows& rows, Numbers vd) {
+  typename Slots::Largest most;
+  typename Slots::Space::Twist last{};
+  for (std::size_t k = 0; k < slots.size(); ++k) {
+    const int parent = slots.parent(k);
+    if (parent < 0)
+      last = {};
+    else if (static_cast<std::size_t>(parent) + 1 != k)
+      last = slots.found(static_cast<std::size_t>(parent));
+    slots.with_joint(
+        k, [&](const auto& joint) __attribute__((always_inline)) {
+          last = joint.solve(last, rows.less(k, joint.n_v()), vd + slots.first_v(k));
+        });
+    see_largest(most, slots.put(k, last));
+    rows.find(k, last);
+  }
+  return most;
+}
+
+/// Slots, besides:
+///
+///     Slots(tree, system, has_closures)
+///     outward(y, motions)                       as TreeRecursion has it
+///     add_slot(k, motions, f, IA)               as above; asks ahead for what it will read
+///     n_waiting()                               places
+///     read(k, motions, a), write(k, motions, a) the acceleration of the slot from and to 6 numbers a slot
+///     and what LoopClosures asks
+template <class Slots>
+class RecursionIn final : public TreeRecursion {
+ public:
+  using Space = typename Slots::Space;
+  using Twist = typename Space::Twist;
+
+  RecursionIn(std::shared_ptr<const JointTree> tree, const System& system, ClosureFronts closures)
+      : tree_(std::move(tree)), slots_(*tree_, system, !closures.sources.empty()) {
+    waiting_.resize(slots_.n_waiting());
+    if (closures.sources.empty()) return;
+    closures_.begin(*tree_, system, std::move(closures));
+    correction_.setZero(tree_->n_v());
+  }
+  void outward(const State& y, std::vector<Motion>& motions) override { move(y, motions); }
+  void read(std::span<const Motion> motions, const RowTable& rows) override { read_rows(motions, rows); }
+  void accelerate(std::span<const Motion> motions, const VecX& f, VecX& vd) override {
+    vd.resize(tree_->n_v());
+    closures_.empty() ? pass(motions, f, vd) : pass_closed(motions, f, vd);
+  }
+  void follow() override {
+    largest_ = {};
+    for (std::size_t k = 0; k < slots_.size(); ++k)
+      slots_.with_joint(k,
+                        [&](const auto& joint) { see_largest(largest_, slots_.put(k, joint.carried(of_parent(k)))); });
+  }
+  bool met(bool corrected) override { return measure(corrected); }
+  void correct(VecX& vd) override {
+    find_change(closures_.measured(), correction_);
+    closures_.add_correction();
+    vd += correction_;
+    largest_ = add_changes(slots_, closures_.changes());
+  }
+  void correct(const VecX& r, VecX& dv) override { find_change(r, dv); }
+  void read_off(std::span<const Motion> motions, const VecX& a, VecX& vd) override {
+    vd.resize(tree_->n_v());
+    largest_ = {};
+    for (std::size_t k = 0; k < slots_.size(); ++k) {
+      const Twist own = slots_.read(k, motions, a);
+      see_largest(largest_, slots_.put(k, own));
+      slots_.with_joint(k, [&](const auto& joint) {
+        Twist beyond = own;
+        beyond -= joint.carried(of_parent(k));
+        joint.read_off(tree_->nodes()[k].n_slides, beyond, vd.data() + slots_.first_v(k));
+      });
+    }
+  }
+  void accelerations(std::span<const Motion> motions, VecX& a) const override {
+    a.resize(6 * tree_->n_slots());
+    for (std::size_t k = 0; k < slots_.size(); ++k) slots_.write(k, motions, a);
+  }
+  ClosureRows& closures() override { return closures_; }
+  Largest largest() const override { return largest_; }
+
+ private:
+  Twist of_parent(std::size_t k) {
+    const int parent = slots_.parent(k);
+    return parent < 0 ? Twist{} : slots_.found(static_cast<std::size_t>(parent));
+  }
+  // What is compiled for several instruction sets, which a virtual function cannot be.
+  LOCKSTEP_FLAT_CLONES void move(const State& y, std::vector<Motion>& motions) { slots_.outward(y, motions); }
+  LOCKSTEP_FLAT_CLONES void read_rows(std::span<const Motion> motions, const RowTable& rows) {
+    closures_.read(slots_, motions, rows);
+  }
+  LOCKSTEP_FLAT_CLONES void pass(std::span<const Motion> motions, const VecX& f, VecX& vd) {
+    NoRows none;
+    pass_with(motions, f, none, vd);
+  }
+  LOCKSTEP_FLAT_CLONES void pass_closed(std::span<const Motion> motions, const VecX& f, VecX& vd) {
+    OpenRows<Space> rows = closures_.rows();
+    pass_with(motions, f, rows, vd);
+    closures_.closed(rows);
+  }
+  template <class Rows>
+  LOCKSTEP_INLINE void pass_with(std::span<const Motion> motions, const VecX& f, Rows& rows, VecX& vd) {
+    lockstep::inward(
+        slots_, rows, waiting_, [&](std::size_t k, typename Space::Inertia & IA) __attribute__((always_inline)) {
+          slots_.add_slot(k, motions, f, IA);
+        });
+    largest_ = lockstep::outward(slots_, rows, vd.data());
+  }
+  LOCKSTEP_FLAT_CLONES bool measure(bool corrected) { return closures_.met(slots_, corrected); }
+  LOCKSTEP_FLAT_CLONES void find_change(const VecX& r, VecX& dv) {
+    dv.resize(tree_->n_v());
+    closures_.rows().correct(slots_, r.data(), dv.data());
+  }
+
+  std::shared_ptr<const JointTree> tree_;
+  Slots slots_;
+  std::vector<typename Space::Inertia> waiting_;
+  LoopClosures<Space> closures_;
+  VecX correction_;
+  Largest largest_;
+};
+
+}  // namespace lockstep

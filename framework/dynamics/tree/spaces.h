@@ -1,0 +1,226 @@
+// InSpace and InPlane: what the recursion asks of a space. Forces, accelerations and inertias, of numbers or of packs of
+// them. For files that are compiled for several instruction sets.
+#pragma once
+
+#include <cmath>
+#include <type_traits>
+
+#include <lockstep/vec.h>
+#include "framework/dynamics/tree/column_algebra.h"
+#include "framework/dynamics/tree/planar_joints.h"
+
+namespace lockstep::bodies {
+
+/// A struct of columns needs kColumn (column_algebra.h).
+template <class L>
+inline constexpr std::size_t kAlign = alignof(L);
+template <>
+inline constexpr std::size_t kAlign<Column> = kColumn;
+
+/// A force and its moment, about a point. L: a vector; A: an axial one.
+template <class L, class A = L>
+struct alignas(kAlign<L>) Wrench {
+  L f{};
+  A t{};
+};
+/// An acceleration of a point, or its velocity, and an angular one.
+template <class L, class A = L>
+struct alignas(kAlign<L>) Twist {
+  L a{};
+  A al{};
+};
+
+template <class T>
+LOCKSTEP_INLINE T magnitude(const T& x) {
+  return x < 0.0 ? -x : x;
+}
+template <class T>
+LOCKSTEP_INLINE T square_root(const T& x) {
+  T r{};
+  if constexpr (std::is_same_v<T, double>)
+    r = std::sqrt(x);
+  else
+    for (std::size_t l = 0; l < sizeof(T) / sizeof(double); ++l) r[l] = std::sqrt(x[l]);
+  return r;
+}
+
+using lockstep::cross;
+using lockstep::dot;
+// In the plane an axial vector is a number, along the normal.
+LOCKSTEP_INLINE double dot(double a, double b) { return a * b; }
+LOCKSTEP_INLINE double cross(const Flat& a, const Flat& b) { return a.i * b.j - a.j * b.i; }
+LOCKSTEP_INLINE Flat cross(double a, const Flat& b) { return a * across(b); }
+LOCKSTEP_INLINE Column cross(const Column& a, const Column& b) { return Skew(a) * b; }
+
+template <class L, class A>
+LOCKSTEP_INLINE Wrench<L, A>& operator+=(Wrench<L, A>& a, const Wrench<L, A>& b) {
+  a.f = a.f + b.f, a.t = a.t + b.t;
+  return a;
+}
+template <class L, class A>
+LOCKSTEP_INLINE Wrench<L, A>& operator-=(Wrench<L, A>& a, const Wrench<L, A>& b) {
+  a.f = a.f - b.f, a.t = a.t - b.t;
+  return a;
+}
+template <class N, class L, class A>
+LOCKSTEP_INLINE Wrench<L, A> operator*(const N& x, const Wrench<L, A>& a) {
+  return {x * a.f, x * a.t};
+}
+template <class L, class A>
+LOCKSTEP_INLINE Twist<L, A>& operator+=(Twist<L, A>& a, const Twist<L, A>& b) {
+  a.a = a.a + b.a, a.al = a.al + b.al;
+  return a;
+}
+template <class L, class A>
+LOCKSTEP_INLINE Twist<L, A>& operator-=(Twist<L, A>& a, const Twist<L, A>& b) {
+  a.a = a.a - b.a, a.al = a.al - b.al;
+  return a;
+}
+template <class N, class L, class A>
+LOCKSTEP_INLINE Twist<L, A> operator*(const N& x, const Twist<L, A>& a) {
+  return {x * a.a, x * a.al};
+}
+template <class L, class A>
+LOCKSTEP_INLINE auto dot(const Wrench<L, A>& a, const Twist<L, A>& b) {
+  return dot(a.f, b.a) + dot(a.t, b.al);
+}
+/// Of the point at r from this one in a rigid body, beyond what its velocity makes: a + al x r.
+template <class L, class A>
+LOCKSTEP_INLINE Twist<L, A> at(const L& r, const Twist<L, A>& s) {
+  return {s.a + cross(s.al, r), s.al};
+}
+/// About the point from which this one is at r: t + r x f.
+template <class L, class A>
+LOCKSTEP_INLINE Wrench<L, A> about(const L& r, const Wrench<L, A>& K) {
+  return {K.f, K.t + cross(r, K.f)};
+}
+
+/// A symmetric matrix.
+template <class T>
+struct Symmetric {
+  T xx, xy, xz, yy, yz, zz;
+
+  LOCKSTEP_INLINE friend vec::Vector<T> operator*(const Symmetric& S, const vec::Vector<T>& a) {
+    return {S.xx * a.x + S.xy * a.y + S.xz * a.z, S.xy * a.x + S.yy * a.y + S.yz * a.z,
+            S.xz * a.x + S.yz * a.y + S.zz * a.z};
+  }
+  LOCKSTEP_INLINE friend Symmetric operator+(const Symmetric& a, const Symmetric& b) {
+    return {a.xx + b.xx, a.xy + b.xy, a.xz + b.xz, a.yy + b.yy, a.yz + b.yz, a.zz + b.zz};
+  }
+  /// S <- S - x y', which is symmetric.
+  LOCKSTEP_INLINE void subtract(const vec::Vector<T>& x, const vec::Vector<T>& y) {
+    xx -= x.x * y.x, xy -= x.x * y.y, xz -= x.x * y.z, yy -= x.y * y.y, yz -= x.y * y.z, zz -= x.z * y.z;
+  }
+  /// A J A'
+  LOCKSTEP_INLINE static Symmetric turned(const vec::Matrix<vec::Vector<T>>& A, const Symmetric& J) {
+    const vec::Vector<T> a = J * A.r0, b = J * A.r1, c = J * A.r2;
+    return {dot(A.r0, a), dot(A.r0, b), dot(A.r0, c), dot(A.r1, b), dot(A.r1, c), dot(A.r2, c)};
+  }
+};
+
+/// Three dimensions. An inertia: force = M a + H al + p.f, moment = H' a + I al + p.t; H by its columns.
+template <class T>
+struct InSpace {
+  using Number = T;
+  using Linear = vec::Vector<T>;
+  using Wrench = bodies::Wrench<Linear>;
+  using Twist = bodies::Twist<Linear>;
+  LOCKSTEP_INLINE static const Linear& from(const Linear& a) { return a; }
+
+  struct Inertia {
+    Symmetric<T> M{}, I{};
+    Linear h0, h1, h2;
+    Wrench p;
+
+    LOCKSTEP_INLINE Wrench operator*(const Twist& s) const {
+      return {M * s.a + s.al.x * h0 + s.al.y * h1 + s.al.z * h2,
+              Linear{dot(h0, s.a), dot(h1, s.a), dot(h2, s.a)} + I * s.al};
+    }
+    LOCKSTEP_INLINE void add(const Inertia& b) {
+      M = M + b.M, I = I + b.I, p += b.p;
+      h0 = h0 + b.h0, h1 = h1 + b.h1, h2 = h2 + b.h2;
+    }
+    /// Less V U', which is symmetric.
+    LOCKSTEP_INLINE void subtract(const Wrench& V, const Wrench& U) {
+      M.subtract(V.f, U.f), I.subtract(V.t, U.t);
+      h0 = h0 - U.t.x * V.f, h1 = h1 - U.t.y * V.f, h2 = h2 - U.t.z * V.f;
+    }
+    /// About the point r before: X' IA X and X' p with X = [1 -r~; 0 1].
+    LOCKSTEP_INLINE void move(const Linear& r) {
+      const Linear k0 = cross(r, h0), k1 = cross(r, h1), k2 = cross(r, h2);
+      // H <- H - M r~
+      const Linear m0{M.xx, M.xy, M.xz}, m1{M.xy, M.yy, M.yz}, m2{M.xz, M.yz, M.zz};
+      h0 = h0 - (r.z * m1 - r.y * m2), h1 = h1 - (r.x * m2 - r.z * m0), h2 = h2 - (r.y * m0 - r.x * m1);
+      // I <- I - H' r~ + r~ H of before and after
+      const Linear n0 = cross(r, h0), n1 = cross(r, h1), n2 = cross(r, h2);
+      I.xx += k0.x + n0.x, I.xy += k0.y + n1.x, I.xz += k0.z + n2.x;
+      I.yy += k1.y + n1.y, I.yz += k1.z + n2.y, I.zz += k2.z + n2.z;
+      p = about(r, p);
+    }
+  };
+};
+
+/// The same in columns of four, which one instruction adds. H' has its own columns.
+template <>
+struct InSpace<double> {
+  using Number = double;
+  using Linear = Column;
+  using Wrench = bodies::Wrench<Column>;
+  using Twist = bodies::Twist<Column>;
+  LOCKSTEP_INLINE static Column from(const Vec3& a) { return column(a); }
+
+  struct alignas(kColumn) Inertia {
+    Columns M{}, H{}, H_t{}, I{};
+    Wrench p;
+
+    LOCKSTEP_INLINE Wrench operator*(const Twist& s) const { return {M * s.a + H * s.al, H_t * s.a + I * s.al}; }
+    LOCKSTEP_INLINE void add(const Inertia& b) {
+      for (int k = 0; k < 3; ++k) M.c[k] += b.M.c[k], H.c[k] += b.H.c[k], H_t.c[k] += b.H_t.c[k], I.c[k] += b.I.c[k];
+      p += b.p;
+    }
+    LOCKSTEP_INLINE void subtract(const Wrench& V, const Wrench& U) {
+      subtract_dyad(M, V.f, U.f), subtract_dyad(H, V.f, U.t);
+      subtract_dyad(H_t, V.t, U.f), subtract_dyad(I, V.t, U.t);
+    }
+    LOCKSTEP_INLINE void move(const Column& by) {
+      const Skew r(by);
+      subtract_product(I, H_t, r);
+      subtract_product(H, M, r);
+      add_product(I, r, H);
+      add_product(H_t, r, M);
+      p.t += r * p.f;
+    }
+  };
+};
+
+/// Two dimensions: force = M a + h al + p.f, moment = h' a + I al + p.t.
+struct InPlane {
+  using Number = double;
+  using Linear = Flat;
+  using Wrench = bodies::Wrench<Flat, double>;
+  using Twist = bodies::Twist<Flat, double>;
+
+  struct Inertia {
+    double Mii = 0, Mij = 0, Mjj = 0, I = 0;
+    Flat h;
+    Wrench p;
+
+    LOCKSTEP_INLINE Flat M(const Flat& a) const { return {Mii * a.i + Mij * a.j, Mij * a.i + Mjj * a.j}; }
+    LOCKSTEP_INLINE Wrench operator*(const Twist& s) const { return {M(s.a) + s.al * h, dot(h, s.a) + I * s.al}; }
+    LOCKSTEP_INLINE void add(const Inertia& b) {
+      Mii += b.Mii, Mij += b.Mij, Mjj += b.Mjj, I += b.I, h += b.h, p += b.p;
+    }
+    LOCKSTEP_INLINE void subtract(const Wrench& V, const Wrench& U) {
+      Mii -= V.f.i * U.f.i, Mij -= V.f.i * U.f.j, Mjj -= V.f.j * U.f.j;
+      h -= U.t * V.f, I -= V.t * U.t;
+    }
+    LOCKSTEP_INLINE void move(const Flat& r) {
+      const Flat s = across(r), Ms = M(s);
+      I += dot(s, Ms) + 2.0 * dot(s, h);
+      h += Ms;
+      p = about(r, p);
+    }
+  };
+};
+
+}  // namespace lockstep::bodies
