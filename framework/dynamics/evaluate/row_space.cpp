@@ -16,7 +16,7 @@ namespace lockstep {
 
 namespace {
 
-using Sparse = Eigen::SparseMatrix<double>;
+using Sparse = SparseMat;
 
 VecX lengths_of_rows(const Sparse& Jt) {
   VecX lengths(Jt.cols());
@@ -111,7 +111,7 @@ void find_sparsely(const Sparse& Jt, Dependencies& out) {
       1e-12;  // the square of a singular value, between round-off and a loop of some thousand rows
   constexpr int kVectors = 8;
   const VecX lengths = lengths_of_rows(Jt);
-  const Sparse J = Jt * lengths.cwiseInverse().asDiagonal();
+  const Sparse J = scaled(VecX::Ones(Jt.rows()), Jt, lengths.cwiseInverse());
   Sparse one(J.cols(), J.cols());
   one.setIdentity();
   const Eigen::SimplicialLDLT<Sparse> ldlt(Sparse(Sparse(J.transpose()) * J) - kTheta * one);

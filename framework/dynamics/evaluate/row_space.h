@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <Eigen/QR>
-#include <Eigen/SparseCore>
+#include "framework/foundation/math/sparse.h"
 
 #include <lockstep/body.h>
 #include <lockstep/export.h>
@@ -39,7 +39,7 @@ struct DependentRows {
 class LOCKSTEP_API RowSpace {
  public:
   /// Jt: rows transposed, of any length. Throws NonFiniteError.
-  explicit RowSpace(const Eigen::SparseMatrix<double>& Jt);
+  explicit RowSpace(const SparseMat& Jt);
 
   int rank(double limit = kDependent) const;  ///< pivots up to `limit` are zero
   int nearly() const { return rank() - rank(kNearlyDependent); }
@@ -69,7 +69,7 @@ class LOCKSTEP_API RowSpace {
 /// The dependencies of the rows of a loop, of any number. Beyond kDenseRows singular values below 1e-6 are zero, all
 /// dependent rows are one set, and of their circuits there are some combinations at random.
 struct LOCKSTEP_API Dependencies {
-  explicit Dependencies(const Eigen::SparseMatrix<double>& Jt, double limit = kDependent);
+  explicit Dependencies(const SparseMat& Jt, double limit = kDependent);
   int rank = 0;
   std::vector<DependentRows> sets;
   MatX circuits;         ///< as RowSpace::circuits()

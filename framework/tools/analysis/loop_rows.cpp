@@ -45,7 +45,7 @@ std::vector<int> slots_on(const RowTable& table, const std::vector<int>& entries
 }  // namespace
 
 LoopRows::LoopRows(const System& system, const RowTable& table, const std::vector<int>& entries)
-    : at(system, slots_on(table, entries)), Jt(at.lengths().cwiseInverse().asDiagonal() * at.rows(table, entries)) {
+    : at(system, slots_on(table, entries)), Jt(at.rows_in_lengths(table, entries)) {
   for (const int k : entries) {
     const RowEntry& e = table.entries[static_cast<std::size_t>(k)];
     numbers.resize(numbers.size() + static_cast<std::size_t>(e.m));

@@ -61,7 +61,7 @@ std::optional<MatX> stopping_form(const Evaluation& e, const Unknowns& at, const
     named(link, e.inputs().t, [&] { add_tangent(link, e.inputs(), own, sum); });
   }
   const VecX turned = at.lengths().cwiseInverse();
-  const SparseMat K = turned.asDiagonal() * tangent_of(sum, false, at) * turned.asDiagonal();
+  const SparseMat K = scaled(turned, tangent_of(sum, false, at), turned);
   for (Eigen::Index i = 0; i < K.cols(); ++i)
     for (SparseMat::InnerIterator it(K, i); it; ++it) size = std::max(size, std::abs(it.value()));
   const MatX G = N.transpose() * (K * N);
@@ -93,7 +93,7 @@ void write_rows(const System& system, const RowTable& table, const Unknowns& at,
       out.kinds.push_back(e.kind[static_cast<std::size_t>(k)]);
     }
   }
-  out.J = at.rows(table, entries_of(table)).transpose();
+  out.J = at.rows(table, up_to(table.entries.size())).transpose();
 }
 
 constexpr double kMostLever = 10;  // of the largest load

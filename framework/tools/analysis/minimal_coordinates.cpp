@@ -19,7 +19,7 @@ VecX lengths_of(const MechanismMatrices& m) {
 MinimalCoordinates minimal_coordinates(Dynamics& dynamics, const State& state, const MechanismMatrices& m) {
   const Unknowns at(dynamics.system());
   const VecX turned = at.lengths().cwiseInverse();
-  const RowSpace rows(turned.asDiagonal() * SparseMat(m.J.transpose()));
+  const RowSpace rows(scaled(turned, m.J.transpose()));
   const MatX N = rows.free(), stresses = rows.circuits();
   const Evaluation& e = dynamics.gather_rows(state);
   for (const auto& stress : stresses.colwise()) {

@@ -19,7 +19,7 @@ namespace lockstep {
 
 RestMatrices::RestMatrices(const Evaluation& e, const VecX& lambda) : at(e.system()), N(free_motions(e)) {
   const VecX turned = at.lengths().cwiseInverse();
-  const auto in_lengths = [&](const SparseMat& A) { return SparseMat(turned.asDiagonal() * A * turned.asDiagonal()); };
+  const auto in_lengths = [&](const SparseMat& A) { return scaled(turned, A, turned); };
   NewtonMatrix newton;
   newton.gather(e, lambda);
   M = in_lengths(mass_of(e.system(), at)), K = in_lengths(tangent_of(newton.tangents(), false, at));

@@ -4,6 +4,7 @@
 
 #include <lockstep/error.h>
 #include "framework/foundation/math/limits.h"
+#include "framework/foundation/math/sparse.h"
 #include "framework/tools/analysis/minimal_coordinates.h"
 
 namespace lockstep {
@@ -18,8 +19,8 @@ constexpr double kProximal = 1e-10;
 SaddleFactor::SaddleFactor(const MechanismMatrices& m, const SparseMat& A, bool redundant)
     : scale_(lengths_of(m).cwiseInverse()) {
   const Eigen::Index n = A.rows(), rows = m.J.rows();
-  const SparseMat scaled = scale_.asDiagonal() * A * scale_.asDiagonal();
-  const SparseMat Jt = scale_.asDiagonal() * SparseMat(m.J.transpose());
+  const SparseMat scaled = lockstep::scaled(scale_, A, scale_);
+  const SparseMat Jt = lockstep::scaled(scale_, m.J.transpose());
   double size = n > 0 ? VecX(scaled.diagonal()).cwiseAbs().maxCoeff() : 0;
   if (size == 0) size = 1;
 

@@ -96,7 +96,7 @@ VecX response(Dynamics& dynamics, const State& state, const LinearMotion& m, con
   e.react(m.lambda, f);
   e.residuals(C, Cd);
   VecX out(rows.n_rows + unknowns.n());
-  out << C, unknowns.rows(rows, entries_of(rows)) * m.lambda - unknowns.of_slots(f);
+  out << C, unknowns.rows(rows, up_to(rows.entries.size())) * m.lambda - unknowns.of_slots(f);
   input.clear();
   return out;
 }

@@ -7,17 +7,11 @@
 
 namespace lockstep {
 
-namespace {
-
 std::vector<int> up_to(std::size_t n) {
   std::vector<int> all(n);
   std::iota(all.begin(), all.end(), 0);
   return all;
 }
-
-}  // namespace
-
-std::vector<int> entries_of(const RowTable& table) { return up_to(table.entries.size()); }
 
 Unknowns::Unknowns(const System& system) : Unknowns(system, up_to(static_cast<std::size_t>(system.n_slots()))) {}
 
@@ -73,8 +67,8 @@ SparseMat Unknowns::rows(const RowTable& table, const std::vector<int>& entries)
   return out;
 }
 
-SparseMat Unknowns::rows_in_lengths(const RowTable& table) const {
-  return lengths_.cwiseInverse().asDiagonal() * rows(table, entries_of(table));
+SparseMat Unknowns::rows_in_lengths(const RowTable& table, const std::vector<int>& entries) const {
+  return scaled(lengths_.cwiseInverse(), rows(table, entries));
 }
 
 SparseMat Unknowns::square(const Triplets& entries) const {

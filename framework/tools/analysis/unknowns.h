@@ -4,18 +4,19 @@
 #include <unordered_map>
 #include <vector>
 
-#include <Eigen/SparseCore>
-
 #include <lockstep/dynamics.h>
 #include <lockstep/export.h>
+#include "framework/foundation/math/sparse.h"
 
 namespace lockstep {
 
 /// Mechanisms of more unknowns are not taken as dense matrices, whose factors take some seconds there.
 inline constexpr int kDenseUnknowns = 1200;
 
-using SparseMat = Eigen::SparseMatrix<double>;
 using Triplets = std::vector<Eigen::Triplet<double>>;
+
+/// 0 to n - 1: all entries of a table, all slots.
+std::vector<int> up_to(std::size_t n);
 
 /// The unknown velocities of some slots: six of a body, three of a particle; in a plane three and two.
 class LOCKSTEP_API Unknowns {
@@ -48,8 +49,9 @@ class LOCKSTEP_API Unknowns {
   void add(int slot, const Mat3& moves, const Mat3& turns, Triplets& to) const;
   /// Jacobian, transposed, of entries of a table: a row is a column, entry after entry.
   SparseMat rows(const RowTable&, const std::vector<int>& entries) const;
-  /// The same of all entries, with turns as lengths.
-  SparseMat rows_in_lengths(const RowTable&) const;
+  /// The same with turns as lengths; and of all entries.
+  SparseMat rows_in_lengths(const RowTable&, const std::vector<int>& entries) const;
+  SparseMat rows_in_lengths(const RowTable& t) const { return rows_in_lengths(t, up_to(t.entries.size())); }
   /// A matrix of pairs of unknowns.
   SparseMat square(const Triplets&) const;
 
@@ -59,9 +61,6 @@ class LOCKSTEP_API Unknowns {
   std::unordered_map<int, int> column_;  // by place
   VecX lengths_;
 };
-
-/// All entries of a table.
-std::vector<int> entries_of(const RowTable&);
 
 /// Basis of the motions that the rows leave free, orthonormal with turns as lengths: one column each (RowSpace::free).
 LOCKSTEP_API MatX free_motions(const Evaluation&);
