@@ -223,7 +223,8 @@ std::vector<std::string> proposals(const Loaded& loaded, const Mechanism& m, boo
         all.push_back(*std::move(words));
         break;
       }
-  if (loaded.scene.root.find("merge") != nullptr) return all;
+  const bool has_welds = std::ranges::any_of(m.system.links(), [](const auto& link) { return link->is_weld(); });
+  if (loaded.scene.root.find("merge") != nullptr || !has_welds) return all;
   Scene scene = loaded.scene;
   scene.root.object()->push_back({"merge", Value("auto"), scene.root.where});
   try {
