@@ -267,6 +267,8 @@ TEST_CASE("explain: a link with its rows, its law, and why it is redundant", "[v
   DrivenMotion motion(d.dynamics, d.start);
   motion.to(t);
   const LinkAccount a = account_of(d.dynamics, motion.state(), d.m.system.link("A"));
+  CHECK(a.on_p == "crank");
+  CHECK(a.on_s == "ground");
   CHECK(a.in_force);
   CHECK(a.rows.size() == 6);
   REQUIRE(a.laws.size() == 1);

@@ -122,6 +122,9 @@ TEST_CASE("modes: what is no equilibrium is refused by name, or frozen when aske
   CHECK(says(words, {"neither an equilibrium"}));
   const Modes frozen = modes_of(sys, {.motion = {.frozen = true}});
   CHECK_FALSE(frozen.unrest.is_still());
+  const double load = 9.81 + 9.81 * (1 - 0.5 / 0.7);  // the weight, and what the pivot carries of it, over the mass
+  CHECK(frozen.unrest.acceleration_limit == Approx(1e-6 * load).epsilon(1e-12));
+  CHECK(frozen.unrest.speed_limit == Approx(1e-6 * std::sqrt(0.5 * load)).epsilon(1e-12));
   REQUIRE_FALSE(frozen.notes.empty());
   CHECK(says(frozen.notes.front(), {"frozen"}));
 

@@ -13,6 +13,7 @@
 #include <lockstep/step_loop.h>
 #include "framework/description/scene/system_of.h"
 #include "tests/support/catch.h"
+#include "tests/support/doors.h"
 #include "tests/support/driven_parallelogram.h"
 #include "tests/support/paths.h"
 
@@ -179,6 +180,14 @@ TEST_CASE("redundant rows are told from those that fade beside a flat position o
   crank2.start.v = {0, -0.6, 0}, coupler.start.v = {-0.4 * s, 0.4 * c, 0};
   Dynamics dynamics(sys, std::make_unique<SchurSolver>(), {Formulation::omega, {}});
   CHECK(dynamics.redundancy(sys.start()).rows == 3);
+}
+
+// The first hinge leaves its own turn free; the row y of the second, of length 1, has this share of it.
+TEST_CASE("rows that nearly depend and hold say how nearly", "[verification]") {
+  const auto two = doors::door({}, true);
+  two->begin(NearlyRedundant::held, "schur");
+  const double l = two->system.length(), row = std::hypot(1, 0.8 / l, 0.45 / l), turn = std::hypot(0.45, l);
+  CHECK(two->system.held_down_to() == Approx(doors::kApart / (row * turn)).epsilon(doors::kApart));
 }
 
 }  // namespace redundancy_test

@@ -1,15 +1,17 @@
-// Accelerations and reactions in singular positions and close to them.
+// Accelerations, reactions and branches in singular positions and close to them.
 #include <cmath>
 #include <string>
 #include <vector>
 
 #include <lockstep/assembly.h>
 #include <lockstep/error.h>
+#include <lockstep/joints.h>
 #include <lockstep/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/simulation.h>
 #include <lockstep/solvers.h>
 #include "framework/description/scene/system_of.h"
+#include "framework/tools/analysis/branch_point.h"
 #include "tests/support/catch.h"
 #include "tests/support/driven_parallelogram.h"
 #include "tests/support/open_defect.h"
@@ -170,6 +172,29 @@ TEST_CASE("a multiplier without a value leaves the forces across its direction",
   CHECK(std::isnan(table["A.force_on_p_world_x"][1]));
   const std::vector<double>& across = table["A.force_on_p_world_y"];
   CHECK(across[1] == Approx(0.5 * (across[0] + across[2])).epsilon(1e-3));
+}
+
+// To first order each hinge between moves across, and all that do lengthen the chain.
+TEST_CASE("a stretched chain goes nowhere, which is told of three motions and not of more", "[verification]") {
+  const int n = GENERATE(2, 4, 5);
+  System system;
+  Body* before = &system.ground();
+  for (int k = 0; k < n; ++k) {
+    const std::string number = std::to_string(k);
+    Body& rod = system.add_body("rod " + number, shapes::rod(1, Vec3(k, 0, 0), Vec3(k + 1, 0, 0)));
+    system.add<Revolute>("hinge " + number, rod, *before, pose_at(Vec3(k, 0, 0)));
+    before = &rod;
+  }
+  system.add<Revolute>("end", *before, system.ground(), pose_at(Vec3(n, 0, 0)));
+  Dynamics dynamics(system, std::make_unique<SchurSolver>(), {Formulation::omega, {}});
+  dynamics.set_up();
+  const BranchPoint at = branch_point(dynamics, system.start());
+  CAPTURE(n);
+  CHECK(at.singular);
+  CHECK(at.motions == n - 1);
+  CHECK(at.tangents.empty());
+  CHECK(at.all == (n <= 4));
+  CHECK(at.locked == (n == 2));
 }
 
 }  // namespace singular_pose_test
