@@ -177,19 +177,20 @@ TEST_CASE("a multiplier without a value leaves the forces across its direction",
 // To first order each hinge between moves across, and all that do lengthen the chain.
 TEST_CASE("a stretched chain goes nowhere, which is told of three motions and not of more", "[verification]") {
   const int n = GENERATE(2, 4, 5);
+  const double l = GENERATE(1.0, 1e-3, 1e4);
   System system;
   Body* before = &system.ground();
   for (int k = 0; k < n; ++k) {
     const std::string number = std::to_string(k);
-    Body& rod = system.add_body("rod " + number, shapes::rod(1, Vec3(k, 0, 0), Vec3(k + 1, 0, 0)));
-    system.add<Revolute>("hinge " + number, rod, *before, pose_at(Vec3(k, 0, 0)));
+    Body& rod = system.add_body("rod " + number, shapes::rod(1, Vec3(k * l, 0, 0), Vec3((k + 1) * l, 0, 0)));
+    system.add<Revolute>("hinge " + number, rod, *before, pose_at(Vec3(k * l, 0, 0)));
     before = &rod;
   }
-  system.add<Revolute>("end", *before, system.ground(), pose_at(Vec3(n, 0, 0)));
+  system.add<Revolute>("end", *before, system.ground(), pose_at(Vec3(n * l, 0, 0)));
   Dynamics dynamics(system, std::make_unique<SchurSolver>(), {Formulation::omega, {}});
   dynamics.set_up();
   const BranchPoint at = branch_point(dynamics, system.start());
-  CAPTURE(n);
+  CAPTURE(n, l);
   CHECK(at.singular);
   CHECK(at.motions == n - 1);
   CHECK(at.tangents.empty());

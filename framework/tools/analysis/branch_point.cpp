@@ -120,7 +120,7 @@ BranchPoint looked_at(Dynamics& dynamics, const State& given) {
     motion /= motion_size(system, motion);
     out.tangents.push_back(std::move(motion));
   }
-  const double size = motion_size(system, rows.at.motion_of(N.rowwise().sum())) / system.length();
+  const double size = motion_size(system, rows.at.motion_of(N.rowwise().sum()));
   out.locked = out.motions == 1 && lines.empty() && strongest > kIn * size * size;
   return out;
 }
