@@ -179,7 +179,8 @@ TEST_CASE("Vectors of another size are refused, not written past", "[unit][dynam
   refused([&] { factor.solve(e, none, five, a, lambda); });
   refused([&] { factor.solve(e, six, none, a, lambda); });
   NewtonMatrix newton;
-  refused([&] { newton.gather(e, none); });
+  testing::check_words(testing::message_of<ModelError>([&] { newton.gather(e, none); }),
+                       {"lambda has 0 numbers where 5 are needed", "6 per slot"});
   newton.gather(e, five);
   newton.factor(1, 0, 0);
   refused([&] { newton.add_M_times(six, none); });

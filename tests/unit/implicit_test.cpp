@@ -193,6 +193,39 @@ TEST_CASE("NewtonMatrix without mass is statics: pivots are looked for elsewhere
   CHECK(l[0] == Approx(F).epsilon(1e-12));
 }
 
+TEST_CASE("NewtonMatrix names a row that contradicts another", "[unit][dynamics]") {
+  System sys;
+  Body& bob = sys.add_body("bob", {2, Vec3::Zero(), Vec3(0.2, 0.25, 0.3).asDiagonal()}, {Vec3(0, -0.7, 0), {}});
+  for (const char* name : {"hinge", "twin"}) sys.add<Revolute>(name, bob, sys.ground(), pose_at(Vec3::Zero()));
+  Dynamics dynamics(sys, std::make_unique<DenseSolver>());
+  NewtonMatrix N;
+  N.gather(dynamics.gather(sys.start()), VecX::Zero(10));
+  N.factor(1.0, 0.0, 0.0);
+  VecX r = VecX::Zero(10), x, l;
+  r[2] = 1, r[7] = 2;  // both rows along the axis get 1.5
+  const SolveReport report = N.solve(VecX::Zero(6), r, x, l);
+  CHECK(report.contradictory);
+  CHECK(report.worst_row == 2);
+}
+
+TEST_CASE("NewtonMatrix follows a switch from a link to another of as many rows", "[unit][dynamics]") {
+  Loop loop;
+  const auto without = [&](std::size_t link, NewtonMatrix& N) {
+    State state = loop.state;
+    state.modes[link] = false;
+    const Evaluation& e = loop.dynamics->gather(state);
+    const VecX r = VecX::Ones(e.rows().n_rows);
+    VecX x, l;
+    N.gather(e, r);
+    N.factor(1.0, 0.1, 0.01);
+    N.solve(VecX::Ones(e.force().size()), r, x, l);
+    return x;
+  };
+  NewtonMatrix N, other;
+  without(3, N);
+  CHECK(without(2, N) == without(2, other));
+}
+
 TEST_CASE("NewtonMatrix in a plane solves what it solves in space", "[unit][dynamics]") {
   // a particle and two rods in the xz plane, a spring between them; the normal is y
   VecX x[2], l[2];

@@ -99,6 +99,20 @@ TEST_CASE("a checkpoint with an event of another name is refused by both names",
               {"saved with the event 'late'", "it has 'early' now", "in the same order"});
 }
 
+TEST_CASE("a saved state with flags of another number of links is refused", "[unit][refusals]") {
+  Swing swing("dop853");
+  Dynamics dynamics(swing.system, std::make_unique<SchurSolver>());
+  for (std::vector<bool> State::*flags : {&State::modes, &State::watched}) {
+    State state = swing.system.start();
+    (state.*flags).push_back(false);
+    Snapshot saved;
+    dynamics.save_state(state, saved);
+    SnapshotReader in(saved);
+    check_words(message_of<ModelError>([&] { dynamics.load_state(state, in); }),
+                {"the saved state does not fit the system"});
+  }
+}
+
 TEST_CASE("a run whose system was changed since its last step is not saved", "[unit][refusals]") {
   Swing swing("dop853");
   swing.run.run_until(0.05);

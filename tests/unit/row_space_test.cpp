@@ -24,4 +24,13 @@ TEST_CASE("rows leave of one unknown all or nothing", "[unit][dynamics]") {
   CHECK(of_zeros.free_part(u)[0] == 3.0);
 }
 
+// Two of the rows differ by 1e-4 rad.
+TEST_CASE("of more rows than are factored densely those that nearly depend on others are found", "[unit][dynamics]") {
+  Eigen::SparseMatrix<double> Jt(kDenseRows + 1, kDenseRows + 1);
+  Jt.setIdentity();
+  Jt.coeffRef(0, kDenseRows) = 1, Jt.coeffRef(kDenseRows, kDenseRows) = 1e-4;
+  CHECK(Dependencies(Jt).rank == kDenseRows + 1);
+  CHECK(Dependencies(Jt, kNearlyDependent).rank == kDenseRows);
+}
+
 }  // namespace row_space_test
