@@ -85,7 +85,7 @@ LOCKSTEP_INLINE OwnMotion<V3, Q4> own_motion(const Joint& j, const Carrying<V3, 
     if constexpr (kVaries) component(o.d_slide.u, axis) = dq[i], component(o.d_slide.ud, axis) = dv[i];
   }
   if (j.turn() == TreeTurn::hinge) {
-    const V3 axis = j.hinge();
+    const auto& axis = j.hinge();
     o.turn.q = quaternion(c, V3(s * axis)), o.turn.w = v[n] * axis;
     if constexpr (kVaries) o.d_turn.turn = dq[n] * axis, o.d_turn.w = dv[n] * axis;
   } else if (j.turn() == TreeTurn::ball) {
