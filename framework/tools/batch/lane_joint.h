@@ -23,7 +23,8 @@ LOCKSTEP_LANE Coordinate* coordinates(const TreeNumbers& z, std::size_t v) {
 }
 LOCKSTEP_LANE Travel& travel_of(const TreeNumbers& z, std::size_t k) { return reinterpret_cast<Travel*>(z.travel)[k]; }
 
-/// The joint of a node; its numbers are loaded where they are asked for.
+/// The joint of a node; its numbers are loaded where they are asked for. kHinge: it is_hinge().
+template <bool kHinge>
 struct LaneJoint {
   using V3 = LOCKSTEP_SET::V3;
   using M3 = LOCKSTEP_SET::M3;
@@ -33,13 +34,13 @@ struct LaneJoint {
 
   LOCKSTEP_LANE LaneJoint(const LaneNode& node, const TreeNumbers& z)
       : n(node), joint(pack(z.joint, n.joint)), more(pack(z.more, n.more)), law(pack(z.law, n.law)) {}
-  LOCKSTEP_LANE int n_slides() const { return n.n_slides; }
-  LOCKSTEP_LANE TreeTurn turn() const { return n.turn; }
+  LOCKSTEP_LANE int n_slides() const { return kHinge ? 0 : n.n_slides; }
+  LOCKSTEP_LANE TreeTurn turn() const { return kHinge ? TreeTurn::hinge : n.turn; }
   LOCKSTEP_LANE bool reversed() const { return n.reversed; }
-  LOCKSTEP_LANE bool has_laws() const { return n.has_law; }
+  LOCKSTEP_LANE bool has_laws() const { return !kHinge && n.has_law; }
   LOCKSTEP_LANE V3 near_u() const { return load3(joint, joint::near); }
   LOCKSTEP_LANE V3 far_u() const { return load3(joint, joint::far); }
-  LOCKSTEP_LANE V3 axis() const { return n.has_law ? load3(law, imposed::axis) : load3(joint, joint::axis); }
+  LOCKSTEP_LANE V3 axis() const { return has_laws() ? load3(law, imposed::axis) : load3(joint, joint::axis); }
   LOCKSTEP_LANE Q4 K0() const { return load4(joint, joint::K0); }
   LOCKSTEP_LANE Q4 K1() const { return load4(joint, joint::K1); }
   LOCKSTEP_LANE Q4 near_q() const { return load4(more, more::near_q); }
@@ -64,7 +65,7 @@ LOCKSTEP_LANE LaneArray reads(const double* p, std::size_t at) { return {const_c
 template <bool kVaries>
 LOCKSTEP_LANE JointAxes<V3> take_along(const LaneNode& n, const TreePlan& plan, const TreeNumbers& z, std::size_t k,
                                        const double* dy, MovingFrame<V3, M3, Q4, kVaries>& f) {
-  const LaneJoint j(n, z);
+  const LaneJoint<false> j(n, z);
   const auto carrying = [&](std::size_t at) __attribute__((always_inline))->Carrying<V3, Q4> {
     const double* p = pack(j.law, at);
     return {load3(p, marked::u), load3(p, marked::ud), load3(p, marked::udd),

@@ -16,7 +16,8 @@ LOCKSTEP_LANE Symmetric load_symmetric(const double* p, std::size_t at) {
 
 // ------------------------------------------------------------------------------------------------ first pass, outward
 
-/// Writes the motion of a node and the axes of its coordinates.
+/// Writes the motion of a node and the axes of its coordinates. kHinge: it is_hinge().
+template <bool kHinge>
 LOCKSTEP_LANE void carry(const LaneNode& n, const TreePlan& plan, const TreeNumbers& z, std::size_t k) {
   const double* p = pack(z.moving, moving::size * static_cast<std::size_t>(n.parent + 1));
   double* b = pack(z.moving, moving::size * (k + 1));
@@ -26,21 +27,21 @@ LOCKSTEP_LANE void carry(const LaneNode& n, const TreePlan& plan, const TreeNumb
   Q4 e;
   M3 A;
   V3 w, v;
-  if (n.moving) {
+  if (!kHinge && n.moving) {
     MovingFrame<V3, M3, Q4, false> f{load4(p, moving::e), A_p, w_p};
     const JointAxes<V3> at = take_along(n, plan, z, k, z.y, f);
     e = near_unit(f.e), A = rotation(e), w = f.w, v = f.v;
     travel = {f.x, {f.a, f.al}};
     bodies::put_axes(n.n_slides, n.n_v(), at, V3(f.x - at.X), coordinates(z, n.v));
   } else {
-    const LaneJoint joint(n, z);
-    const JointMotion<LaneJoint, LaneArray> m{joint, reads(z.y, n.q), reads(z.y, plan.n_q + n.v)};
+    const LaneJoint<kHinge> joint(n, z);
+    const JointMotion<LaneJoint<kHinge>, LaneArray> m{joint, reads(z.y, n.q), reads(z.y, plan.n_q + n.v)};
     e = m.orientation(load(z.cosine, k), load(z.sine, k), load4(p, moving::e)), A = rotation(e);
     const Carried<V3> c = m.carried(A_p, A, w_p);
     w = c.w, v = m.velocity(c, w_p);
     travel.r = c.d1 + c.d2;
     m.biases(c, A_p, A, w_p, travel.c.a, travel.c.al);
-    bodies::put_axes(n.n_slides, n.n_v(), c, c.d2, coordinates(z, n.v));
+    bodies::put_axes(joint.n_slides(), kHinge ? 1 : n.n_v(), c, c.d2, coordinates(z, n.v));
   }
   store4(b, moving::e, e);
   store3(b, moving::A, A.r0), store3(b, moving::A + 3, A.r1), store3(b, moving::A + 6, A.r2);
@@ -50,7 +51,8 @@ LOCKSTEP_LANE void carry(const LaneNode& n, const TreePlan& plan, const TreeNumb
 }
 
 LOCKSTEP_LANE void outward(const TreePlan& plan, const TreeNumbers& z) {
-  for (std::size_t k = 0; k < plan.nodes.size(); ++k) carry(plan.nodes[k], plan, z, k);
+  for (std::size_t k = 0; k < plan.nodes.size(); ++k)
+    plan.nodes[k].is_hinge() ? carry<true>(plan.nodes[k], plan, z, k) : carry<false>(plan.nodes[k], plan, z, k);
 }
 
 /// Of all eight lanes.
@@ -208,8 +210,8 @@ LOCKSTEP_LANE void vary(const TreePlan& plan, const TreeNumbers& z, const double
       take_along(n, plan, z, k, dy, f);
       d = {f.dx, f.dphi, f.dv, f.dw};
     } else {
-      const LaneJoint joint(n, z);
-      const JointMotion<LaneJoint, LaneArray> m{joint, reads(z.y, n.q), reads(z.y, plan.n_q + n.v)};
+      const LaneJoint<false> joint(n, z);
+      const JointMotion<LaneJoint<false>, LaneArray> m{joint, reads(z.y, n.q), reads(z.y, plan.n_q + n.v)};
       d = m.vary(A_p, load9(b, moving::A), w_p, reads(dy, n.q), reads(dy, plan.n_q + n.v), dp);
     }
     double* own = pack(z.varied, varied::size * (k + 1));

@@ -23,6 +23,7 @@ struct LaneNode : InwardPlace {
   std::array<int, 3> slides{};               ///< of a joint with moving markers: axes of S along which it slides
 
   bool needs_more() const { return n_slides > 0 || turn == TreeTurn::ball || has_law || moving; }
+  bool is_hinge() const { return turn == TreeTurn::hinge && n_slides == 0 && !has_law && !moving; }  ///< and no more
   int n_v() const { return n_slides + (turn == TreeTurn::none ? 0 : turn == TreeTurn::hinge ? 1 : 3); }
 };
 
