@@ -12,7 +12,7 @@
 // As arguments of templates packs lose that they may alias, which nobody counts on there.
 #pragma GCC diagnostic ignored "-Wignored-attributes"
 
-namespace lockstep {
+namespace lockstep::bodies {
 
 /// The fourth number is zero. Where a struct holds columns they come first, and it says alignas(kColumn): the compiler
 /// takes 16 bytes where it does not count on AVX, and 32 where it does.
@@ -63,4 +63,4 @@ LOCKSTEP_INLINE void subtract_dyad(Columns& A, const Column& x, const Column& y)
   for (int k = 0; k < 3; ++k) A.c[k] -= x * y[k];
 }
 
-}  // namespace lockstep
+}  // namespace lockstep::bodies

@@ -2,6 +2,7 @@
 // (framework/docs/solvers.md, section 9). One text for all spaces and numbers.
 #pragma once
 
+#include <array>
 #include <cstddef>
 
 #include "framework/dynamics/solvers/stop_rule.h"
@@ -40,7 +41,7 @@ struct OpenRows {
   Wrench* wrenches;            ///< likewise, by node
   Twist* changes;              ///< likewise
   Number n_small{};            ///< pivots that got a proximal term
-  Number less_[6]{};
+  std::array<Number, 6> less_{};
 
   /// Called by the recursion at node k: rows that end there are eliminated,
   LOCKSTEP_INLINE void close(std::size_t k, Inertia& IA) {
@@ -119,10 +120,15 @@ struct OpenRows {
   LOCKSTEP_INLINE Number eliminate(const ClosureFront& front, int j) {
     const int row = fronts.row_of(front, j), last = front.first + j;
     const Numbers at = Lambda(front, j);
-    const auto small = at[j] < kSmallPivot * scale[row];
-    const Number positive = at[j] > 0.0 ? at[j] : Number{};  // rounding may leave less than zero
-    const Number pivot = small ? positive + kClosureProximal * scale[row] : at[j], d_1 = 1.0 / pivot;
-    d[row] = pivot, n_small += small ? Number{} + 1.0 : Number{};
+    Number pivot = at[j];
+    if constexpr (!bodies::kUncompared<Number>) {
+      const auto small = at[j] < kSmallPivot * scale[row];
+      const Number positive = at[j] > 0.0 ? at[j] : Number{};  // rounding may leave less than zero
+      pivot = small ? positive + kClosureProximal * scale[row] : pivot;
+      n_small += small ? Number{} + 1.0 : Number{};
+    }
+    const Number d_1 = 1.0 / pivot;
+    d[row] = pivot;
     for (int i = 0; i < j; ++i) {
       const Number x = at[i] * d_1;
       if constexpr (!kAtGround) K[front.first + i] -= x * K[last];
@@ -152,9 +158,9 @@ struct OpenRows {
       const Numbers V = V_of + (front.V + v);
       Number sum{};
       for (int i = 0; i < front.n_open; ++i) sum += V[i * n_v] * multipliers[fronts.row_of(front, i)];
-      less_[v] = sum;
+      less_[static_cast<std::size_t>(v)] = sum;
     }
-    return less_;
+    return less_.data();
   }
   // lambda_j = (K_j a + l_j - sum of Lambda_ij lambda_i) / d_j over the rows that were eliminated later.
   LOCKSTEP_INLINE void find(std::size_t k, const Twist& a, Numbers multipliers) {

@@ -11,6 +11,8 @@ namespace lockstep {
 
 namespace {
 
+using bodies::Column, bodies::Columns, bodies::column, bodies::columns, bodies::vector;
+
 constexpr std::size_t kAhead = 8;      // nodes
 constexpr std::size_t kCached = 4096;  // nodes: what fewer take is in the cache anyway
 
@@ -23,7 +25,7 @@ LOCKSTEP_INLINE void ask_for(const T* first, std::size_t bytes) {
 /// The nodes of a tree which outlives this. World axes; inertias, forces and accelerations of a slot about its mass centre.
 class SpatialSlots {
  public:
-  using Space = bodies::InSpace<double>;
+  using Space = bodies::InColumns;
   using Twist = Space::Twist;
   using Largest = lockstep::Largest;
 

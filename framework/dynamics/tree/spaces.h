@@ -1,4 +1,4 @@
-// InSpace and InPlane: what the recursion asks of a space. Forces, accelerations and inertias, of numbers or of packs of
+// InSpace, InColumns and InPlane: what the recursion asks of a space. Forces, accelerations and inertias, of numbers or of packs of
 // them. For files that are compiled for several instruction sets.
 #pragma once
 
@@ -30,6 +30,10 @@ struct alignas(kAlign<L>) Twist {
   A al{};
 };
 
+/// Whether numbers of this type cannot be compared, as they stand for those of many states: pivots are taken as they are.
+template <class T>
+inline constexpr bool kUncompared = false;
+
 template <class T>
 LOCKSTEP_INLINE T magnitude(const T& x) {
   return x < 0.0 ? -x : x;
@@ -37,9 +41,10 @@ LOCKSTEP_INLINE T magnitude(const T& x) {
 template <class T>
 LOCKSTEP_INLINE T square_root(const T& x) {
   T r{};
-  if constexpr (std::is_same_v<T, double>)
-    r = std::sqrt(x);
-  else
+  using std::sqrt;
+  if constexpr (requires { sqrt(x); })
+    r = sqrt(x);
+  else  // of packs
     for (std::size_t l = 0; l < sizeof(T) / sizeof(double); ++l) r[l] = std::sqrt(x[l]);
   return r;
 }
@@ -161,8 +166,7 @@ struct InSpace {
 };
 
 /// The same in columns of four, which one instruction adds. H' has its own columns.
-template <>
-struct InSpace<double> {
+struct InColumns {
   using Number = double;
   using Linear = Column;
   using Wrench = bodies::Wrench<Column>;

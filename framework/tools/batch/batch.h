@@ -137,16 +137,26 @@ class LOCKSTEP_API Batch {
   VecX no_accelerations_, no_multipliers_;
 };
 
+/// Arrays of packs.
+class Arrays {
+ public:
+  /// One more, of zeros; not empty.
+  std::span<double> add(std::size_t packs) { return all_.emplace_back(kL * std::max<std::size_t>(packs, 1), 0.0); }
+
+ private:
+  std::vector<Aligned<double>> all_;
+};
+
 /// Writes a number, numbers or a matrix, row after row, of one copy.
-inline void put_number(Aligned<double>& to, std::size_t at, int lane, double value) {
+inline void put_number(std::span<double> to, std::size_t at, int lane, double value) {
   to[kL * at + static_cast<std::size_t>(lane)] = value;
 }
 template <class M>
-void put_numbers(Aligned<double>& to, std::size_t at, int lane, const M& values) {
+void put_numbers(std::span<double> to, std::size_t at, int lane, const M& values) {
   for (Eigen::Index i = 0; i < values.size(); ++i)
     put_number(to, at + static_cast<std::size_t>(i), lane, values.data()[i]);
 }
-inline void put_matrix(Aligned<double>& to, std::size_t at, int lane, const Mat3& A) {
+inline void put_matrix(std::span<double> to, std::size_t at, int lane, const Mat3& A) {
   put_numbers(to, at, lane, Mat3(A.transpose()));
 }
 

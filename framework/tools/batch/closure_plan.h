@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "framework/dynamics/tree/tree_layout.h"
-#include "framework/tools/batch/lane_numbers.h"
+#include "framework/tools/batch/lane_plan.h"
+#include "framework/tools/batch/number_arrays.h"
 
 namespace lockstep::lanes {
 
@@ -56,15 +57,38 @@ ClosurePlan make_closure_plan(const System&, const TreeLayout&);
 /// Whether the rows of two copies, the trees of which are alike, are laid out alike.
 bool are_alike(const System&, const TreeLayout&, const System&, const TreeLayout&);
 
-/// The arrays of closures, in packs of eight. Per side: J, world axes | per place: K, l | per front: Lambda, V | per row |
-/// per node and velocity, of a correction. K, wrench and change are structs of packs, those of one round after another.
-struct ClosureNumbers {
-  Numbers rows;                     ///< body, frames, law; J, c, C, Ct
-  const double* inverse = nullptr;  ///< 1/m | J^-1 xx xy xz yy yz zz, per node
-  double *J = nullptr, *K = nullptr, *l = nullptr, *Lambda = nullptr, *V = nullptr;
-  double *diagonal = nullptr, *scale = nullptr, *d = nullptr, *lambda = nullptr, *dlambda = nullptr;
-  double *r = nullptr, *size = nullptr, *Cd = nullptr;
-  double *wrench = nullptr, *change = nullptr, *du = nullptr;
+/// Rows of links (lane_rows.h): motions of bodies, markers, laws; what is written.
+template <class A>
+struct RowArrays {
+  A body, frames, law, J, c, C, Ct;
+
+  template <class F>
+  LOCKSTEP_INLINE auto each(F&& f) const -> RowArrays<decltype(f(body))> {
+    return {f(body), f(frames), f(law), f(J), f(c), f(C), f(Ct)};
+  }
+};
+/// The arrays of closures, as TreeArrays. Per side: J, world axes | per place: l | per front: Lambda, V | per row | per
+/// velocity, of a correction.
+template <class A>
+struct ClosureArrays {
+  RowArrays<A> rows;
+  A inverse,  ///< 1/m | J^-1 xx xy xz yy yz zz, per node
+      J, l, Lambda, V, diagonal, scale, d, lambda, dlambda, r, size, Cd, du;
+
+  template <class F>
+  LOCKSTEP_INLINE auto each(F&& f) const -> ClosureArrays<decltype(f(J))> {
+    return {rows.each(f), f(inverse), f(J),       f(l), f(Lambda), f(V),  f(diagonal), f(scale),
+            f(d),         f(lambda),  f(dlambda), f(r), f(size),   f(Cd), f(du)};
+  }
+};
+/// A struct of numbers each: per place: K | of a correction, per node.
+template <class A>
+struct ClosureNumbers : ClosureArrays<A> {
+  typename SpaceOf<A>::Wrench *K, *wrench;
+  typename SpaceOf<A>::Twist* change;
+};
+struct ClosureStore : ClosureArrays<std::span<double>> {
+  std::span<double> K, wrench, change;  ///< those of one round after another
 };
 namespace spatial {
 inline constexpr std::size_t size = 6;  ///< a wrench, a twist

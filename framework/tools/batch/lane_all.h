@@ -5,8 +5,10 @@
 #include <cmath>
 
 #include "framework/dynamics/solvers/stop_rule.h"
+#include "framework/foundation/math/sin_cos.h"
 #include "framework/tools/batch/lane_blocks.h"
 #include "framework/tools/batch/lane_closures.h"
+#include "framework/tools/batch/lane_math.h"
 #include "framework/tools/batch/lane_passes.h"
 #include "framework/tools/batch/lane_rows.h"
 #include "framework/tools/batch/lane_tree.h"
@@ -15,16 +17,14 @@ namespace lockstep::lanes::LOCKSTEP_SET {
 
 LOCKSTEP_LANE void see_bodies(const Plan& plan, const Numbers& z) {
   for (int k = 0; k < plan.n_slots; ++k) {
-    const double *q = z.y + kLanes * 7 * k, *v = z.y + kLanes * (plan.v_at() + 6 * k);
-    double* b = z.body + kLanes * body::size * k;
+    const LaneArray q = LaneArray(z.y) + 7 * k, v = LaneArray(z.y) + (plan.v_at() + 6 * k);
+    const LaneArray b = LaneArray(z.body) + body::size * k;
     Q4 e = load4(q, 3);
-    const V s = 1.0 / square_root(e.w * e.w + dot(e.v, e.v));
+    const V s = 1.0 / bodies::square_root(e.w * e.w + dot(e.v, e.v));
     e.w = s * e.w, e.v = s * e.v;
     const M3 A = rotation(e);
     const V3 w = load3(v, 3);
-    store3(b, body::x, load3(q, 0));
-    store3(b, body::A, A.r0), store3(b, body::A + 3, A.r1), store3(b, body::A + 6, A.r2);
-    store(b, body::e, e.w), store3(b, body::e + 1, e.v);
+    store3(b, body::x, load3(q, 0)), store9(b, body::A, A), store4(b, body::e, e);
     store3(b, body::v, load3(v, 0));
     store3(b, body::w, w);
     store3(b, body::W, A * w);
@@ -36,28 +36,29 @@ using X = schur::Spatial;
 
 // (2.8): f = m g + F | -w x J w + T
 LOCKSTEP_LANE void free_motion(const Plan& plan, const Numbers& z) {
-  const V3 g = load3(z.gravity, 0);
+  const V3 g = load3(LaneArray(z.gravity), 0);
   for (int k = 0; k < plan.n_slots; ++k) {
     const double *M = K::at(z.mass, X::mass * k), *I = K::at(z.inverse, X::mass * k);
-    const V3 w = load3(K::at(z.body, body::size * k), body::w);
+    const V3 w = load3(LaneArray(z.body) + body::size * k, body::w);
     const V wk[3] = {w.x, w.y, w.z};
     V Jw[3], al[3];
     schur::inertia_times<K, X>(M, wk, Jw);
     V3 t = cross(V3{Jw[0], Jw[1], Jw[2]}, w), a = g;
     if (z.wrench) {
-      const double* F = K::at(z.wrench, 6 * k);
+      const LaneArray F = LaneArray(z.wrench) + 6 * k;
       a = a + K::number(I, 0) * load3(F, 0);
       t = t + load3(F, 3);
     }
     const V tk[3] = {t.x, t.y, t.z};
     schur::inertia_times<K, X>(I, tk, al);
-    for (double* out : {z.af, z.a}) store3(out, 6 * k, a), store3(out, 6 * k + 3, {al[0], al[1], al[2]});
+    for (const LaneArray out : {z.af, z.a}) store3(out, 6 * k, a), store3(out, 6 * k + 3, V3{al[0], al[1], al[2]});
   }
 }
 
 template <For kFor>
 LOCKSTEP_LANE void gather(const Plan& plan, const Link& link, const Numbers& z) {
-  link.triple ? rows<true, kFor>(plan, link, z) : rows<false, kFor>(plan, link, z);
+  const RowArrays<LaneArray> rows{z.body, z.frames, z.law, z.J, z.c, z.C, z.Ct};
+  link.triple ? write_rows<true, kFor>(plan, link, rows) : write_rows<false, kFor>(plan, link, rows);
 }
 LOCKSTEP_LANE void accelerate_rows(const Plan& plan, const Numbers& z) {
   for (std::size_t k = 0; k < plan.nodes.size(); ++k) {
@@ -136,31 +137,43 @@ LOCKSTEP_LANE void norm(const Plan& plan, const double* c, const double* L, doub
       const V x = schur::size_of(K::number(c, node.x + k));
       most = largest_or_nan(most, x);
     }
-  const V turned = 2.0 * load(L, 0) * r;
-  store(out, 0, largest_or_nan(t, turned));
+  const V turned = 2.0 * K::number(L, 0) * r;
+  K::put(out, 0, largest_or_nan(t, turned));
 }
 
 LOCKSTEP_LANE void rates(const Plan& plan, const Numbers& z, double* rate) {
   for (int k = 0; k < plan.n_slots; ++k) {
-    const double *q = z.y + kLanes * 7 * k, *v = z.y + kLanes * (plan.v_at() + 6 * k);
-    double *qd = rate + kLanes * 7 * k, *vd = rate + kLanes * (plan.v_at() + 6 * k);
+    const LaneArray q = LaneArray(z.y) + 7 * k, v = LaneArray(z.y) + (plan.v_at() + 6 * k);
+    const LaneArray qd = LaneArray(rate) + 7 * k, vd = LaneArray(rate) + (plan.v_at() + 6 * k);
     const Q4 e = load4(q, 3);
     const V3 w = 0.5 * load3(v, 3);
     store3(qd, 0, load3(v, 0));
-    store(qd, 3, -dot(e.v, w));  // (1.8)
+    qd[3] = -dot(e.v, w);  // (1.8)
     store3(qd, 4, e.w * w + cross(e.v, w));
-    for (int i = 0; i < 6; ++i) store(vd, i, load(z.a, 6 * k + i));
+    for (int i = 0; i < 6; ++i) vd[i] = LaneArray(z.a)[6 * k + i];
   }
 }
 
 LOCKSTEP_LANE void combine(std::size_t n, const double* y, const double* h, std::size_t n_k, const double* const* k,
                            const double* w, double* out, int lane) {
-  const V step = load(h + lane, 0);
+  const V step = LaneArray(h + lane)[0];
+  const LaneArray from = y ? y + lane : nullptr, to = out + lane;
   for (std::size_t i = 0; i < n; ++i) {
     V sum{};
-    for (std::size_t j = 0; j < n_k; ++j) sum += w[j] * load(k[j] + lane, i);
-    store(out + lane, i, y ? load(y + lane, i) + step * sum : step * sum);
+    for (std::size_t j = 0; j < n_k; ++j) sum += w[j] * LaneArray(k[j] + lane)[i];
+    to[i] = from ? from[i] + step * sum : step * sum;
   }
+}
+
+/// Of all eight lanes.
+LOCKSTEP_LANE void half_turns(const TreePlan& plan, const TreeStore& z, double* half) {
+  for (std::size_t k = 0; k < plan.nodes.size(); ++k) {
+    const LaneNode& n = plan.nodes[k];
+    if (n.turn != TreeTurn::hinge) continue;
+    const double* q = z.y.data() + kL * (n.q + static_cast<std::size_t>(n.n_slides));
+    for (std::size_t l = 0; l < kL; ++l) half[kL * k + l] = 0.5 * q[l];
+  }
+  sin_cos(half, kL * plan.nodes.size(), z.sine.data(), z.cosine.data());
 }
 
 /// The arrays, beginning at this lane.
@@ -175,106 +188,92 @@ LOCKSTEP_LANE Numbers from(const Numbers& z, int lane) {
   return n;
 }
 
+LOCKSTEP_LANE auto at_lane(int lane) {
+  return [lane](std::span<double> p) __attribute__((always_inline))->LaneArray {
+    return p.empty() ? nullptr : p.data() + lane;
+  };
+}
+/// Structs of packs, of the round that begins at this lane.
+template <class S>
+LOCKSTEP_LANE S* round_at(int lane, std::span<double> p) {
+  return reinterpret_cast<S*>(p.data() + p.size() / kL * static_cast<std::size_t>(lane));
+}
+LOCKSTEP_LANE LaneTree<LaneArray> from(const TreePlan& plan, const TreeStore& z, int lane) {
+  using Inertia = Space::Inertia;
+  using Coordinate = bodies::Coordinate<Space>;
+  static_assert(sizeof(Coordinate) == dof::size * sizeof(V) && sizeof(Travel<V>) == travel::size * sizeof(V) &&
+                sizeof(Inertia) == articulated::size * sizeof(V));
+  return {plan,
+          {z.each(at_lane(lane)), round_at<Travel<V>>(lane, z.travel), round_at<Coordinate>(lane, z.dof),
+           round_at<Inertia>(lane, z.waiting)}};
+}
+LOCKSTEP_LANE LaneClosures<LaneArray> from(const TreePlan& tree, const TreeStore& z, const ClosurePlan& plan,
+                                           const ClosureStore& c, int lane) {
+  static_assert(sizeof(Space::Wrench) == spatial::size * sizeof(V) && sizeof(Space::Twist) == sizeof(Space::Wrench));
+  return {from(tree, z, lane),
+          plan,
+          {c.each(at_lane(lane)), round_at<Space::Wrench>(lane, c.K), round_at<Space::Wrench>(lane, c.wrench),
+           round_at<Space::Twist>(lane, c.change)}};
+}
+
 // A pass over all eight lanes, in as many rounds as the packs need.
-#define LOCKSTEP_PASS(name, parameters, arguments)                   \
-  LOCKSTEP_TARGET void name##_pass parameters {                      \
-    for (int lane = 0; lane < kLanes; lane += kWide) name arguments; \
-  }
-LOCKSTEP_PASS(see_bodies, (const Plan& plan, const Numbers& z), (plan, from(z, lane)))
-LOCKSTEP_PASS(free_motion, (const Plan& plan, const Numbers& z), (plan, from(z, lane)))
-LOCKSTEP_PASS(accelerate_rows, (const Plan& plan, const Numbers& z), (plan, from(z, lane)))
-LOCKSTEP_PASS(project_rows, (const Plan& plan, const Numbers& z), (plan, from(z, lane)))
-LOCKSTEP_PASS(own_blocks, (const Plan& plan, const Numbers& z), (plan, from(z, lane)))
-LOCKSTEP_PASS(residual, (const Plan& plan, const Numbers& z), (plan, from(z, lane)))
-LOCKSTEP_PASS(velocity_residual, (const Plan& plan, const Numbers& z, const double* v, double* Cd),
-              (plan, from(z, lane), v + lane, Cd + lane))
-LOCKSTEP_PASS(largest_scales, (const Plan& plan, const Numbers& z, double* out), (plan, from(z, lane), out + lane))
-LOCKSTEP_PASS(energies, (const Plan& plan, const Numbers& z, double* out), (plan, from(z, lane), out + lane))
-LOCKSTEP_PASS(unmet, (const Plan& plan, const Numbers& z, double tolerance, double* out),
-              (plan, from(z, lane), tolerance, out + lane))
-LOCKSTEP_PASS(pivots, (const Plan& plan, const Numbers& z, const double* left, double* out),
-              (plan, from(z, lane), left + lane, out + lane))
-LOCKSTEP_PASS(norm, (const Plan& plan, const double* c, const double* L, double* out),
-              (plan, c + lane, L + lane, out + lane))
-LOCKSTEP_PASS(rates, (const Plan& plan, const Numbers& z, double* rate), (plan, from(z, lane), rate + lane))
-LOCKSTEP_PASS(combine,
-              (std::size_t n, const double* y, const double* h, std::size_t n_k, const double* const* k,
-               const double* w, double* out),
-              (n, y, h, n_k, k, w, out, lane))
-LOCKSTEP_PASS(factor_and_solve, (const Plan& plan, const Numbers& z), (plan, from(z, lane)))
-LOCKSTEP_PASS(solve, (const Plan& plan, const Numbers& z), (plan, from(z, lane)))
-LOCKSTEP_PASS(apply, (const Plan& plan, const Numbers& z), (plan, from(z, lane)))
-LOCKSTEP_PASS(outward, (const TreePlan& plan, const TreeNumbers& z), (plan, from(plan, z, lane)))
-LOCKSTEP_PASS(accelerate_tree, (const TreePlan& plan, const TreeNumbers& z, double* rate),
-              (plan, from(plan, z, lane), rate + lane))
-LOCKSTEP_PASS(change,
-              (const TreePlan& plan, const TreeNumbers& z, const double* before, const double* h, double* now,
-               double* out),
-              (plan, from(plan, z, lane), before + lane, h + lane, now + lane, out + lane))
-LOCKSTEP_PASS(vary, (const TreePlan& plan, const TreeNumbers& z, const double* dy, double* out),
-              (plan, from(plan, z, lane), dy + lane, out + lane))
-LOCKSTEP_PASS(accelerate_closed,
-              (const TreePlan& tree, const TreeNumbers& z, const ClosurePlan& plan, const ClosureNumbers& c,
-               double* rate),
-              (tree, from(tree, z, lane), plan, from(plan, c, lane), rate + lane))
-LOCKSTEP_PASS(factor_closures,
-              (const TreePlan& tree, const TreeNumbers& z, const ClosurePlan& plan, const ClosureNumbers& c),
-              (tree, from(tree, z, lane), plan, from(plan, c, lane)))
-LOCKSTEP_PASS(correct_closures,
-              (const TreePlan& tree, const TreeNumbers& z, const ClosurePlan& plan, const ClosureNumbers& c,
-               const double* r, double* dv),
-              (tree, from(tree, z, lane), plan, from(plan, c, lane), r + lane, dv + lane))
-LOCKSTEP_PASS(add_correction,
-              (const TreePlan& tree, const TreeNumbers& z, const ClosurePlan& plan, const ClosureNumbers& c,
-               const double* dv, double* rate),
-              (tree, from(tree, z, lane), plan, from(plan, c, lane), dv + lane, rate + lane))
-LOCKSTEP_PASS(closure_errors, (const TreeNumbers& z, const ClosurePlan& plan, const ClosureNumbers& c),
-              (plan, from(z, lane), from(plan, c, lane)))
-LOCKSTEP_PASS(closure_rates, (const TreeNumbers& z, const ClosurePlan& plan, const ClosureNumbers& c),
-              (plan, from(z, lane), from(plan, c, lane)))
-LOCKSTEP_PASS(closure_residuals,
-              (const TreeNumbers& z, const ClosurePlan& plan, const ClosureNumbers& c, bool raised, double* out),
-              (plan, from(z, lane), from(plan, c, lane), raised, out + lane))
-LOCKSTEP_PASS(closure_pivots, (const ClosurePlan& plan, const ClosureNumbers& c, const double* left, double* out),
-              (plan, from(plan, c, lane), left + lane, out + lane))
-LOCKSTEP_PASS(closure_norm, (const ClosurePlan& plan, const double* x, const double* L, double* out),
-              (plan, x + lane, L + lane, out + lane))
-LOCKSTEP_TARGET void half_turns_pass(const TreePlan& plan, const TreeNumbers& z) { half_turns(plan, z); }
+#define LOCKSTEP_PASS(name, parameters, act)              \
+  all.name = [] parameters LOCKSTEP_TARGET {              \
+    for (int lane = 0; lane < kLanes; lane += kWide) act; \
+  };
+#define LOCKSTEP_ROWS const Plan &plan, const Numbers &z
+#define LOCKSTEP_TREE const TreePlan &plan, const TreeStore &z
+#define LOCKSTEP_CLOSURES const TreePlan &tree, const TreeStore &z, const ClosurePlan &plan, const ClosureStore &c
 
 Passes all_passes() {
-  Passes out;
-  out.see_bodies = see_bodies_pass;
-  out.free_motion = free_motion_pass;
-  out.accelerate_rows = accelerate_rows_pass;
-  out.project_rows = project_rows_pass;
-  out.own_blocks = own_blocks_pass;
-  out.residual = residual_pass;
-  out.velocity_residual = velocity_residual_pass;
-  out.largest_scales = largest_scales_pass;
-  out.energies = energies_pass;
-  out.unmet = unmet_pass;
-  out.pivots = pivots_pass;
-  out.norm = norm_pass;
-  out.rates = rates_pass;
-  out.combine = combine_pass;
-  out.factor_and_solve = factor_and_solve_pass;
-  out.solve = solve_pass;
-  out.apply = apply_pass;
-  out.half_turns = half_turns_pass;
-  out.outward = outward_pass;
-  out.accelerate_tree = accelerate_tree_pass;
-  out.change = change_pass;
-  out.vary = vary_pass;
-  out.accelerate_closed = accelerate_closed_pass;
-  out.factor_closures = factor_closures_pass;
-  out.correct_closures = correct_closures_pass;
-  out.add_correction = add_correction_pass;
-  out.closure_errors = closure_errors_pass;
-  out.closure_rates = closure_rates_pass;
-  out.closure_residuals = closure_residuals_pass;
-  out.closure_pivots = closure_pivots_pass;
-  out.closure_norm = closure_norm_pass;
-  return out;
+  Passes all;
+  LOCKSTEP_PASS(see_bodies, (LOCKSTEP_ROWS), see_bodies(plan, from(z, lane)))
+  LOCKSTEP_PASS(free_motion, (LOCKSTEP_ROWS), free_motion(plan, from(z, lane)))
+  LOCKSTEP_PASS(accelerate_rows, (LOCKSTEP_ROWS), accelerate_rows(plan, from(z, lane)))
+  LOCKSTEP_PASS(project_rows, (LOCKSTEP_ROWS), project_rows(plan, from(z, lane)))
+  LOCKSTEP_PASS(own_blocks, (LOCKSTEP_ROWS), own_blocks(plan, from(z, lane)))
+  LOCKSTEP_PASS(residual, (LOCKSTEP_ROWS), residual(plan, from(z, lane)))
+  LOCKSTEP_PASS(velocity_residual, (LOCKSTEP_ROWS, const double* v, double* Cd),
+                velocity_residual(plan, from(z, lane), v + lane, Cd + lane))
+  LOCKSTEP_PASS(largest_scales, (LOCKSTEP_ROWS, double* out), largest_scales(plan, from(z, lane), out + lane))
+  LOCKSTEP_PASS(energies, (LOCKSTEP_ROWS, double* out), energies(plan, from(z, lane), out + lane))
+  LOCKSTEP_PASS(unmet, (LOCKSTEP_ROWS, double tolerance, double* out),
+                unmet(plan, from(z, lane), tolerance, out + lane))
+  LOCKSTEP_PASS(pivots, (LOCKSTEP_ROWS, const double* left, double* out),
+                pivots(plan, from(z, lane), left + lane, out + lane))
+  LOCKSTEP_PASS(norm, (const Plan& plan, const double* c, const double* L, double* out),
+                norm(plan, c + lane, L + lane, out + lane))
+  LOCKSTEP_PASS(rates, (LOCKSTEP_ROWS, double* rate), rates(plan, from(z, lane), rate + lane))
+  LOCKSTEP_PASS(combine,
+                (std::size_t n, const double* y, const double* h, std::size_t n_k, const double* const* k,
+                 const double* w, double* out),
+                combine(n, y, h, n_k, k, w, out, lane))
+  LOCKSTEP_PASS(factor_and_solve, (LOCKSTEP_ROWS), factor_and_solve(plan, from(z, lane)))
+  LOCKSTEP_PASS(solve, (LOCKSTEP_ROWS), solve(plan, from(z, lane)))
+  LOCKSTEP_PASS(apply, (LOCKSTEP_ROWS), apply(plan, from(z, lane)))
+  LOCKSTEP_PASS(outward, (LOCKSTEP_TREE), from(plan, z, lane).outward())
+  LOCKSTEP_PASS(accelerate_tree, (LOCKSTEP_TREE, double* rate), from(plan, z, lane).accelerate_free(rate + lane))
+  LOCKSTEP_PASS(change, (LOCKSTEP_TREE, const double* before, const double* h, double* now, double* out),
+                from(plan, z, lane).change(before + lane, h + lane, now + lane, out + lane))
+  LOCKSTEP_PASS(vary, (LOCKSTEP_TREE, const double* dy, double* out), from(plan, z, lane).vary(dy + lane, out + lane))
+  LOCKSTEP_PASS(accelerate_closed, (LOCKSTEP_CLOSURES, double* rate),
+                from(tree, z, plan, c, lane).accelerate(rate + lane))
+  LOCKSTEP_PASS(factor_closures, (LOCKSTEP_CLOSURES), from(tree, z, plan, c, lane).factor())
+  LOCKSTEP_PASS(correct_closures, (LOCKSTEP_CLOSURES, const double* r, double* dv),
+                from(tree, z, plan, c, lane).correct(r + lane, dv + lane))
+  LOCKSTEP_PASS(add_correction, (LOCKSTEP_CLOSURES, const double* dv, double* rate),
+                from(tree, z, plan, c, lane).add_correction(dv + lane, rate + lane))
+  LOCKSTEP_PASS(closure_errors, (LOCKSTEP_CLOSURES), from(tree, z, plan, c, lane).errors())
+  LOCKSTEP_PASS(closure_rates, (LOCKSTEP_CLOSURES), from(tree, z, plan, c, lane).rates())
+  LOCKSTEP_PASS(closure_residuals, (LOCKSTEP_CLOSURES, bool raised, double* out),
+                from(tree, z, plan, c, lane).residuals(raised, out + lane))
+  LOCKSTEP_PASS(closure_pivots, (LOCKSTEP_CLOSURES, const double* left, double* out),
+                from(tree, z, plan, c, lane).pivots(left + lane, out + lane))
+  LOCKSTEP_PASS(closure_norm, (LOCKSTEP_CLOSURES, const double* x, const double* L, double* out),
+                from(tree, z, plan, c, lane).norm(x + lane, L + lane, out + lane))
+  all.half_turns = [](const TreePlan& plan, const TreeStore& z, double* half)
+                       LOCKSTEP_TARGET { half_turns(plan, z, half); };
+  return all;
 }
 
 }  // namespace lockstep::lanes::LOCKSTEP_SET

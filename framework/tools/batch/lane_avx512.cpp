@@ -2,7 +2,7 @@
 #define LOCKSTEP_SET avx512
 #define LOCKSTEP_WIDE 8
 #if defined(__x86_64__)
-#define LOCKSTEP_TARGET [[gnu::target("avx512f")]]
+#define LOCKSTEP_TARGET __attribute__((target("avx512f")))
 #else
 #define LOCKSTEP_TARGET
 #endif

@@ -2,7 +2,7 @@
 #define LOCKSTEP_SET fma
 #define LOCKSTEP_WIDE 4
 #if defined(__x86_64__)
-#define LOCKSTEP_TARGET [[gnu::target("fma")]]
+#define LOCKSTEP_TARGET __attribute__((target("fma")))
 #else
 #define LOCKSTEP_TARGET
 #endif

@@ -39,37 +39,40 @@ struct Passes {
                   const double* w, double* out) = nullptr;
 
   // In joint coordinates.
-  void (*half_turns)(const TreePlan&, const TreeNumbers&) = nullptr;  ///< y -> cosine, sine
-  void (*outward)(const TreePlan&, const TreeNumbers&) = nullptr;     ///< y, laws -> moving, axes of the coordinates
+  void (*half_turns)(const TreePlan&, const TreeStore&, double* half) = nullptr;  ///< y -> cosine, sine
+  void (*outward)(const TreePlan&, const TreeStore&) = nullptr;  ///< y, laws -> moving, axes of the coordinates
   /// rate = d/dt of q and v under gravity and the wrenches; largest accelerations.
-  void (*accelerate_tree)(const TreePlan&, const TreeNumbers&, double* rate) = nullptr;
+  void (*accelerate_tree)(const TreePlan&, const TreeStore&, double* rate) = nullptr;
   /// moving -> now, end::size packs a node, and the squares of what changed from `before` in a step of h (a pack): 4 packs.
-  void (*change)(const TreePlan&, const TreeNumbers&, const double* before, const double* h, double* now,
+  void (*change)(const TreePlan&, const TreeStore&, const double* before, const double* h, double* now,
                  double* out) = nullptr;
   /// An error dy of q and v -> the squares of how it moves the slots: 4 packs.
-  void (*vary)(const TreePlan&, const TreeNumbers&, const double* dy, double* out) = nullptr;
+  void (*vary)(const TreePlan&, const TreeStore&, const double* dy, double* out) = nullptr;
 
   // The same with loops.
   /// As accelerate_tree, with the rows that close the loops: J, c, and their multipliers.
-  void (*accelerate_closed)(const TreePlan&, const TreeNumbers&, const ClosurePlan&, const ClosureNumbers&,
+  void (*accelerate_closed)(const TreePlan&, const TreeStore&, const ClosurePlan&, const ClosureStore&,
                             double* rate) = nullptr;
   /// The elimination alone, of the jacobians as found last.
-  void (*factor_closures)(const TreePlan&, const TreeNumbers&, const ClosurePlan&, const ClosureNumbers&) = nullptr;
+  void (*factor_closures)(const TreePlan&, const TreeStore&, const ClosurePlan&, const ClosureStore&) = nullptr;
   /// The change of the velocities, and of the slots', by which residuals r vanish, by the last elimination.
-  void (*correct_closures)(const TreePlan&, const TreeNumbers&, const ClosurePlan&, const ClosureNumbers&,
-                           const double* r, double* dv) = nullptr;
+  void (*correct_closures)(const TreePlan&, const TreeStore&, const ClosurePlan&, const ClosureStore&, const double* r,
+                           double* dv) = nullptr;
   /// Adds that to the accelerations and multipliers.
-  void (*add_correction)(const TreePlan&, const TreeNumbers&, const ClosurePlan&, const ClosureNumbers&,
-                         const double* dv, double* rate) = nullptr;
-  void (*closure_errors)(const TreeNumbers&, const ClosurePlan&, const ClosureNumbers&) = nullptr;  ///< J, C, Cd
-  void (*closure_rates)(const TreeNumbers&, const ClosurePlan&, const ClosureNumbers&) = nullptr;   ///< Cd = J v + Ct
+  void (*add_correction)(const TreePlan&, const TreeStore&, const ClosurePlan&, const ClosureStore&, const double* dv,
+                         double* rate) = nullptr;
+  void (*closure_errors)(const TreePlan&, const TreeStore&, const ClosurePlan&,
+                         const ClosureStore&) = nullptr;  ///< J, C, Cd
+  void (*closure_rates)(const TreePlan&, const TreeStore&, const ClosurePlan&,
+                        const ClosureStore&) = nullptr;  ///< Cd = J v + Ct
   /// r = J a - c -> 2 packs, the largest relative to its scale, and that of rows that are not redundant; `raised`: scales
   /// are, by the slots' accelerations.
-  void (*closure_residuals)(const TreeNumbers&, const ClosurePlan&, const ClosureNumbers&, bool raised,
+  void (*closure_residuals)(const TreePlan&, const TreeStore&, const ClosurePlan&, const ClosureStore&, bool raised,
                             double* out) = nullptr;
-  void (*closure_pivots)(const ClosurePlan&, const ClosureNumbers&, const double* left,
-                         double* out) = nullptr;                                                      ///< as pivots
-  void (*closure_norm)(const ClosurePlan&, const double* x, const double* L, double* out) = nullptr;  ///< as norm
+  void (*closure_pivots)(const TreePlan&, const TreeStore&, const ClosurePlan&, const ClosureStore&, const double* left,
+                         double* out) = nullptr;  ///< as pivots
+  void (*closure_norm)(const TreePlan&, const TreeStore&, const ClosurePlan&, const ClosureStore&, const double* x,
+                       const double* L, double* out) = nullptr;  ///< as norm
 };
 
 /// Throws ModelError if the machine does not have these instructions.

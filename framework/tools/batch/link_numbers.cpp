@@ -4,7 +4,7 @@
 
 namespace lockstep::lanes {
 
-void put_frames(const MarkerLock& lock, int lane, Link& link, Aligned<double>& to) {
+void put_frames(const MarkerLock& lock, int lane, Link& link, std::span<double> to) {
   const MarkerFrame P(lock.p()), S(lock.s());
   if (link.turn == Turn::parallel && !(P.parallel() && S.parallel())) link.turn = Turn::plain;
   put_numbers(to, link.frames + frames::uP, lane, P.u0), put_numbers(to, link.frames + frames::uS, lane, S.u0);
@@ -13,7 +13,7 @@ void put_frames(const MarkerLock& lock, int lane, Link& link, Aligned<double>& t
   put_matrix(to, link.frames + frames::AP, lane, P.A0), put_matrix(to, link.frames + frames::AS, lane, S.A0);
 }
 
-void put_laws(const MarkerLock& lock, int lane, const Link& link, const Inputs& in, Aligned<double>& to) {
+void put_laws(const MarkerLock& lock, int lane, const Link& link, const Inputs& in, std::span<double> to) {
   if (link.moved) {
     const ImposedTranslation D = lock.imposed_translation(in);
     put_numbers(to, link.law + law::p, lane, D.p), put_numbers(to, link.law + law::pd, lane, D.pd);

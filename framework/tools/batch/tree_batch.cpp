@@ -45,7 +45,7 @@ bool has_equal_joints(const JointTree& a, const JointTree& b) {
 
 // Writes a translation and its rates, and the turn q with its rates w and a.
 template <class Turn>
-void put_carrying(Aligned<double>& to, std::size_t at, int lane, const Vec3& u, const Vec3& ud, const Vec3& udd,
+void put_carrying(std::span<double> to, std::size_t at, int lane, const Vec3& u, const Vec3& ud, const Vec3& udd,
                   const Turn& turn) {
   put_numbers(to, at + marked::u, lane, u), put_numbers(to, at + marked::ud, lane, ud);
   put_numbers(to, at + marked::udd, lane, udd), put_numbers(to, at + marked::q, lane, turn.q.coefficients());
@@ -81,16 +81,14 @@ TreeBatch::TreeBatch(std::span<System* const> systems, int first, const Trees& t
     trees_[l] = layouts[l]->tree;
   }
   const std::size_t n = plan_.nodes.size();
-  const auto size = [](Aligned<double>& v, std::size_t packs) {
-    return v.assign(kL * std::max<std::size_t>(packs, 1), 0.0), v.data();
-  };
-  z_.gravity = size(gravity_, 3), z_.joint = size(joint_, joint::size * n), z_.more = size(more_, plan_.size_more);
-  z_.law = size(law_, plan_.size_law), z_.half = size(half_, n), z_.cosine = size(cosine_, n), z_.sine = size(sine_, n);
-  z_.moving = size(moving_, moving::size * (n + 1)), z_.travel = size(travel_, travel::size * n);
-  z_.dof = size(dof_, dof::size * plan_.n_v);
-  z_.waiting = size(waiting_, articulated::size * plan_.n_waiting), z_.largest = size(largest_, 2);
-  z_.varied = size(varied_, varied::size * (n + 1)), size(start_, end::size * n), size(now_, end::size * n);
-  if (has_forces_) z_.wrench = wrench_.data();
+  const auto size = [&](std::size_t packs) { return arrays_.add(packs); };
+  z_.gravity = size(3), z_.joint = size(joint::size * n), z_.more = size(plan_.size_more),
+  z_.law = size(plan_.size_law);
+  z_.cosine = size(n), z_.sine = size(n), z_.moving = size(moving::size * (n + 1)), z_.largest = size(2);
+  z_.travel = size(travel::size * n), z_.dof = size(dof::size * plan_.n_v);
+  z_.waiting = size(articulated::size * plan_.n_waiting), z_.varied = size(varied::size * (n + 1));
+  half_.assign(kL * n, 0.0), start_.assign(kL * end::size * n, 0.0), now_ = start_;
+  if (has_forces_) z_.wrench = wrench_;
   closures_.begin(systems_, layouts, pass_);
   n_followed_ = 12 * trees_.front()->followed().size();
   node_of_.resize(n);
@@ -100,26 +98,27 @@ TreeBatch::TreeBatch(std::span<System* const> systems, int first, const Trees& t
 
 void TreeBatch::fill_joints() {
   for (int l = 0; l < kLanes; ++l) {
-    put_numbers(gravity_, 0, l, system(l).gravity());
-    put_number(moving_, moving::e, l, 1.0);
-    put_matrix(moving_, moving::A, l, Mat3::Identity());
+    put_numbers(z_.gravity, 0, l, system(l).gravity());
+    put_number(z_.moving, moving::e, l, 1.0);
+    put_matrix(z_.moving, moving::A, l, Mat3::Identity());
     for (std::size_t k = 0; k < plan_.nodes.size(); ++k) {
       const LaneNode& n = plan_.nodes[k];
       const TreeNode& t = tree(l).nodes()[k];
       const Slot& slot = system(l).slot(t.slot);
-      put_numbers(joint_, n.joint + joint::near, l, t.near_u), put_numbers(joint_, n.joint + joint::far, l, t.far_u);
-      put_numbers(joint_, n.joint + joint::K0, l, t.K0.coefficients());
-      put_numbers(joint_, n.joint + joint::K1, l, t.K1.coefficients());
-      put_numbers(joint_, n.joint + joint::axis, l, t.axis);
-      put_number(joint_, n.joint + joint::m, l, slot.mass);
-      put_numbers(joint_, n.joint + joint::J, l, packed(slot.J));
+      put_numbers(z_.joint, n.joint + joint::near, l, t.near_u),
+          put_numbers(z_.joint, n.joint + joint::far, l, t.far_u);
+      put_numbers(z_.joint, n.joint + joint::K0, l, t.K0.coefficients());
+      put_numbers(z_.joint, n.joint + joint::K1, l, t.K1.coefficients());
+      put_numbers(z_.joint, n.joint + joint::axis, l, t.axis);
+      put_number(z_.joint, n.joint + joint::m, l, slot.mass);
+      put_numbers(z_.joint, n.joint + joint::J, l, packed(slot.J));
       if (!n.needs_more()) continue;
       const TreeAxes axes = t.axes ? *t.axes : TreeAxes();
-      for (std::size_t i = 0; i < 3; ++i) put_numbers(more_, n.more + more::slide + 3 * i, l, axes.slide[i]);
-      put_matrix(more_, n.more + more::ball, l, axes.ball);
-      put_numbers(more_, n.more + more::near_q, l, t.near_q.coefficients());
-      put_numbers(more_, n.more + more::far_q, l, t.far_q.coefficients());
-      put_numbers(more_, n.more + more::hinge, l, t.hinge);
+      for (std::size_t i = 0; i < 3; ++i) put_numbers(z_.more, n.more + more::slide + 3 * i, l, axes.slide[i]);
+      put_matrix(z_.more, n.more + more::ball, l, axes.ball);
+      put_numbers(z_.more, n.more + more::near_q, l, t.near_q.coefficients());
+      put_numbers(z_.more, n.more + more::far_q, l, t.far_q.coefficients());
+      put_numbers(z_.more, n.more + more::hinge, l, t.hinge);
     }
   }
 }
@@ -135,7 +134,7 @@ void TreeBatch::to_slots(int lane, State& state) const { to_slot_coordinates(sys
 
 void TreeBatch::read_motion(int lane, int slot, Motion& O) const {
   const std::size_t at = moving::size * (node_of_[static_cast<std::size_t>(slot)] + 1);
-  const double* b = moving_.data() + kL * at + static_cast<std::size_t>(lane);
+  const double* b = z_.moving.data() + kL * at + static_cast<std::size_t>(lane);
   const auto number = [&](std::size_t i) { return b[kL * i]; };
   Vec3 w;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -164,24 +163,24 @@ void TreeBatch::fill_laws_of(std::size_t node, int lane, double t) {
   const std::size_t at = plan_.nodes[node].law;
   if (n.moving) {
     const JointLaws now = joint_laws_at(n, t, states_of(lane));
-    put_carrying(law_, at + marked::near, lane, now.near.u, now.near.ud, now.near.udd, now.near);
-    put_carrying(law_, at + marked::far, lane, now.far.u, now.far.ud, now.far.udd, now.far);
-    put_carrying(law_, at + marked::lock, lane, now.x.p, now.x.pd, now.x.pdd, now.D);
+    put_carrying(z_.law, at + marked::near, lane, now.near.u, now.near.ud, now.near.udd, now.near);
+    put_carrying(z_.law, at + marked::far, lane, now.far.u, now.far.ud, now.far.udd, now.far);
+    put_carrying(z_.law, at + marked::lock, lane, now.x.p, now.x.pd, now.x.pdd, now.D);
     return;
   }
   Imposed now;
   laws_at(n, t, states_of(lane), now);
-  put_numbers(law_, at + imposed::p, lane, now.p), put_numbers(law_, at + imposed::pd, lane, now.pd);
-  put_numbers(law_, at + imposed::pdd, lane, now.pdd), put_numbers(law_, at + imposed::w, lane, now.w);
-  put_numbers(law_, at + imposed::a, lane, now.a), put_numbers(law_, at + imposed::axis, lane, now.axis);
-  put_numbers(law_, at + imposed::q, lane, now.q.coefficients());
+  put_numbers(z_.law, at + imposed::p, lane, now.p), put_numbers(z_.law, at + imposed::pd, lane, now.pd);
+  put_numbers(z_.law, at + imposed::pdd, lane, now.pdd), put_numbers(z_.law, at + imposed::w, lane, now.w);
+  put_numbers(z_.law, at + imposed::a, lane, now.a), put_numbers(z_.law, at + imposed::axis, lane, now.axis);
+  put_numbers(z_.law, at + imposed::q, lane, now.q.coefficients());
 }
 
 // Moves all slots.
 void TreeBatch::move(const double* y, const Numbers8& t, bool with_positions) {
-  z_.y = y, z_.with_positions = with_positions, lost_ = {};
+  z_.y = {const_cast<double*>(y), n_numbers()}, z_.with_positions = with_positions, lost_ = {};
   fill_laws(y, t);
-  passes().half_turns(plan_, z_);
+  passes().half_turns(plan_, z_, half_.data());
   passes().outward(plan_, z_);
 }
 
@@ -203,12 +202,12 @@ Flags8 TreeBatch::evaluate(const double* y, const Numbers8& t, double* rate) {
   } else {
     fill_closures(y, t);
     failed = closures_.accelerate(plan_, z_, n_, rate);
-    if (watches_) closures_.see_pivots();
+    if (watches_) closures_.see_pivots(plan_, z_);
   }
   state_rates(y, t, rate);
   follow_laws(rate);
   for (std::size_t l = 0; l < kL; ++l)
-    failed[l] = failed[l] || lost_[l] || !std::isfinite(largest_[l] + largest_[kL + l]);
+    failed[l] = failed[l] || lost_[l] || !std::isfinite(z_.largest[l] + z_.largest[kL + l]);
   return failed;
 }
 
@@ -218,7 +217,7 @@ void TreeBatch::follow_laws(double* rate) const {
   double* to = rate + kL * (n_q_ + n_v_ + n_s_);
   for (std::size_t k = 0; k < plan_.nodes.size(); ++k) {
     if (!plan_.nodes[k].has_law && !plan_.nodes[k].moving) continue;
-    const double* slot = moving_.data() + kL * moving::size * (k + 1);
+    const double* slot = z_.moving.data() + kL * moving::size * (k + 1);
     for (const std::size_t part : {moving::v, moving::w, moving::a, moving::al}) {
       std::copy_n(slot + kL * part, 3 * kL, to);
       to += 3 * kL;
@@ -234,8 +233,8 @@ void TreeBatch::take_off_turns(int lane, double* y) const {
       shed_turns(y[kL * static_cast<std::size_t>(node.first_q + node.n_slides) + static_cast<std::size_t>(lane)]);
 }
 
-double TreeBatch::largest_a(std::size_t lane) const { return std::sqrt(largest_[lane]); }
-double TreeBatch::largest_alpha(std::size_t lane) const { return std::sqrt(largest_[kL + lane]); }
+double TreeBatch::largest_a(std::size_t lane) const { return std::sqrt(z_.largest[lane]); }
+double TreeBatch::largest_alpha(std::size_t lane) const { return std::sqrt(z_.largest[kL + lane]); }
 
 void TreeBatch::start_from(const double* y, const Numbers8& t) {
   move(y, t, true);

@@ -15,6 +15,9 @@ class LOCKSTEP_API TreeBatch final : public Batch {
 
   TreeBatch(std::span<System* const> systems, int first, const Trees& trees, const CopiesOptions&);
 
+  const TreePlan& plan() const { return plan_; }
+  const TreeStore& numbers() const { return z_; }
+  const TreeClosures& closures() const { return closures_; }
   void to_batch(int lane, State&) const override;
   void to_slots(int lane, State&) const override;
   Flags8 evaluate(const double* y, const Numbers8& t, double* rate) override;
@@ -55,9 +58,9 @@ class LOCKSTEP_API TreeBatch final : public Batch {
   TreeClosures closures_;
   TreePlan plan_;
   std::vector<std::size_t> node_of_;  // of each slot
-  TreeNumbers z_;
-  Aligned<double> gravity_, joint_, more_, law_, half_, cosine_, sine_, moving_, travel_, dof_, waiting_, largest_,
-      varied_;
+  TreeStore z_{};
+  Arrays arrays_;                // of z_
+  Aligned<double> half_;         // angle of each node
   Aligned<double> start_, now_;  // of steps: end::size packs a node
   alignas(64) std::array<double, 4 * kLanes> sizes_{};
 };

@@ -35,28 +35,29 @@ void TreeClosures::begin(const Systems& systems, const Layouts& layouts, const P
   if (empty()) return;
   const JointTree& tree = *layouts[0]->tree;
   const auto n_nodes = tree.nodes().size(), n_v = static_cast<std::size_t>(tree.n_v()), m = plan_.n_rows();
-  const auto size = [](Aligned<double>& v, std::size_t packs) {
-    return v.assign(kL * std::max<std::size_t>(packs, 1), 0.0), v.data();
-  };
-  const auto n_slots = static_cast<std::size_t>(plan_.rows.n_slots);
-  z_.rows.body = size(body_, body::size * (n_slots + 1)), z_.rows.frames = size(frames_, plan_.rows.size_frames);
-  z_.rows.law = size(law_, plan_.rows.size_law), z_.rows.J = size(rows_J_, plan_.size_J);
-  z_.rows.c = size(c_, m), z_.rows.C = size(C_, m), z_.rows.Ct = size(Ct_, m), z_.inverse = size(inverse_, 7 * n_nodes);
-  const std::size_t places = plan_.fronts.rows.size();
-  z_.J = size(J_, spatial::size * plan_.slots.size()), z_.K = size(K_, spatial::size * places), z_.l = size(l_, places);
-  z_.Lambda = size(Lambda_, static_cast<std::size_t>(plan_.fronts.n_Lambda));
-  z_.V = size(V_, static_cast<std::size_t>(plan_.fronts.n_V));
-  z_.diagonal = size(diagonal_, m), z_.scale = size(scale_, m), z_.d = size(d_, m);
-  z_.lambda = size(lambda_, m), z_.dlambda = size(dlambda_, m), z_.r = size(r_, m), z_.size = size(size_, m);
-  z_.Cd = size(Cd_, m), z_.wrench = size(wrench_, spatial::size * n_nodes);
-  z_.change = size(change_, spatial::size * n_nodes), z_.du = size(du_, n_v);
-  size(masked_, m), size(dv_, n_v), size(length_, 1);
+  const auto n_slots = static_cast<std::size_t>(plan_.rows.n_slots), places = plan_.fronts.rows.size();
+  const auto size = [&](std::size_t packs) { return arrays_.add(packs); };
+  z_.rows = {size(body::size * (n_slots + 1)),
+             size(plan_.rows.size_frames),
+             size(plan_.rows.size_law),
+             size(plan_.size_J),
+             size(m),
+             size(m),
+             size(m)};
+  z_.inverse = size(7 * n_nodes), z_.J = size(spatial::size * plan_.slots.size()), z_.l = size(places);
+  z_.Lambda = size(static_cast<std::size_t>(plan_.fronts.n_Lambda)),
+  z_.V = size(static_cast<std::size_t>(plan_.fronts.n_V));
+  for (auto* of_rows : {&z_.diagonal, &z_.scale, &z_.d, &z_.lambda, &z_.dlambda, &z_.r, &z_.size, &z_.Cd})
+    *of_rows = size(m);
+  z_.du = size(n_v), z_.K = size(spatial::size * places);
+  z_.wrench = size(spatial::size * n_nodes), z_.change = size(spatial::size * n_nodes);
+  masked_.assign(kL * m, 0.0), dv_.assign(kL * std::max<std::size_t>(n_v, 1), 0.0), length_.assign(kL, 0.0);
   for (int l = 0; l < kLanes; ++l) {
     const System& system = *systems[static_cast<std::size_t>(l)];
     put_number(length_, 0, l, system.length());
-    put_matrix(body_, body::size * n_slots + body::A, l, Mat3::Identity());
-    put_number(body_, body::size * n_slots + body::e, l, 1.0);
-    for (Link& link : plan_.rows.links) put_frames(lock_in(system, link), l, link, frames_);
+    put_matrix(z_.rows.body, body::size * n_slots + body::A, l, Mat3::Identity());
+    put_number(z_.rows.body, body::size * n_slots + body::e, l, 1.0);
+    for (Link& link : plan_.rows.links) put_frames(lock_in(system, link), l, link, z_.rows.frames);
   }
   for (const Link& link : plan_.rows.links) has_laws_ = has_laws_ || link.has_laws();
   fill_inverses(systems, layouts);
@@ -74,15 +75,15 @@ void TreeClosures::fill_inverses(const Systems& systems, const Layouts& layouts)
       }
       const Mat3 J = inverse_inertia(slot, plan_.normal >= 0 ? &normal : nullptr);
       const int lane = static_cast<int>(l);
-      put_number(inverse_, 7 * k, lane, 1.0 / slot.mass);
-      put_numbers(inverse_, 7 * k + 1, lane, packed(J));
+      put_number(z_.inverse, 7 * k, lane, 1.0 / slot.mass);
+      put_numbers(z_.inverse, 7 * k + 1, lane, packed(J));
     }
   }
 }
 
 void TreeClosures::fill(const System& system, int lane, const Inputs& in) {
   for (const Link& link : plan_.rows.links)
-    if (link.has_laws()) put_laws(lock_in(system, link), lane, link, in, law_);
+    if (link.has_laws()) put_laws(lock_in(system, link), lane, link, in, z_.rows.law);
   fill_own_rows(system, lane, in);
 }
 
@@ -94,31 +95,31 @@ void TreeClosures::fill_own_rows(const System& system, int lane, const Inputs& i
     const RowBlock block = scratch_.spatial(shape);
     for (std::size_t k = 0; k < rows.m; ++k) {
       const int own = rows.own[k];
-      put_number(C_, rows.first_row + k, lane, block.C(own));
-      put_number(Ct_, rows.first_row + k, lane, block.Ct(own));
-      put_number(c_, rows.first_row + k, lane, block.Qhat(own));
+      put_number(z_.rows.C, rows.first_row + k, lane, block.C(own));
+      put_number(z_.rows.Ct, rows.first_row + k, lane, block.Ct(own));
+      put_number(z_.rows.c, rows.first_row + k, lane, block.Qhat(own));
       for (std::size_t i = 0; i < rows.n_sides; ++i) {
         const std::array<double, 6> J = block.J(static_cast<int>(i), own);
-        for (std::size_t x = 0; x < 6; ++x) put_number(rows_J_, rows.J + (6 * i + x) * rows.m + k, lane, J[x]);
+        for (std::size_t x = 0; x < 6; ++x) put_number(z_.rows.J, rows.J + (6 * i + x) * rows.m + k, lane, J[x]);
       }
     }
   }
 }
 
-Numbers8 TreeClosures::norm(const Aligned<double>& x) {
+Numbers8 TreeClosures::norm(const TreePlan& tree, const TreeStore& z, std::span<const double> x) {
   alignas(64) Numbers8 out;
-  pass_->closure_norm(plan_, x.data(), length_.data(), out.data());
+  pass_->closure_norm(tree, z, plan_, z_, x.data(), length_.data(), out.data());
   return out;
 }
 
 bool TreeClosures::Residuals::met(std::size_t lane) const { return all[lane] <= kRowTolerance; }
 
 // Of J a - c: with scales raised where that is needed.
-TreeClosures::Residuals TreeClosures::residuals(const TreeNumbers& tree) {
+TreeClosures::Residuals TreeClosures::residuals(const TreePlan& tree, const TreeStore& z) {
   alignas(64) std::array<double, 2 * kLanes> now, raised;
-  pass_->closure_residuals(tree, plan_, z_, false, now.data());
+  pass_->closure_residuals(tree, z, plan_, z_, false, now.data());
   const bool all_met = std::all_of(now.begin(), now.begin() + kLanes, [](double x) { return x <= kRowTolerance; });
-  if (!all_met) pass_->closure_residuals(tree, plan_, z_, true, raised.data());
+  if (!all_met) pass_->closure_residuals(tree, z, plan_, z_, true, raised.data());
   Residuals out;
   for (std::size_t l = 0; l < kL; ++l) {
     const auto& of = all_met || now[l] <= kRowTolerance ? now : raised;
@@ -129,9 +130,9 @@ TreeClosures::Residuals TreeClosures::residuals(const TreeNumbers& tree) {
 
 // Dynamics::joint_accelerations for each lane. One whose rows are not met then goes on alone: but for redundant ones that
 // miss by rounding, as those do in which nothing moves.
-Flags8 TreeClosures::accelerate(const TreePlan& tree, const TreeNumbers& z, int n, double* rate) {
+Flags8 TreeClosures::accelerate(const TreePlan& tree, const TreeStore& z, int n, double* rate) {
   pass_->accelerate_closed(tree, z, plan_, z_, rate);
-  Residuals now = residuals(z);
+  Residuals now = residuals(tree, z);
   Numbers8 before;
   before.fill(HUGE_VAL);
   for (;;) {
@@ -141,9 +142,9 @@ Flags8 TreeClosures::accelerate(const TreePlan& tree, const TreeNumbers& z, int 
       if (going[l]) before[l] = now.all[l];
     }
     if (!any(going)) break;
-    const double* dv = correct(tree, z, r_, going);
+    const double* dv = correct(tree, z, z_.r, going);
     pass_->add_correction(tree, z, plan_, z_, dv, rate);
-    now = residuals(z);
+    now = residuals(tree, z);
   }
   Flags8 unmet{};
   for (std::size_t l = 0; l < kL; ++l)
@@ -151,16 +152,16 @@ Flags8 TreeClosures::accelerate(const TreePlan& tree, const TreeNumbers& z, int 
   return unmet;
 }
 
-const double* TreeClosures::correct(const TreePlan& tree, const TreeNumbers& z, const Aligned<double>& r,
+const double* TreeClosures::correct(const TreePlan& tree, const TreeStore& z, std::span<const double> r,
                                     const Flags8& wanted) {
   for (std::size_t i = 0; i < masked_.size(); ++i) masked_[i] = wanted[i % kL] ? r[i] : 0.0;
   pass_->correct_closures(tree, z, plan_, z_, masked_.data(), dv_.data());
   return dv_.data();
 }
 
-void TreeClosures::see_pivots() {
+void TreeClosures::see_pivots(const TreePlan& tree, const TreeStore& z) {
   if (!floors_known_) measure_floors();
-  pass_->closure_pivots(plan_, z_, pivot_floors_.data(), pivots_.data());
+  pass_->closure_pivots(tree, z, plan_, z_, pivot_floors_.data(), pivots_.data());
 }
 
 // As ClosureRows::measure_scales, once.
@@ -170,9 +171,9 @@ void TreeClosures::measure_floors() {
     PivotFloors floors;
     for (std::size_t j = 0; j < plan_.n_rows(); ++j) {
       const ClosureSource& source = plan_.fronts.sources[j];
-      floors.add(source.kind, kClosureProximal * scale_[kL * j + l]);
+      floors.add(source.kind, kClosureProximal * z_.scale[kL * j + l]);
       for (int i = 0; i < source.n_sides && source.kind == RowKind::translation; ++i) {
-        const double* J = J_.data() + kL * spatial::size * static_cast<std::size_t>(source.first_side + i) + l;
+        const double* J = z_.J.data() + kL * spatial::size * static_cast<std::size_t>(source.first_side + i) + l;
         floors.arm2 = std::max(floors.arm2, J[3 * kL] * J[3 * kL] + J[4 * kL] * J[4 * kL] + J[5 * kL] * J[5 * kL]);
       }
     }

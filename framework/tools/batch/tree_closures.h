@@ -13,6 +13,8 @@ class TreeClosures {
   /// Of systems whose layouts are alike; nothing where these have no rows.
   void begin(const Systems&, const Layouts&, const Passes&);
 
+  const ClosurePlan& plan() const { return plan_; }
+  const ClosureStore& numbers() const { return z_; }
   bool empty() const { return plan_.empty(); }
   bool has_laws() const { return has_laws_; }
   /// Whether links write rows of their own, which needs the motions of the copies.
@@ -21,26 +23,26 @@ class TreeClosures {
   void fill(const System&, int lane, const Inputs&);
 
   /// Accelerations at the motions that the tree has; true in the lanes whose rows are not met. The first n are looked at.
-  Flags8 accelerate(const TreePlan&, const TreeNumbers&, int n, double* rate);
+  Flags8 accelerate(const TreePlan&, const TreeStore&, int n, double* rate);
   /// Of the last of them: how many pivots are small, and the smallest of the others, relative to its diagonal.
-  void see_pivots();
+  void see_pivots(const TreePlan&, const TreeStore&);
   double n_small(std::size_t lane) const { return pivots_[lane]; }
   double smallest_pivot(std::size_t lane) const { return pivots_[kL + lane]; }
 
   /// C and Cd = J v + Ct at the motions that the tree has; the second alone after new velocities.
-  void gather(const TreeNumbers& z) { pass_->closure_errors(z, plan_, z_); }
-  void gather_rates(const TreeNumbers& z) { pass_->closure_rates(z, plan_, z_); }
+  void gather(const TreePlan& tree, const TreeStore& z) { pass_->closure_errors(tree, z, plan_, z_); }
+  void gather_rates(const TreePlan& tree, const TreeStore& z) { pass_->closure_rates(tree, z, plan_, z_); }
   /// Their largest numbers, as Evaluation::norm measures them.
-  Numbers8 norm_C() { return norm(C_); }
-  Numbers8 norm_Cd() { return norm(Cd_); }
+  Numbers8 norm_C(const TreePlan& tree, const TreeStore& z) { return norm(tree, z, z_.rows.C); }
+  Numbers8 norm_Cd(const TreePlan& tree, const TreeStore& z) { return norm(tree, z, z_.Cd); }
   /// The elimination of the rows as gathered last.
-  void factor(const TreePlan& tree, const TreeNumbers& z) { pass_->factor_closures(tree, z, plan_, z_); }
+  void factor(const TreePlan& tree, const TreeStore& z) { pass_->factor_closures(tree, z, plan_, z_); }
   /// The change of the velocities of least kinetic energy by which C or Cd vanish in the wanted lanes; none in others.
-  const double* correct_C(const TreePlan& tree, const TreeNumbers& z, const Flags8& wanted) {
-    return correct(tree, z, C_, wanted);
+  const double* correct_C(const TreePlan& tree, const TreeStore& z, const Flags8& wanted) {
+    return correct(tree, z, z_.rows.C, wanted);
   }
-  const double* correct_Cd(const TreePlan& tree, const TreeNumbers& z, const Flags8& wanted) {
-    return correct(tree, z, Cd_, wanted);
+  const double* correct_Cd(const TreePlan& tree, const TreeStore& z, const Flags8& wanted) {
+    return correct(tree, z, z_.Cd, wanted);
   }
 
  private:
@@ -52,17 +54,17 @@ class TreeClosures {
     Numbers8 all, regular;
     bool met(std::size_t lane) const;
   };
-  Residuals residuals(const TreeNumbers&);
-  Numbers8 norm(const Aligned<double>&);
-  const double* correct(const TreePlan&, const TreeNumbers&, const Aligned<double>& r, const Flags8& wanted);
+  Residuals residuals(const TreePlan&, const TreeStore&);
+  Numbers8 norm(const TreePlan&, const TreeStore&, std::span<const double>);
+  const double* correct(const TreePlan&, const TreeStore&, std::span<const double> r, const Flags8& wanted);
 
   ClosurePlan plan_;
-  ClosureNumbers z_;
+  ClosureStore z_{};
   RowTable scratch_;  // of one link
   const Passes* pass_ = nullptr;
   bool has_laws_ = false, floors_known_ = false;
-  Aligned<double> body_, frames_, law_, rows_J_, c_, C_, Ct_, inverse_, J_, K_, l_, Lambda_, V_, diagonal_, scale_, d_,
-      lambda_, dlambda_, r_, size_, Cd_, wrench_, change_, du_, masked_, dv_, length_;
+  Arrays arrays_;  // of z_
+  Aligned<double> masked_, dv_, length_;
   alignas(64) std::array<double, 2 * kLanes> pivots_{};        // n_small, smallest_pivot
   alignas(64) std::array<double, 3 * kLanes> pivot_floors_{};  // one pack per RowKind
 };

@@ -2,11 +2,14 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "framework/dynamics/tree/inward_places.h"
+#include "framework/dynamics/tree/joint_passes.h"
 #include "framework/dynamics/tree/joint_tree.h"
 #include "framework/tools/batch/lane_plan.h"
+#include "framework/tools/batch/number_arrays.h"
 
 namespace lockstep::lanes {
 
@@ -56,9 +59,14 @@ inline constexpr std::size_t near = 0, far = one, lock = 2 * one, size = 3 * one
 namespace moving {
 inline constexpr std::size_t e = 0, A = 4, w = 13, x = 16, v = 19, a = 22, al = 25, size = 28;
 }
-// Of what the recursion alone reads, a struct of packs each (dynamics/tree/joint_passes.h).
+/// From the parent's point to that of a node, and its acceleration beyond the parent's if the coordinates' are zero.
+template <class T>
+struct Travel {
+  vec::Vector<T> r;
+  typename bodies::InSpace<T>::Twist c;
+};
 namespace travel {
-inline constexpr std::size_t size = 9;  ///< r, c
+inline constexpr std::size_t size = 9;
 }
 namespace dof {
 inline constexpr std::size_t size = 14;  ///< Coordinate
@@ -76,18 +84,33 @@ namespace varied {
 inline constexpr std::size_t x = 0, phi = 3, v = 6, w = 9, size = 12;
 }
 
-/// The arrays of a batch in joint coordinates, in packs of eight; travel, dof and waiting: those of one round after another.
-struct TreeNumbers {
-  const double* y = nullptr;        ///< state: q, v, s
-  const double* gravity = nullptr;  ///< 3
-  const double* wrench = nullptr;   ///< of the forces: 6 per slot; null: there are none
-  const double *joint = nullptr, *more = nullptr, *law = nullptr;
-  double *half = nullptr, *cosine = nullptr, *sine = nullptr;    ///< of half the angle of each node
-  double* moving = nullptr;                                      ///< the ground first
-  double *travel = nullptr, *dof = nullptr, *waiting = nullptr;  ///< per node | per velocity | inertias
-  double* largest = nullptr;                                     ///< |a|^2, |al|^2 of the slot that has most
-  double* varied = nullptr;                                      ///< the ground first
-  bool with_positions = false;                                   ///< x and v of the slots are asked for
+/// The arrays of a batch in joint coordinates. A: an array of numbers (number_arrays.h); where they are stored: a span.
+template <class A>
+struct TreeArrays {
+  A y,                                 ///< state: q, v, s
+      gravity,                         ///< 3
+      wrench,                          ///< of the forces: 6 per slot; none: there are no forces
+      joint, more, law, cosine, sine,  ///< of half the angle of each node
+      moving,                          ///< the ground first
+      largest,                         ///< |a|^2, |al|^2 of the slot that has most
+      varied;                          ///< the ground first
+  bool with_positions;                 ///< x and v of the slots are asked for
+
+  template <class F>
+  LOCKSTEP_INLINE auto each(F&& f) const -> TreeArrays<decltype(f(y))> {
+    return {f(y),      f(gravity), f(wrench), f(joint),   f(more),   f(law),
+            f(cosine), f(sine),    f(moving), f(largest), f(varied), with_positions};
+  }
+};
+/// What the recursion alone reads, a struct of numbers each: per node | per velocity | inertias that wait.
+template <class A>
+struct TreeNumbers : TreeArrays<A> {
+  Travel<NumberIn<A>>* travel;
+  bodies::Coordinate<SpaceOf<A>>* dof;
+  typename SpaceOf<A>::Inertia* waiting;
+};
+struct TreeStore : TreeArrays<std::span<double>> {
+  std::span<double> travel, dof, waiting;  ///< those of one round after another
 };
 
 /// The plan of copies of a tree of this shape.

@@ -15,7 +15,7 @@ void TreeBatch::project(double* y, const Numbers8& t, const Flags8& wanted, std:
   if (closures_.empty()) return;
   if (stabilization_.kind != Stabilization::Kind::project) {
     gather(y, t);
-    const Numbers8 C = closures_.norm_C();
+    const Numbers8 C = closures_.norm_C(plan_, z_);
     for (std::size_t l = 0; l < kL; ++l) landed[l].before = landed[l].after = C[l];
     return;
   }
@@ -29,7 +29,7 @@ void TreeBatch::project(double* y, const Numbers8& t, const Flags8& wanted, std:
 void TreeBatch::gather(const double* y, const Numbers8& t) {
   move(y, t, true);
   fill_closures(y, t);
-  closures_.gather(z_);
+  closures_.gather(plan_, z_);
 }
 
 // Quaternions of balls get length one.
@@ -65,7 +65,7 @@ Numbers8 TreeBatch::largest_of(std::size_t at) const {
   for (std::size_t k = 1; k <= plan_.nodes.size(); ++k)
     for (std::size_t i = 0; i < 3; ++i)
       for (std::size_t l = 0; l < kL; ++l)
-        out[l] = std::max(out[l], std::abs(moving_[kL * (moving::size * k + at + i) + l]));
+        out[l] = std::max(out[l], std::abs(z_.moving[kL * (moving::size * k + at + i) + l]));
   return out;
 }
 
@@ -80,7 +80,7 @@ bool TreeBatch::project_positions(double* y, const Numbers8& t, const Flags8& wa
     rounds[l] = {position_goal_of(tolerance), tolerance, system(static_cast<int>(l)).length(), x_max[l]};
   Flags8 going = wanted;
   for (;; gather(y, t)) {
-    const bool chord = next_round(closures_.norm_C(), rounds, going, landed);
+    const bool chord = next_round(closures_.norm_C(plan_, z_), rounds, going, landed);
     if (!any(going)) return chord;
     if (!chord) closures_.factor(plan_, z_);
     advance(y, closures_.correct_C(plan_, z_, going));
@@ -92,7 +92,7 @@ bool TreeBatch::project_positions(double* y, const Numbers8& t, const Flags8& wa
 // term alone leaves something. Copies whose velocities are not met then go on alone.
 void TreeBatch::project_velocities(double* y, const Numbers8& t, const Flags8& wanted, bool factored,
                                    std::array<Landing, kLanes>& landed) {
-  const Numbers8 v_max = largest_of(moving::v), w_max = largest_of(moving::w), first = closures_.norm_Cd();
+  const Numbers8 v_max = largest_of(moving::v), w_max = largest_of(moving::w), first = closures_.norm_Cd(plan_, z_);
   Numbers8 left = first, goal;
   Flags8 going = wanted;
   for (std::size_t l = 0; l < kL; ++l) {
@@ -107,9 +107,9 @@ void TreeBatch::project_velocities(double* y, const Numbers8& t, const Flags8& w
     const Flags8 lost = lost_;
     move(y, t, true);
     lost_ = lost;
-    closures_.gather_rates(z_);
+    closures_.gather_rates(plan_, z_);
     const Numbers8 last = left;
-    left = closures_.norm_Cd();
+    left = closures_.norm_Cd(plan_, z_);
     bool again = false;
     for (std::size_t l = 0; l < kL; ++l) {
       if (!going[l]) continue;

@@ -1,0 +1,268 @@
+// The accelerations and multipliers of a mechanism in joint coordinates, recorded at one state and replayed at others: the
+// text of the lanes (tools/batch/lane_tree.h) on numbers that write down what is done with them, and on counted ones.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include <lockstep/batch.h>
+#include <lockstep/jet.h>
+#include <lockstep/registry.h>
+#include <lockstep/scene.h>
+#include <lockstep/solvers.h>
+#include "framework/description/scene/system_of.h"
+#include "framework/tools/batch/lane_closures.h"
+#include "framework/tools/batch/tree_batch.h"
+#include "tests/support/catch.h"
+#include "tests/support/counted.h"
+#include "tests/support/recorded.h"
+#include "tests/support/run_scene.h"
+
+namespace lockstep {
+namespace {
+
+using oracle::Counted;
+using oracle::Op;
+using oracle::Program;
+using oracle::Recorded;
+using oracle::Recording;
+using Varied = Jet<0, Recorded>;
+
+}  // namespace
+}  // namespace lockstep
+
+// Pivots are taken as they are, so that all numbers make the same operations.
+template <>
+inline constexpr bool lockstep::bodies::kUncompared<lockstep::oracle::Counted> = true;
+template <>
+inline constexpr bool lockstep::bodies::kUncompared<lockstep::Jet<0, lockstep::oracle::Recorded>> = true;
+
+namespace lockstep {
+namespace {
+
+template <class T>
+struct Arrays {
+  std::vector<std::vector<T>> all;
+  T* add(std::size_t n) { return all.emplace_back(n).data(); }
+  // The first of eight copies.
+  T* add(std::span<const double> packs) {
+    T* const to = add(packs.size() / lanes::kL);
+    for (std::size_t i = 0; i < packs.size() / lanes::kL; ++i) to[i] = T(packs[lanes::kL * i]);
+    return packs.empty() ? nullptr : to;
+  }
+};
+
+/// The arrays of a batch that differ from state to state.
+std::vector<std::span<const double>> inputs_of(const lanes::TreeBatch& batch) {
+  const lanes::TreeStore& z = batch.numbers();
+  if (batch.closures().empty()) return {z.y, z.law, z.wrench};
+  const lanes::RowArrays<std::span<double>>& rows = batch.closures().numbers().rows;
+  return {z.y, z.law, z.wrench, rows.law, rows.J, rows.c};
+}
+std::vector<double> inputs_now(const lanes::TreeBatch& batch) {
+  std::vector<double> out;
+  for (const std::span<const double> of : inputs_of(batch))
+    for (std::size_t i = 0; i < of.size(); i += lanes::kL) out.push_back(of[i]);
+  return out;
+}
+
+/// Accelerations of the coordinates, then multipliers of the closures.
+template <class T>
+std::vector<T> evaluate(const lanes::TreeBatch& batch, std::span<const T> inputs) {
+  using Space = bodies::InSpace<T>;
+  Arrays<T> arrays;
+  std::size_t next = 0;
+  const std::vector<std::span<const double>> varying = inputs_of(batch);
+  const auto put = [&](std::span<double> packs) {
+    T* const to = arrays.add(packs);
+    for (const std::span<const double> of : varying) {
+      const std::size_t n = of.size() / lanes::kL;
+      if (of.data() == packs.data()) std::copy_n(inputs.begin() + static_cast<std::ptrdiff_t>(next), n, to);
+      next += n;
+    }
+    next = 0;
+    return to;
+  };
+  const lanes::TreePlan& plan = batch.plan();
+  std::vector<lanes::Travel<T>> travel(plan.nodes.size());
+  std::vector<bodies::Coordinate<Space>> dof(plan.n_v);
+  std::vector<typename Space::Inertia> waiting(plan.n_waiting);
+  const lanes::LaneTree<T*> tree{plan, {batch.numbers().each(put), travel.data(), dof.data(), waiting.data()}};
+  for (std::size_t k = 0; k < plan.nodes.size(); ++k) {
+    const lanes::LaneNode& n = plan.nodes[k];
+    if (n.turn != TreeTurn::hinge) continue;
+    using std::cos, std::sin;
+    const T half = 0.5 * tree.z.y[n.q + static_cast<std::size_t>(n.n_slides)];
+    tree.z.cosine[k] = cos(half), tree.z.sine[k] = sin(half);
+  }
+  T* const rate = arrays.add(plan.n_q + plan.n_v);
+  tree.outward();
+  std::vector<T> out;
+  if (batch.closures().empty()) {
+    tree.accelerate_free(rate);
+  } else {
+    const lanes::ClosurePlan& loops = batch.closures().plan();
+    std::vector<typename Space::Wrench> K(loops.fronts.rows.size()), wrench(loops.fronts.n_nodes);
+    std::vector<typename Space::Twist> change(loops.fronts.n_nodes);
+    const lanes::LaneClosures<T*> closures{
+        tree, loops, {batch.closures().numbers().each(put), K.data(), wrench.data(), change.data()}};
+    closures.accelerate(rate);
+    out.assign(closures.c.lambda, closures.c.lambda + loops.n_rows());
+  }
+  out.insert(out.begin(), rate + plan.n_q, rate + plan.n_q + plan.n_v);
+  return out;
+}
+
+/// A sample in a batch of one copy, at states that it is set to.
+class OneCopy {
+ public:
+  explicit OneCopy(const std::string& name)
+      : mechanism_(build_mechanism(in_space(read_scene(scene_path(name))), builtin_registry())),
+        system_(system_of(mechanism_)) {
+    system_.setup();
+    System* const one[] = {&system_};
+    CopiesOptions options;
+    options.formulation = Formulation::joint;
+    batch_ = lanes::Batch::of(one, 0, options);
+    y_.assign(batch_->n_numbers(), 0.0), rate_ = y_;
+    dynamics_ = std::make_unique<Dynamics>(system_, std::make_unique<SchurSolver>(),
+                                           DynamicsOptions{.formulation = Formulation::joint, .stabilization = {}});
+    start_ = system_.start();
+    dynamics_->to_formulation(start_);
+    REQUIRE(start_.coordinates != nullptr);
+  }
+  /// Coordinates and velocities away from the start, others for every k; they need not close the loops.
+  void move_to(int k) {
+    state_ = start_;
+    state_.t = start_.t + 0.003 * k;
+    const auto wave = [&](Eigen::Index i, double shift) { return std::sin(1.3 * double(i) + 0.7 * k + shift); };
+    for (Eigen::Index i = 0; i < state_.q.size(); ++i) state_.q[i] += k == 0 ? 0.0 : 0.1 * wave(i, 0.0);
+    for (Eigen::Index i = 0; i < state_.v.size(); ++i) state_.v[i] += wave(i, 2.0);
+    see();
+  }
+  /// Coordinate or velocity i of the state, and how it goes on.
+  double& coordinate(std::size_t i) {
+    const auto n_q = static_cast<std::size_t>(state_.q.size());
+    return i < n_q ? state_.q[static_cast<Eigen::Index>(i)] : state_.v[static_cast<Eigen::Index>(i - n_q)];
+  }
+  void see() {
+    for (int lane = 0; lane < lanes::kLanes; ++lane) batch_->put(lane, state_, y_.data());
+    lanes::Numbers8 t;
+    t.fill(state_.t);
+    batch_->evaluate(y_.data(), t, rate_.data());
+  }
+  /// As single runs have them.
+  VecX accelerations() {
+    StateRate rate;
+    dynamics_->rates(state_, rate);
+    return rate.v;
+  }
+  const lanes::TreeBatch& batch() const { return dynamic_cast<const lanes::TreeBatch&>(*batch_); }
+
+ private:
+  Mechanism mechanism_;
+  System& system_;
+  std::unique_ptr<lanes::Batch> batch_;
+  std::unique_ptr<Dynamics> dynamics_;
+  Aligned<double> y_, rate_;
+  State start_, state_;
+};
+
+Program record(const OneCopy& sample, Recording& recording, std::size_t n_directions) {
+  Recording::now = &recording;
+  const std::size_t n = inputs_now(sample.batch()).size();
+  std::vector<Recorded> inputs, results;
+  for (std::size_t i = 0; i < n; ++i) inputs.push_back(Recorded::input(static_cast<int>(i)));
+  results = evaluate<Recorded>(sample.batch(), inputs);
+  for (std::size_t k = 0; k < n_directions; ++k) {
+    std::vector<Varied> varied;
+    for (std::size_t i = 0; i < n; ++i) varied.emplace_back(inputs[i], Recorded(i == k ? 1.0 : 0.0), Recorded(0.0));
+    for (const Varied& y : evaluate<Varied>(sample.batch(), varied)) results.push_back(y.d);
+  }
+  return {recording, results};
+}
+
+const std::array<const char*, 4> kSamples{"four_bar", "slider_crank", "robot_arm", "stewart"};
+
+}  // namespace
+
+TEST_CASE("an evaluation recorded at one state gives the same bits at a hundred others") {
+  const std::string name = GENERATE(from_range(kSamples));
+  INFO(name);
+  OneCopy sample(name);
+  sample.move_to(0);
+  Recording recording;
+  const Program program = record(sample, recording, 0);
+  double worst = 0;
+  for (int k = 1; k <= 100; ++k) {
+    sample.move_to(k);
+    const std::vector<double> inputs = inputs_now(sample.batch());
+    const std::vector<double> replayed = program.replay(inputs), evaluated = evaluate<double>(sample.batch(), inputs);
+    REQUIRE(replayed.size() == evaluated.size());
+    for (std::size_t i = 0; i < replayed.size(); ++i) REQUIRE(replayed[i] == evaluated[i]);
+    const VecX trusted = sample.accelerations();
+    const Eigen::Map<const VecX> own(replayed.data(), trusted.size());
+    worst = std::max(worst, (own - trusted).lpNorm<Eigen::Infinity>() / trusted.lpNorm<Eigen::Infinity>());
+  }
+  CHECK(worst < 1e-13);
+
+  // The list is no longer than what the same text computes.
+  std::vector<Counted> inputs;
+  for (const double x : inputs_now(sample.batch())) inputs.emplace_back(x);
+  const oracle::Operations counted =
+      oracle::operations_of([&] { evaluate<Counted>(sample.batch(), std::span<const Counted>(inputs)); });
+  const long recorded = program.count({Op::add, Op::subtract, Op::multiply, Op::divide});
+  CHECK(recorded <= counted.total());
+  CHECK(recorded > counted.total() / 20);
+  UNSCOPED_INFO(name << ": recorded " << recorded << ", counted " << counted.total() << ", of single runs " << worst);
+  CHECK(program.count({Op::divide}) <= counted.div);
+}
+
+TEST_CASE("recorded derivatives are those of the accelerations and multipliers") {
+  const std::string name = GENERATE(from_range(kSamples));
+  INFO(name);
+  OneCopy sample(name);
+  sample.move_to(1);
+  if (name == std::string("stewart")) return;  // its own code writes its rows: inputs of the recording
+  const std::size_t n = sample.batch().plan().n_q + sample.batch().plan().n_v;
+  Recording recording;
+  const Program program = record(sample, recording, n);
+  sample.move_to(2);
+  const auto results = [&] { return evaluate<double>(sample.batch(), inputs_now(sample.batch())); };
+  const std::vector<double> all = program.replay(inputs_now(sample.batch()));
+  const std::size_t m = results().size();
+  REQUIRE(all.size() == m * (n + 1));
+  for (std::size_t k = 0; k < n; ++k) {
+    // Fourth-order differences.
+    const double h = 1e-3, x = sample.coordinate(k);
+    const auto at = [&](double by) {
+      sample.coordinate(k) = x + by;
+      sample.see();
+      return results();
+    };
+    const std::vector<double> a = at(-2 * h), b = at(-h), c = at(h), d = at(2 * h);
+    sample.coordinate(k) = x;
+    double size = 1;
+    for (std::size_t i = 0; i < m; ++i) size = std::max(size, std::abs(all[m * (k + 1) + i]));
+    for (std::size_t i = 0; i < m; ++i) {
+      const double difference = (a[i] - 8 * b[i] + 8 * c[i] - d[i]) / (12 * h);
+      CHECK(std::abs(all[m * (k + 1) + i] - difference) < 1e-8 * size);
+    }
+  }
+}
+
+TEST_CASE("a recorded number cannot be compared") {
+  Recording recording;
+  Recording::now = &recording;
+  const Recorded x = Recorded::input(0);
+  CHECK_THROWS_AS(x < 1.0, std::logic_error);
+  CHECK_THROWS_AS(x == 1.0, std::logic_error);
+  CHECK_THROWS_AS(bodies::magnitude(x), std::logic_error);
+}
+
+}  // namespace lockstep
