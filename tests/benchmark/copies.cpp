@@ -41,12 +41,12 @@ double nanoseconds(F&& act) {
 }
 
 /// Per body, copy and evaluation; NaN where the machine has not got the instructions or the mechanism no such lanes.
-double in_lanes(test::Family& family, const std::vector<State>& states, Formulation formulation, Instructions set) try {
+double in_lanes(test::Family& family, const std::vector<State>& states, Instructions set) try {
   CopiesOptions options;
-  options.instructions = set, options.formulation = formulation;
+  options.instructions = set, options.formulation = Formulation::joint;
   const std::vector<System*> systems = family.pointers();
-  if (!Copies::unsuited(*systems[0], formulation).empty()) return NAN;
-  const std::unique_ptr<lanes::Batch> batch = lanes::Batch::of(systems, 0, options);
+  if (!Copies::unsuited(*systems[0], Formulation::joint).empty()) return NAN;
+  const auto batch = std::make_unique<lanes::Batch>(systems, 0, options);
   Aligned<double> y(batch->n_numbers()), rate(batch->n_numbers());
   for (int l = 0; l < lanes::kLanes; ++l) {
     State state = states[static_cast<std::size_t>(l)];
@@ -71,17 +71,15 @@ double one_by_one(test::Family& family, const std::vector<State>& states, Formul
 
 template <class Make>
 void table(const char* what, std::initializer_list<int> sizes, Make&& make) {
-  fmt::print("{}\n{:>7} | {:>10} {:>8} | {:>10} {:>8} {:>8} {:>8}\n", what, "size", "omega", "in lanes", "joint",
-             "plain", "FMA", "AVX-512");
+  fmt::print("{}\n{:>7} | {:>10} | {:>10} {:>8} {:>8} {:>8}\n", what, "size", "omega", "joint", "plain", "FMA",
+             "AVX-512");
   for (const int n : sizes) {
     test::Family family(lanes::kLanes, [&](int k) { return make(n, k); });
     const std::vector<State> states = family.assembled();
-    const auto joint = [&](Instructions set) { return in_lanes(family, states, Formulation::joint, set); };
-    fmt::print("{:7} | {:10.1f} {:8.1f} | {:10.1f} {:8.1f} {:8.1f} {:8.1f}\n", n,
-               one_by_one(family, states, Formulation::omega),
-               in_lanes(family, states, Formulation::omega, Instructions::best),
-               one_by_one(family, states, Formulation::joint), joint(Instructions::plain), joint(Instructions::fma),
-               joint(Instructions::avx512));
+    const auto lanes = [&](Instructions set) { return in_lanes(family, states, set); };
+    fmt::print("{:7} | {:10.1f} | {:10.1f} {:8.1f} {:8.1f} {:8.1f}\n", n,
+               one_by_one(family, states, Formulation::omega), one_by_one(family, states, Formulation::joint),
+               lanes(Instructions::plain), lanes(Instructions::fma), lanes(Instructions::avx512));
   }
 }
 
@@ -104,12 +102,9 @@ void scene_row(const std::string& file) try {
     return std::make_unique<System>(std::move(system_of(m)));
   });
   const std::vector<State> states = family.assembled();
-  const auto lanes = [&](Formulation f) { return in_lanes(family, states, f, Instructions::best); };
-  const bool runs = Copies::unsuited(*family.systems[0]).empty();
-  fmt::print("{:32.32} | {:7.1f} {:8.1f} | {:7.1f} {:8.1f} | {:>6} ", file.substr(file.rfind('/') + 1),
-             one_by_one(family, states, Formulation::omega), lanes(Formulation::omega),
-             one_by_one(family, states, Formulation::joint), lanes(Formulation::joint),
-             runs ? to_string(Copies(family.pointers()).formulation()) : "-");
+  fmt::print("{:32.32} | {:7.1f} | {:7.1f} {:8.1f} | ", file.substr(file.rfind('/') + 1),
+             one_by_one(family, states, Formulation::omega), one_by_one(family, states, Formulation::joint),
+             in_lanes(family, states, Instructions::best));
   print_counts(*family.systems[0]);
 } catch (const Error& error) {
   fmt::print("{}: {}\n", file, error.what());
@@ -120,8 +115,7 @@ void scene_row(const std::string& file) try {
 int main(int n_arguments, char** arguments) {
   fmt::print("CPU ns a body, copy and evaluation: one mechanism, and eight in lanes\n");
   if (n_arguments > 1) {
-    fmt::print("{:32} | {:>7} {:>8} | {:>7} {:>8} | {:>6} {:>9} {:>6}\n", "scene", "omega", "in lanes", "joint",
-               "in lanes", "taken", "rows", "sq.");
+    fmt::print("{:32} | {:>7} | {:>7} {:>8} | {:>9} {:>6}\n", "scene", "omega", "joint", "in lanes", "rows", "sq.");
     for (int i = 1; i < n_arguments; ++i) scene_row(arguments[i]);
     return 0;
   }

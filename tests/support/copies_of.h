@@ -49,7 +49,6 @@ struct RunEnds {
 /// Runs that go along joints, to the time t.
 inline RunEnds ends_of(Family& family, const std::vector<State>& starts, double t, const CopiesOptions& options) {
   Copies copies(family.pointers(), options);
-  CHECK(copies.formulation() == Formulation::joint);
   RunEnds out;
   out.states.resize(starts.size());
   const std::vector<double> times{t};

@@ -12,7 +12,7 @@
 #include <lockstep/dynamics.h>
 #include <lockstep/solvers.h>
 #include <lockstep/stepping.h>
-#include "framework/tools/batch/tree_batch.h"
+#include "framework/tools/batch/batch.h"
 #include "tests/support/catch.h"
 #include "tests/support/copies_of.h"
 #include "tests/support/loops.h"
@@ -29,8 +29,7 @@ inline std::unique_ptr<lanes::Batch> batch_of(Family& family, Instructions set =
   options.instructions = set, options.formulation = Formulation::joint;
   const std::vector<System*> systems = family.pointers();
   for (System* system : systems) system->setup();
-  std::unique_ptr<lanes::Batch> batch = lanes::Batch::of(systems, 0, options);
-  REQUIRE(dynamic_cast<lanes::TreeBatch*>(batch.get()) != nullptr);
+  auto batch = std::make_unique<lanes::Batch>(systems, 0, options);
   return batch;
 }
 

@@ -25,137 +25,6 @@ using lockstep::testing::message_of;
 
 namespace {
 
-// Largest difference of the rates from those of the ordinary evaluation, relative to the largest rate of their kind.
-double difference(Family& family, std::vector<State> states, Instructions set = Instructions::best) {
-  CopiesOptions options;
-  options.instructions = set;
-  Copies copies(family.pointers(), options);
-  std::vector<StateRate> rates(states.size());
-  for (const bool met : copies.rate(states, rates)) CHECK(met);
-  double worst = 0;
-  for (std::size_t k = 0; k < states.size(); ++k) {
-    Dynamics dynamics(*family.systems[k], std::make_unique<SchurSolver>());
-    StateRate truth;
-    dynamics.rate(states[k], truth);
-    for (const auto part : {&StateRate::q, &StateRate::v, &StateRate::s})
-      keep_worst(worst, largest(rates[k].*part - truth.*part) / std::max(1.0, largest(truth.*part)));
-  }
-  return worst;
-}
-
-}  // namespace
-
-TEST_CASE("a lane's rates are those of the ordinary evaluation", "[unit][copies]") {
-  SECTION("chains, flat and twisted") {
-    for (const double twist : {0.0, 0.7}) {
-      Family family(8, [&](int k) { return chain(6, k, twist); });
-      std::vector<State> states = family.starts();
-      for (std::size_t k = 0; k < states.size(); ++k)
-        states[k].v.setRandom(), states[k].q += 0.01 * VecX::Random(states[k].q.size());  // off the constraints too
-      CHECK(difference(family, states) < 1e-12);
-    }
-  }
-  SECTION("free bodies and particles") {
-    Family family = random_family(
-        2, [](inputs::RandomMechanism&) {}, 1);
-    CHECK(difference(family, family.starts()) < 1e-12);
-  }
-  SECTION("every mask") {
-    for (int mask = 1; mask < 64; ++mask) {
-      Family family = random_family(2, [&](inputs::RandomMechanism& m) {
-        m.link(0, -1, Mask(mask));
-        m.link(0, 1, Mask(64 - mask));
-      });
-      INFO("mask " << mask);
-      CHECK(difference(family, family.starts()) < 1e-12);
-    }
-  }
-  SECTION("a side on the ground, particles, and a loop") {
-    Family family = random_family(
-        3,
-        [](inputs::RandomMechanism& m) {
-          m.link(-1, 0, Mask::xyz);
-          m.link(0, 1, Mask::xyz | Mask::e1 | Mask::e2);
-          m.link(2, 1, Mask::x | Mask::y | Mask::e3);
-          m.link(2, 0, Mask::z);
-          m.link(3, 2, Mask::xyz);
-        },
-        1);
-    CHECK(difference(family, family.starts()) < 1e-11);  // a loop: the proximal term leaves its own trace
-  }
-  SECTION("imposed laws and drives") {
-    Family family = random_family(3, [](inputs::RandomMechanism& m) {
-      m.link(0, -1, Mask::all, oracle::kP | oracle::kQD);
-      m.link(1, 0, Mask::x | Mask::z | Mask::e1, oracle::kP | oracle::kQD);
-      m.driven(2, 1, Mask::xyz | Mask::e1 | Mask::e2, Axis::rz);
-    });
-    CHECK(difference(family, family.starts()) < 1e-12);
-  }
-  SECTION("driven speeds and forces") {
-    Family family(5, [&](int k) {
-      auto sys = chain(3, k, 0.4);
-      static_cast<MarkerLock&>(*sys->links()[1]).drive_speed(Axis::rz, laws::law([k](auto t) {
-                                                               return 0.1 * k + sin(t);
-                                                             }));
-      Marker& p = sys->add_marker("p", sys->body("rod 2"), {Vec3(0.5, 0, 0), {}});
-      Marker& s = sys->add_marker("s", sys->ground(), {Vec3(0, 1, 2), {}});
-      sys->add<SpringDamper>("spring", p, s, {.stiffness = 40.0 + k, .damping = 1.0, .free_length = 0.5});
-      return sys;
-    });
-    std::vector<State> states = family.starts();
-    for (std::size_t k = 0; k < states.size(); ++k) states[k].t = 0.3 * double(k), states[k].v.setRandom();
-    CHECK(difference(family, states) < 1e-12);
-  }
-}
-
-TEST_CASE("rows that are redundant do not disturb the lanes", "[unit][copies]") {
-  Family family(8, [](int k) { return ladder(3, k); });
-  CHECK(difference(family, family.assembled()) < 1e-10);  // both solve with E = 1e-9, corrected once
-}
-
-TEST_CASE("plain x86-64, FMA and AVX-512 agree", "[unit][copies]") {
-  Family family = random_family(3, [](inputs::RandomMechanism& m) {
-    m.link(0, -1, Mask::xyz | Mask::e1 | Mask::e2);
-    m.link(1, 0, Mask::x | Mask::y | Mask::e3, oracle::kP);
-    m.link(2, 1, Mask::all, oracle::kQD);
-  });
-  const std::vector<State> states = family.starts();
-  int compared = 0;
-  for (const Instructions set : {Instructions::plain, Instructions::fma, Instructions::avx512}) try {
-      const double off = difference(family, states, set);  // by itself: a check would report what it throws
-      CHECK(off < 1e-12);
-      ++compared;
-    } catch (const ModelError& absent) {
-      check_words(absent.what(), {"this machine has no"});
-    }
-  CHECK(compared >= 1);
-}
-
-TEST_CASE("lanes are projected as single states are", "[unit][copies]") {
-  for (const bool loops : {false, true}) {
-    Family family(8, [&](int k) { return loops ? ladder(2, k) : chain(4, k, 0.5); });
-    std::vector<State> states = family.assembled();
-    for (std::size_t k = 0; k < states.size(); ++k) {
-      states[k].q += (k == 3 ? 1e-4 : 1e-5) * VecX::Random(states[k].q.size());
-      states[k].v += 1e-3 * VecX::Random(states[k].v.size());
-    }
-    std::vector<State> lanes = states;
-    for (const bool converged : Copies(family.pointers()).project(lanes)) CHECK(converged);
-    for (std::size_t k = 0; k < states.size(); ++k) {
-      Dynamics dynamics(*family.systems[k], std::make_unique<SchurSolver>());
-      INFO("loops " << loops << ", copy " << k);
-      CHECK(dynamics.violation(lanes[k]) < 1e-12);
-      const double left_v = dynamics.violation_v(lanes[k]);
-      dynamics.project(states[k]);
-      CHECK(left_v <= 1.1 * dynamics.violation_v(states[k]) + 1e-12);
-      CHECK(largest(lanes[k].q - states[k].q) < 1e-10);
-      CHECK(largest(lanes[k].v - states[k].v) < 1e-9);
-    }
-  }
-}
-
-namespace {
-
 struct Told {
   std::vector<std::vector<State>> states;  // of each copy, time after time
   std::vector<CopyReport> reports;
@@ -177,12 +46,10 @@ Told told(Family& family, const std::vector<State>& starts, const std::vector<do
 
 TEST_CASE("a run in lanes is the run of each copy", "[unit][copies]") {
   const std::vector<double> times{0.0, 0.1, 0.25, 0.5};
-  const Formulation formulation = GENERATE(Formulation::omega, Formulation::joint);
   for (const char* method : {"rk4", "dopri5", "dop853"}) {
     Family family(11, [](int k) { return chain(3, k, 0.3); });  // more than one batch, the second one not full
     const std::vector<State> starts = family.assembled();
     CopiesOptions options;
-    options.formulation = formulation;
     options.integrator = method;
     options.tolerance = {1e-9, 1e-11};
     options.step = std::string(method) == "rk4" ? 1e-3 : 0.0;
@@ -190,7 +57,7 @@ TEST_CASE("a run in lanes is the run of each copy", "[unit][copies]") {
     options.lanes = false;
     const Told alone = told(family, starts, times, options);
     for (std::size_t k = 0; k < starts.size(); ++k) {
-      INFO(to_string(formulation) << ", " << method << ", copy " << k);
+      INFO(method << ", copy " << k);
       REQUIRE(lanes.states[k].size() == times.size());
       CHECK(lanes.reports[k].finished);
       CHECK_FALSE(lanes.reports[k].alone);
@@ -209,17 +76,16 @@ TEST_CASE("a run in lanes is the run of each copy", "[unit][copies]") {
 TEST_CASE("a copy near a singular position finishes alone", "[unit][copies]") {
   const std::vector<double> times{0.5, 2.0};
   const std::string method = GENERATE("dopri5", "dop853");
-  const Formulation formulation = GENERATE(Formulation::omega, Formulation::joint);
   Family family(3, [](int k) { return ladder(1, k == 2 ? 28 : k); });
   const std::vector<State> starts = family.assembled();
   CopiesOptions options;
-  options.integrator = method, options.formulation = formulation;
+  options.integrator = method;
   options.tolerance = {1e-9, 1e-11};
   const Told lanes = told(family, starts, times, options);
   options.lanes = false;
   const Told alone = told(family, starts, times, options);
   for (std::size_t k = 0; k < starts.size(); ++k) {
-    CAPTURE(method, to_string(formulation), k, lanes.reports[k].error);
+    CAPTURE(method, k, lanes.reports[k].error);
     REQUIRE(lanes.reports[k].finished);
     CHECK(lanes.reports[k].alone == (k < 2));
     for (std::size_t i = 0; i < times.size(); ++i) CHECK(largest(lanes.states[k][i].q - alone.states[k][i].q) < 1e-7);
@@ -294,22 +160,17 @@ std::unique_ptr<System> with_turned_particle(int k) {
 
 TEST_CASE("a moment on a particle is refused of a copy in lanes by the words of a single run", "[unit][copies]") {
   const std::vector<std::string> words{"force 'twist' exerts a moment of 0.5 N m on body 'bead'", "cannot turn"};
-  for (const Formulation formulation : {Formulation::omega, Formulation::joint}) {
-    CAPTURE(to_string(formulation));
-    Family family(4, with_turned_particle);
-    CopiesOptions options;
-    options.formulation = formulation;
-    const Told lanes = told(family, family.starts(), {0.1, 0.5}, options);
-    for (std::size_t k = 0; k < 4; ++k) {
-      CAPTURE(k, lanes.reports[k].error);
-      CHECK(lanes.reports[k].finished == (k != 2));
-      CHECK(lanes.reports[k].alone == (k == 2));
-    }
-    check_words(lanes.reports[2].error, words);
-    Dynamics dynamics(*family.systems[2], std::make_unique<SchurSolver>(), {formulation, {}});
-    StepLoop loop(dynamics, std::make_unique<Dopri5>());
-    check_words(message_of<ModelError>([&] { loop.run_until(0.5); }), words);
+  Family family(4, with_turned_particle);
+  const Told lanes = told(family, family.starts(), {0.1, 0.5}, {});
+  for (std::size_t k = 0; k < 4; ++k) {
+    CAPTURE(k, lanes.reports[k].error);
+    CHECK(lanes.reports[k].finished == (k != 2));
+    CHECK(lanes.reports[k].alone == (k == 2));
   }
+  check_words(lanes.reports[2].error, words);
+  Dynamics dynamics(*family.systems[2], std::make_unique<SchurSolver>());
+  StepLoop loop(dynamics, std::make_unique<Dopri5>());
+  check_words(message_of<ModelError>([&] { loop.run_until(0.5); }), words);
 }
 
 TEST_CASE("copies land on the jumps of their laws", "[unit][copies]") {
@@ -334,11 +195,10 @@ TEST_CASE("copies land on the jumps of their laws", "[unit][copies]") {
 TEST_CASE("steps in lanes allocate nothing", "[unit][copies]") {
   if (!allocations_are_counted()) return;
   const bool loops = GENERATE(true, false);
-  const Formulation formulation = GENERATE(Formulation::omega, Formulation::joint);
   Family family(8, [&](int k) { return loops ? ladder(2, 25 + k) : chain(3, k, 0.3); });  // they hang, far from flat
   const std::vector<State> starts = family.assembled();
   CopiesOptions options;
-  options.integrator = "dopri5", options.formulation = formulation;
+  options.integrator = "dopri5";
   Copies copies(family.pointers(), options);
   const auto run_to = [&](double t) {
     const std::vector<double> times{t};
@@ -411,8 +271,8 @@ TEST_CASE("copies refuse by name what has no lanes", "[unit][copies]") {
   {
     auto planar = chain(2, 0);
     planar->set_planar(Plane{1});
-    check_words(Copies::unsuited(*planar, Formulation::omega), {"planar"});
-    CHECK(Copies::unsuited(*planar) == "");  // in joint coordinates
+    CHECK(Copies::unsuited(*planar) == "");
+    check_words(Copies::unsuited(*planar, Formulation::omega), {"joint coordinates"});
   }
   {
     auto planar = chain(2, 0);
@@ -425,8 +285,7 @@ TEST_CASE("copies refuse by name what has no lanes", "[unit][copies]") {
     inputs::RandomMechanism m(1);
     m.add_body();
     m.link(0, -1, Mask::xyz, oracle::kUP);
-    check_words(Copies::unsuited(m.system, Formulation::omega), {"link 0.P", "translation law"});
-    CHECK(Copies::unsuited(m.system) == "");  // in joint coordinates
+    CHECK(Copies::unsuited(m.system) == "");  // markers may move
   }
   {
     Family family(2, [](int k) { return chain(2 + k, 0); });
@@ -472,8 +331,7 @@ TEST_CASE("copies refuse by name what has no lanes", "[unit][copies]") {
   check_words(message([&] { Copies c(family.pointers(), options); }), {"radau5"});
   Copies copies(family.pointers());
   const std::vector<State> one{family.starts()[0]};
-  std::vector<StateRate> rates(1);
-  check_words(message([&] { copies.rate(one, rates); }), {"1 states for 2 copies"});
+  check_words(message([&] { copies.run(one, std::vector<double>{0.5}, {}); }), {"1 states for 2 copies"});
   check_words(message([&] { copies.run(family.starts(), std::vector<double>{1.0, 0.5}, {}); }), {"ascending"});
   check_words(message([&] { Copies c({}); }), {"at least one"});
 }

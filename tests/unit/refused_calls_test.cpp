@@ -139,14 +139,6 @@ TEST_CASE("copies refuse options that cannot be", "[unit][refusals]") {
          const Copies copies({one.get(), nullptr});
        },
        {"copy 1 is null", "give a mechanism"}},
-      {"rates",
-       [] {
-         test::Family family(2, [](int k) { return test::chain(1, k); });
-         Copies copies(family.pointers());
-         std::vector<StateRate> rates(1);
-         copies.rate(family.starts(), rates);
-       },
-       {"copies: as many rates as states are wanted"}},
   });
 }
 

@@ -8,7 +8,7 @@
 #include <lockstep/error.h>
 #include <lockstep/laws.h>
 #include <lockstep/stepping.h>
-#include "framework/tools/batch/tree_batch.h"
+#include "framework/tools/batch/batch.h"
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/copies_of.h"
@@ -218,41 +218,6 @@ TEST_CASE("a copy whose loops contradict is told by name, the others go on", "[u
   }
   CHECK(ends.reports[2].t == 0);
   check_words(ends.reports[2].error, {"the start", "foot"});
-}
-
-TEST_CASE("loops in lanes are taken in joint coordinates where these are the cheaper ones", "[unit][copies]") {
-  const auto taken = [](Family family, Formulation formulation = Formulation::automatic) {
-    CopiesOptions options;
-    options.formulation = formulation;
-    return Copies(family.pointers(), options).formulation();
-  };
-  CHECK(taken(Family(3, [](int k) { return ladder(2, k); })) == Formulation::joint);
-  // All five rows of two closures: alone they cost less along joints, in lanes they do not.
-  const auto one = askew_ladder(2, 0);
-  Dynamics alone(*one, std::make_unique<SchurSolver>());
-  State start = one->start();
-  alone.to_formulation(start);
-  CHECK(start.coordinates != nullptr);
-  CHECK(taken(Family(3, [](int k) { return askew_ladder(2, k); })) == Formulation::omega);
-  // Six chains from one body to the ground: the rows of five of them pass through it.
-  const auto parallel = [](int k) {
-    inputs::RandomMechanism m(static_cast<std::uint64_t>(100 + k));
-    m.add_body();
-    for (int i = 1; i <= 6; ++i) {
-      m.add_body();
-      m.link(i, -1, Mask::xyz);
-      m.link(0, i, Mask::xyz);
-    }
-    return std::make_unique<System>(std::move(m.system));
-  };
-  CHECK(taken(Family(3, parallel)) == Formulation::omega);
-  CHECK(taken(Family(3, parallel), Formulation::joint) == Formulation::joint);
-  // Rows of a planar mechanism have no lanes in omega.
-  CHECK(taken(Family(3, [](int k) {
-          auto sys = ladder(1, k);
-          sys->set_planar(Plane{1});
-          return sys;
-        })) == Formulation::joint);
 }
 
 TEST_CASE("loops that are not laid out alike are refused", "[unit][copies]") {

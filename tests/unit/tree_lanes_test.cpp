@@ -1,5 +1,5 @@
 // Copies in joint coordinates, one per lane, against the recursion of each mechanism alone.
-#include "framework/tools/batch/tree_batch.h"
+#include "framework/tools/batch/batch.h"
 
 #include <cmath>
 
@@ -28,8 +28,7 @@ double difference(Family& family, double away, Instructions set = Instructions::
   options.instructions = set, options.formulation = Formulation::joint;
   const std::vector<System*> systems = family.pointers();
   for (System* system : systems) system->setup();
-  const std::unique_ptr<lanes::Batch> batch = lanes::Batch::of(systems, 0, options);
-  REQUIRE(dynamic_cast<lanes::TreeBatch*>(batch.get()) != nullptr);
+  const auto batch = std::make_unique<lanes::Batch>(systems, 0, options);
   Aligned<double> y(batch->n_numbers()), rate(batch->n_numbers());
   std::vector<State> states;
   lanes::Numbers8 t{};
@@ -193,7 +192,7 @@ TEST_CASE("errors of steps in lanes are those of ErrorNorm", "[unit][copies]") {
   for (System* system : systems) system->setup();
   CopiesOptions options;
   options.formulation = Formulation::joint;
-  const std::unique_ptr<lanes::Batch> batch = lanes::Batch::of(systems, 0, options);
+  const auto batch = std::make_unique<lanes::Batch>(systems, 0, options);
   REQUIRE(batch->weighs_errors());
   Aligned<double> y0(batch->n_numbers()), y1 = y0, error = y0;
   lanes::Numbers8 t{}, t1{}, h{};
@@ -250,16 +249,16 @@ TEST_CASE("trees by plain x86-64, FMA and AVX-512 agree", "[unit][copies]") {
   CHECK(compared >= 1);
 }
 
-TEST_CASE("copies of trees run in joint coordinates", "[unit][copies]") {
-  const auto taken = [](Family family, Formulation formulation) {
-    CopiesOptions options;
-    options.formulation = formulation;
-    return Copies(family.pointers(), options).formulation();
-  };
-  const auto chains = [] { return Family(3, [](int k) { return chain(2, k); }); };
-  CHECK(taken(chains(), Formulation::automatic) == Formulation::joint);
-  CHECK(taken(chains(), Formulation::omega) == Formulation::omega);
-  check_words(testing::message_of<ModelError>([&] { taken(chains(), Formulation::quaternion); }), {"quaternion"});
+TEST_CASE("lanes have joint coordinates alone, but for bodies that lose digits there", "[unit][copies]") {
+  const Family family(1, [](int k) { return chain(2, k); });
+  for (const Formulation other : {Formulation::omega, Formulation::quaternion})
+    check_words(Copies::unsuited(*family.systems[0], other), {"lanes run in joint coordinates"});
+  System slender;
+  Body& bar = slender.add_body("bar", MassProperties{1, Vec3::Zero(), Vec3(1e-9, 1, 1).asDiagonal()});
+  slender.add<Spherical>("ball", slender.add_marker("p", bar, {Vec3(1, 0, 0), {}}),
+                         slender.add_marker("s", slender.ground(), {Vec3(1, 0, 0), {}}));
+  check_words(Copies::unsuited(slender), {"bar"});
+  CHECK(Copies::unsuited(slender, Formulation::joint).empty());
 }
 
 }  // namespace tree_lanes_test

@@ -16,8 +16,8 @@
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
 #include "framework/description/scene/system_of.h"
+#include "framework/tools/batch/batch.h"
 #include "framework/tools/batch/lane_closures.h"
-#include "framework/tools/batch/tree_batch.h"
 #include "tests/support/catch.h"
 #include "tests/support/counted.h"
 #include "tests/support/recorded.h"
@@ -58,13 +58,13 @@ struct Arrays {
 };
 
 /// The arrays of a batch that differ from state to state.
-std::vector<std::span<const double>> inputs_of(const lanes::TreeBatch& batch) {
-  const lanes::TreeStore& z = batch.numbers();
-  if (batch.closures().empty()) return {z.y, z.law, z.wrench};
-  const lanes::RowArrays<std::span<double>>& rows = batch.closures().numbers().rows;
+std::vector<std::span<const double>> inputs_of(const lanes::Batch& batch) {
+  const lanes::TreeStore& z = batch.data().z;
+  if (batch.data().loops.empty()) return {z.y, z.law, z.wrench};
+  const lanes::RowArrays<std::span<double>>& rows = batch.data().c.rows;
   return {z.y, z.law, z.wrench, rows.law, rows.J, rows.c};
 }
-std::vector<double> inputs_now(const lanes::TreeBatch& batch) {
+std::vector<double> inputs_now(const lanes::Batch& batch) {
   std::vector<double> out;
   for (const std::span<const double> of : inputs_of(batch))
     for (std::size_t i = 0; i < of.size(); i += lanes::kL) out.push_back(of[i]);
@@ -73,7 +73,7 @@ std::vector<double> inputs_now(const lanes::TreeBatch& batch) {
 
 /// Accelerations of the coordinates, then multipliers of the closures.
 template <class T>
-std::vector<T> evaluate(const lanes::TreeBatch& batch, std::span<const T> inputs) {
+std::vector<T> evaluate(const lanes::Batch& batch, std::span<const T> inputs) {
   using Space = bodies::InSpace<T>;
   Arrays<T> arrays;
   std::size_t next = 0;
@@ -88,11 +88,11 @@ std::vector<T> evaluate(const lanes::TreeBatch& batch, std::span<const T> inputs
     next = 0;
     return to;
   };
-  const lanes::TreePlan& plan = batch.plan();
+  const lanes::TreePlan& plan = batch.data().plan;
   std::vector<lanes::Travel<T>> travel(plan.nodes.size());
   std::vector<bodies::Coordinate<Space>> dof(plan.n_v);
   std::vector<typename Space::Inertia> waiting(plan.n_waiting);
-  const lanes::LaneTree<T*> tree{plan, {batch.numbers().each(put), travel.data(), dof.data(), waiting.data()}};
+  const lanes::LaneTree<T*> tree{plan, {batch.data().z.each(put), travel.data(), dof.data(), waiting.data()}};
   for (std::size_t k = 0; k < plan.nodes.size(); ++k) {
     const lanes::LaneNode& n = plan.nodes[k];
     if (n.turn != TreeTurn::hinge) continue;
@@ -103,14 +103,14 @@ std::vector<T> evaluate(const lanes::TreeBatch& batch, std::span<const T> inputs
   T* const rate = arrays.add(plan.n_q + plan.n_v);
   tree.outward();
   std::vector<T> out;
-  if (batch.closures().empty()) {
+  if (batch.data().loops.empty()) {
     tree.accelerate_free(rate);
   } else {
-    const lanes::ClosurePlan& loops = batch.closures().plan();
+    const lanes::ClosurePlan& loops = batch.data().loops;
     std::vector<typename Space::Wrench> K(loops.fronts.rows.size()), wrench(loops.fronts.n_nodes);
     std::vector<typename Space::Twist> change(loops.fronts.n_nodes);
     const lanes::LaneClosures<T*> closures{
-        tree, loops, {batch.closures().numbers().each(put), K.data(), wrench.data(), change.data()}};
+        tree, loops, {batch.data().c.each(put), K.data(), wrench.data(), change.data()}};
     closures.accelerate(rate);
     out.assign(closures.c.lambda, closures.c.lambda + loops.n_rows());
   }
@@ -128,7 +128,7 @@ class OneCopy {
     System* const one[] = {&system_};
     CopiesOptions options;
     options.formulation = Formulation::joint;
-    batch_ = lanes::Batch::of(one, 0, options);
+    batch_ = std::make_unique<lanes::Batch>(one, 0, options);
     y_.assign(batch_->n_numbers(), 0.0), rate_ = y_;
     dynamics_ = std::make_unique<Dynamics>(system_, std::make_unique<SchurSolver>(),
                                            DynamicsOptions{.formulation = Formulation::joint, .stabilization = {}});
@@ -162,7 +162,7 @@ class OneCopy {
     dynamics_->rates(state_, rate);
     return rate.v;
   }
-  const lanes::TreeBatch& batch() const { return dynamic_cast<const lanes::TreeBatch&>(*batch_); }
+  const lanes::Batch& batch() const { return *batch_; }
 
  private:
   Mechanism mechanism_;
@@ -229,7 +229,7 @@ TEST_CASE("recorded derivatives are those of the accelerations and multipliers")
   OneCopy sample(name);
   sample.move_to(1);
   if (name == std::string("stewart")) return;  // its own code writes its rows: inputs of the recording
-  const std::size_t n = sample.batch().plan().n_q + sample.batch().plan().n_v;
+  const std::size_t n = sample.batch().data().plan.n_q + sample.batch().data().plan.n_v;
   Recording recording;
   const Program program = record(sample, recording, n);
   sample.move_to(2);

@@ -33,10 +33,10 @@ struct CopiesOptions {
   double max_step = 0;                ///< s; 0: no limit
   long max_steps = 0;                 ///< steps of one copy, after which it fails; 0: no limit but that of StepLoop
   Stabilization stabilization;        ///< project or none
-  /// The coordinates of the runs: joint coordinates, omega (all rows), or automatic: joint coordinates of trees, of loops
-  /// where these are the cheaper ones by counts, and of mechanisms that have no lanes in omega.
+  /// Lanes run in joint coordinates. automatic: but for mechanisms that lose digits there (slender bodies), which have no
+  /// lanes; joint: those, too.
   Formulation formulation = Formulation::automatic;
-  bool lanes = true;                  ///< false: every copy by the ordinary Dynamics and integrator, for comparison
+  bool lanes = true;  ///< false: every copy by the ordinary Dynamics and integrator, for comparison
   Instructions instructions = Instructions::best;  ///< others are for comparison
   const Registry* registry = nullptr;              ///< where the integrator is; null: builtin_registry()
 };
@@ -68,16 +68,7 @@ class LOCKSTEP_API Copies {
   static std::string unsuited(System&, Formulation formulation = Formulation::automatic);
 
   int size() const;                      ///< number of copies
-  Formulation formulation() const;       ///< in whose coordinates run() steps: joint or omega
   const CopiesOptions& options() const;  ///< as given
-
-  /// Evaluates d/dt of q, v and s of every copy: size() states in the slots' own coordinates, each at its own time, and
-  /// as many rates, by omega. False for a copy whose rows could not be met: the ordinary Dynamics then names the cause.
-  /// Throws ModelError for wrong arguments, and for mechanisms whose rows have no lanes.
-  std::vector<bool> rate(std::span<const State> states, std::span<StateRate> out);
-  /// Projects the states, in the slots' own coordinates, onto C = 0 and Jh v = -Ct, as Dynamics::project does. False
-  /// where that did not converge. Throws ModelError likewise.
-  std::vector<bool> project(std::span<State> states);
 
   /// Receives the state of a copy (its number, from 0) at one of the times (its number, from 0), in the slots' own
   /// coordinates: the copies in any order, the times of one copy in theirs.

@@ -1,27 +1,18 @@
 #include "framework/tools/batch/batch.h"
 
 #include <lockstep/error.h>
-#include "framework/tools/batch/row_batch.h"
-#include "framework/tools/batch/tree_batch.h"
 
 namespace lockstep::lanes {
 
-std::unique_ptr<Batch> Batch::of(std::span<System* const> systems, int first, const CopiesOptions& options) {
-  if (options.formulation == Formulation::omega) return std::make_unique<RowBatch>(systems, first, options);
-  std::string why_not;
-  const TreeBatch::Trees trees = TreeBatch::trees_of(systems, Taken::all, why_not);
-  if (trees.empty()) throw ModelError("copies: no joint coordinates in lanes: " + why_not);
-  return std::make_unique<TreeBatch>(systems, first, trees, options);
-}
-
-Batch::Batch(std::span<System* const> systems, int first, std::size_t n_q, std::size_t n_v,
-             const CopiesOptions& options)
+Batch::Batch(std::span<System* const> systems, int first, const CopiesOptions& options)
     : n_(static_cast<int>(systems.size())),
       first_(first),
-      n_q_(n_q),
-      n_v_(n_v),
       n_s_(static_cast<std::size_t>(systems[0]->n_states())),
-      pass_(lanes::passes(options.instructions)) {
+      pass_(lanes::passes(options.instructions)),
+      stabilization_(options.stabilization) {
+  std::string why_not;
+  const Trees trees = trees_of(systems, Formulation::joint, why_not);
+  if (trees.empty()) throw ModelError("copies: no joint coordinates in lanes: " + why_not);
   for (std::size_t l = 0; l < kL; ++l) {
     systems_[l] = systems[l < systems.size() ? l : 0];
     states_[l].setZero(systems_[l]->n_states());
@@ -37,18 +28,13 @@ Batch::Batch(std::span<System* const> systems, int first, std::size_t n_q, std::
   reads_motions_ = has_forces_ || !stateful_.empty() || !integrated_.empty() || !systems_[0]->counted_angles().empty();
   const int n_slots = systems_[0]->n_slots();
   motions_.resize(static_cast<std::size_t>(n_slots + 1));
-  wrench_.assign(kL * 6 * static_cast<std::size_t>(n_slots), 0.0);
   wrench_of_one_.setZero(6 * n_slots);
   rates_of_one_.setZero(systems_[0]->n_states());
+  lay_out(trees);
   if (integrated_.empty()) return;
   systems_[0]->lay_out(std::vector<bool>(systems_[0]->links().size(), false), no_rows_);
   no_accelerations_.setZero(6 * n_slots);
 }
-
-Batch::~Batch() = default;
-
-void Batch::to_batch(int, State&) const {}
-void Batch::to_slots(int, State&) const {}
 
 void Batch::put(int lane, const State& state, double* y) const {
   double* to = y + lane;
@@ -85,20 +71,6 @@ void Batch::see_motions(int lane) {
   for (int k = 0; k < system(lane).n_slots(); ++k) read_motion(lane, k, motions_[static_cast<std::size_t>(k + 1)]);
 }
 
-bool Batch::next_round(const Numbers8& C, std::array<PositionRounds, kLanes>& rounds, Flags8& going,
-                       std::array<Landing, kLanes>& landed) {
-  bool chord = true;
-  for (std::size_t l = 0; l < kL; ++l) {
-    if (!going[l]) continue;
-    going[l] = !rounds[l].ends(C[l]);
-    chord = chord && rounds[l].chord();
-    if (rounds[l].round() == 0) landed[l].before = rounds[l].residual();
-    landed[l].after = rounds[l].residual();
-    landed[l].converged = rounds[l].converged();
-  }
-  return chord;
-}
-
 void Batch::fill_wrench(const double* y, const Numbers8& t) {
   if (!has_forces_) return;
   for (int l = 0; l < kLanes; ++l) {
@@ -112,7 +84,7 @@ void Batch::fill_wrench(const double* y, const Numbers8& t) {
         system(l).check_forces(in, wrench_of_one_);
       });
     }
-    put_numbers(wrench_, 0, l, wrench_of_one_);
+    put_numbers(data_.z.wrench, 0, l, wrench_of_one_);
   }
 }
 

@@ -18,7 +18,7 @@ bool has_own_rows(const System& system, const RowEntry& e) {
 }
 
 // A link with these of its rows, all of them along the axes of S.
-Link closing_link(const System& system, const RowEntry& e, Plan& plan) {
+Link closing_link(const System& system, const RowEntry& e, ClosurePlan& plan) {
   const MarkerLock& lock = lock_of(system, e);
   Link link;
   link.link = e.link, link.m = e.m, link.x = static_cast<std::size_t>(e.first_row);
@@ -33,9 +33,10 @@ Link closing_link(const System& system, const RowEntry& e, Plan& plan) {
   link.moved = link.row[0] < 3 && (lock.laws() & with::p);
   link.turn = turns ? turn_of(lock) : Turn::none;
   const int P = lock.p().body->slot, S = lock.s().body->slot;
-  link.P = P == kGround ? plan.n_slots : P, link.S = S == kGround ? plan.n_slots : S;
+  const auto slot = [&](int k) { return k == kGround ? static_cast<int>(plan.n_slots) : k; };
+  link.P = slot(P), link.S = slot(S);
   for (int i = 0; i < e.slots.n; ++i)
-    (e.slots[i] == P ? link.side_P : link.side_S) = static_cast<int>(plan.sides.size()) + i;
+    (e.slots[i] == P ? link.J_P : link.J_S) = static_cast<std::ptrdiff_t>(plan.size_J) + 6 * e.m * i;
   link.frames = plan.size_frames, plan.size_frames += frames::size;
   link.law = plan.size_law;
   if (link.has_laws()) plan.size_law += law::size;
@@ -47,7 +48,7 @@ Link closing_link(const System& system, const RowEntry& e, Plan& plan) {
 ClosurePlan make_closure_plan(const System& system, const TreeLayout& layout) {
   ClosurePlan plan;
   plan.fronts = layout.fronts;
-  plan.rows.n_slots = system.n_slots();
+  plan.n_slots = static_cast<std::size_t>(system.n_slots());
   plan.slots.resize(plan.fronts.sides.size());
   std::vector<bool> seen(static_cast<std::size_t>(system.n_slots()), false);
   for (const RowEntry& e : layout.closures.entries) {
@@ -55,18 +56,15 @@ ClosurePlan make_closure_plan(const System& system, const TreeLayout& layout) {
     if (has_own_rows(system, e))
       plan.own.push_back({e.link, first_row, m, static_cast<std::size_t>(e.slots.n), e.own, plan.size_J});
     else
-      plan.rows.links.push_back(closing_link(system, e, plan.rows));
+      plan.masks.push_back(closing_link(system, e, plan));
     plan.links.push_back({first_row, e.m, KindBits(e.kind, e.m)});
     for (std::size_t i = 0; i < static_cast<std::size_t>(e.slots.n); ++i) {
-      schur::Side side;
-      side.slot = e.slots[static_cast<int>(i)], side.J = plan.size_J;
-      plan.rows.sides.push_back(side);
+      const auto slot = static_cast<std::size_t>(e.slots[static_cast<int>(i)]);
       for (std::size_t k = 0; k < m; ++k) {
         const ClosureSource& source = plan.fronts.sources[first_row + k];
         const auto at = static_cast<std::size_t>(source.first_side) + i;
         const ClosureSide& of = plan.fronts.sides[at];
         plan.slots[at] = {plan.size_J + k, m, static_cast<std::size_t>(of.node)};
-        const auto slot = static_cast<std::size_t>(side.slot);
         if (!seen[slot]) plan.seen.push_back({slot, static_cast<std::size_t>(of.node)});
         seen[slot] = true;
       }

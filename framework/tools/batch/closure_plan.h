@@ -6,15 +6,16 @@
 #include <span>
 #include <vector>
 
+#include "framework/dynamics/solvers/scales.h"
 #include "framework/dynamics/tree/tree_layout.h"
 #include "framework/tools/batch/lane_plan.h"
-#include "framework/tools/batch/number_arrays.h"
+#include "framework/tools/batch/tree_plan.h"
 
 namespace lockstep::lanes {
 
 /// A slot of a row, in the order of ClosureFronts::sides.
 struct ClosureSlot {
-  std::size_t J = 0;  ///< of the row in Numbers::J, column after column,
+  std::size_t J = 0;  ///< of the row in RowArrays::J, column after column,
   std::size_t m = 0;  ///< so far apart
   std::size_t node = 0;
 };
@@ -37,7 +38,7 @@ struct OwnRows {
 /// What is equal in all copies.
 struct ClosurePlan {
   ClosureFronts fronts;
-  Plan rows;  ///< `links` and where each side's J is; rows of a link along the axes of S, c and C from `x` on
+  std::vector<Link> masks;  ///< rows of a link along the axes of S, c and C from `x` on
   std::vector<OwnRows> own;
   std::vector<ClosureLink> links;
   std::vector<ClosureSlot> slots;
@@ -45,7 +46,7 @@ struct ClosurePlan {
     std::size_t slot = 0, node = 0;
   };
   std::vector<Seen> seen;  ///< slots that the rows touch
-  std::size_t size_J = 0;
+  std::size_t n_slots = 0, size_J = 0, size_frames = 0, size_law = 0;
   int normal = -1;  ///< of the plane in which the tree and the rows lie; -1: in space
 
   std::size_t n_rows() const { return fronts.sources.size(); }
@@ -89,6 +90,13 @@ struct ClosureNumbers : ClosureArrays<A> {
 };
 struct ClosureStore : ClosureArrays<std::span<double>> {
   std::span<double> K, wrench, change;  ///< those of one round after another
+};
+/// Copies of a tree with its closures: what is equal in all of them, and their numbers.
+struct LaneData {
+  TreePlan plan;
+  TreeStore z{};
+  ClosurePlan loops;
+  ClosureStore c{};
 };
 namespace spatial {
 inline constexpr std::size_t size = 6;  ///< a wrench, a twist

@@ -8,8 +8,6 @@
 #include <lockstep/solvers.h>
 #include <lockstep/text.h>
 #include "framework/tools/batch/copy_run.h"
-#include "framework/tools/batch/row_batch.h"
-#include "framework/tools/batch/tree_batch.h"
 
 namespace lockstep {
 namespace {
@@ -94,10 +92,7 @@ struct Copies::Work {
   Registry own;  // if none was given
   std::function<std::unique_ptr<Integrator>()> make_integrator;
   std::unique_ptr<Integrator> method;  // whose coefficients the lanes use
-  Formulation formulation = Formulation::omega;           // joint or omega, of the runs,
-  std::vector<std::unique_ptr<lanes::Batch>> batches;     // of these
-  std::vector<std::unique_ptr<lanes::RowBatch>> by_rows;  // for rates and projections, made when they are asked for
-  Aligned<double> y, rate;
+  std::vector<std::unique_ptr<lanes::Batch>> batches;
 
   void check_states(std::span<const State> states) const {
     if (states.size() != systems.size())
@@ -115,60 +110,21 @@ struct Copies::Work {
     }
   }
   std::size_t first(const lanes::Batch& batch) const { return static_cast<std::size_t>(batch.first()); }
-  /// make(systems, number of the first of them), for each eight of all.
-  template <class Make>
-  void in_eights(Make&& make) {
-    const std::span<System* const> all(systems);
-    for (std::size_t i = 0; i < all.size(); i += kLanes)
-      make(all.subspan(i, std::min<std::size_t>(kLanes, all.size() - i)), static_cast<int>(i));
-  }
-  std::span<const std::unique_ptr<lanes::RowBatch>> rows() {
-    if (!by_rows.empty()) return by_rows;
-    if (const std::string why = lanes::unsuited_rows(*systems[0]); !why.empty())
-      throw ModelError("copies: rates and projections are those of all rows, and " + why);
-    in_eights(
-        [&](auto some, int first) { by_rows.push_back(std::make_unique<lanes::RowBatch>(some, first, options)); });
-    y.assign(by_rows.front()->n_numbers(), 0.0), rate = y;
-    return by_rows;
-  }
-  /// Loads the states of a batch into its array; returns their times.
-  lanes::Numbers8 load(lanes::Batch& batch, std::span<const State> states) {
-    lanes::Numbers8 t{};
-    for (int l = 0; l < kLanes; ++l) {
-      const State& state = states[first(batch) + static_cast<std::size_t>(l < batch.size() ? l : 0)];
-      batch.put(l, state, y.data());
-      batch.remember(l, state.z);
-      t[static_cast<std::size_t>(l)] = state.t;
-    }
-    return t;
-  }
 };
 
 namespace {
 
-// Why these mechanisms have no lanes in the coordinates of `formulation`, which is joint or omega at the end; "" if they
-// have.
-std::string unsuited(std::span<System* const> systems, Formulation& formulation) {
+// Why these mechanisms have no lanes; "" if they have.
+std::string unsuited(std::span<System* const> systems, Formulation formulation) {
   for (System* system : systems) {
     system->setup();
     if (std::string why = lanes::unsuited(*system); !why.empty()) return why;
   }
-  if (formulation == Formulation::quaternion)
-    return "the formulation quaternion has none; take automatic, joint or omega";
-  const Formulation asked = formulation;
-  std::string why_no_trees, why_no_rows;
-  const auto take_trees = [&](Taken taken) {
-    if (asked == Formulation::omega || lanes::TreeBatch::trees_of(systems, taken, why_no_trees).empty()) return false;
-    formulation = Formulation::joint;
-    return true;
-  };
-  if (take_trees(asked == Formulation::joint ? Taken::all : Taken::where_cheaper)) return "";
-  if (asked == Formulation::joint) return why_no_trees;
-  formulation = Formulation::omega;
-  for (const System* system : systems)
-    if (why_no_rows = lanes::unsuited_rows(*system); !why_no_rows.empty()) break;
-  if (why_no_rows.empty() || take_trees(Taken::all)) return "";  // dearer ones rather than none
-  return systems.front()->plane() && !why_no_trees.empty() ? why_no_trees : why_no_rows;
+  if (formulation != Formulation::joint && formulation != Formulation::automatic)
+    return "lanes run in joint coordinates; take the formulation automatic or joint";
+  std::string why;
+  lanes::Batch::trees_of(systems, formulation, why);
+  return why;
 }
 
 }  // namespace
@@ -186,13 +142,8 @@ Copies::Copies(std::vector<System*> systems, CopiesOptions options) : work_(std:
   if (w.make_integrator) w.method = w.make_integrator();
   check(options, w.method ? w.method->scheme() : nullptr);
   if (systems.empty()) throw ModelError("copies: no mechanism was given; give at least one");
-  CopiesOptions taken = options;
-  if (!w.method->info().joint) {
-    if (options.formulation == Formulation::joint)
-      throw ModelError("copies: integrator \"" + options.integrator +
-                       "\" does not take joint coordinates; take the formulation automatic");
-    taken.formulation = Formulation::omega;
-  }
+  if (!w.method->info().joint)
+    throw ModelError("copies: integrator \"" + options.integrator + "\" does not take joint coordinates, as lanes do");
   for (std::size_t i = 0; i < systems.size(); ++i) {
     if (!systems[i]) throw ModelError("copies: copy " + std::to_string(i) + " is null; give a mechanism");
     systems[i]->setup();
@@ -201,54 +152,19 @@ Copies::Copies(std::vector<System*> systems, CopiesOptions options) : work_(std:
       throw ModelError("copies: copy " + std::to_string(i) + " is another mechanism than copy 0: it has " + differs +
                        "; copies have equal bodies and links");
   }
-  if (const std::string why = lockstep::unsuited(systems, taken.formulation); !why.empty())
+  if (const std::string why = lockstep::unsuited(systems, options.formulation); !why.empty())
     throw ModelError("copies: this mechanism cannot run in lanes: " + why + "; run its copies one by one");
-  w.formulation = taken.formulation;
   w.systems = std::move(systems), w.options = std::move(options);
-  w.in_eights([&](auto some, int first) { w.batches.push_back(lanes::Batch::of(some, first, taken)); });
+  const std::span<System* const> all(w.systems);
+  for (std::size_t i = 0; i < all.size(); i += kLanes) {
+    const auto some = all.subspan(i, std::min<std::size_t>(kLanes, all.size() - i));
+    w.batches.push_back(std::make_unique<lanes::Batch>(some, static_cast<int>(i), w.options));
+  }
 }
 Copies::~Copies() = default;
 
 int Copies::size() const { return static_cast<int>(work_->systems.size()); }
-Formulation Copies::formulation() const { return work_->formulation; }
 const CopiesOptions& Copies::options() const { return work_->options; }
-
-std::vector<bool> Copies::rate(std::span<const State> states, std::span<StateRate> out) {
-  Work& w = *work_;
-  w.check_states(states);
-  if (out.size() != states.size()) throw ModelError("copies: as many rates as states are wanted");
-  std::vector<bool> met(states.size(), true);
-  for (const auto& batch : w.rows()) {
-    const lanes::Numbers8 t = w.load(*batch, states);
-    const lanes::Flags8 unmet = batch->evaluate(w.y.data(), t, w.rate.data());
-    for (int l = 0; l < batch->size(); ++l) {
-      const std::size_t i = w.first(*batch) + static_cast<std::size_t>(l);
-      out[i].q.resize(states[i].q.size()), out[i].v.resize(states[i].v.size()), out[i].s.resize(states[i].s.size());
-      batch->get(l, w.rate.data(), out[i]);
-      met[i] = !unmet[static_cast<std::size_t>(l)];
-    }
-  }
-  return met;
-}
-
-std::vector<bool> Copies::project(std::span<State> states) {
-  Work& w = *work_;
-  w.check_states(states);
-  std::vector<bool> converged(states.size(), true);
-  for (const auto& batch : w.rows()) {
-    const lanes::Numbers8 t = w.load(*batch, states);
-    lanes::Flags8 wanted{};
-    std::fill_n(wanted.begin(), batch->size(), true);
-    std::array<lanes::Landing, kLanes> landed;
-    batch->project(w.y.data(), t, wanted, landed);
-    for (int l = 0; l < batch->size(); ++l) {
-      const std::size_t i = w.first(*batch) + static_cast<std::size_t>(l);
-      batch->get(l, w.y.data(), states[i]);
-      converged[i] = landed[static_cast<std::size_t>(l)].converged;
-    }
-  }
-  return converged;
-}
 
 std::vector<CopyReport> Copies::run(std::span<const State> starts, std::span<const double> times, const Output& output,
                                     const Step& step, const GoOn& go_on) {
@@ -264,8 +180,7 @@ std::vector<CopyReport> Copies::run(std::span<const State> starts, std::span<con
   std::vector<CopyReport> reports(starts.size());
   if (times.empty()) return reports;
   const bool watches = w.method->info().passes_singular && w.options.stabilization.kind == Stabilization::Kind::project;
-  const lanes::RunTask task{w.options, w.formulation, *w.method->scheme(), watches, w.make_integrator, times, output,
-                            step,      go_on};
+  const lanes::RunTask task{w.options, *w.method->scheme(), watches, w.make_integrator, times, output, step, go_on};
   const auto run_batch = [&](lanes::Batch& batch) {
     const auto n = static_cast<std::size_t>(batch.size());
     const auto states = starts.subspan(w.first(batch), n);

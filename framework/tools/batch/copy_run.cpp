@@ -129,7 +129,7 @@ class AloneRun {
   static DynamicsOptions options_of(const RunTask& task) {
     DynamicsOptions options;
     options.stabilization = task.options.stabilization;
-    options.formulation = task.formulation;
+    options.formulation = Formulation::joint;
     return options;
   }
 

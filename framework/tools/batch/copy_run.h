@@ -44,7 +44,6 @@ struct CallerThrew {
 
 struct RunTask {
   const CopiesOptions& options;
-  Formulation formulation;  ///< joint or omega
   const EmbeddedScheme& scheme;
   bool watches;  ///< a copy near a singular position leaves the lanes
   const std::function<std::unique_ptr<Integrator>()>& make_integrator;

@@ -30,7 +30,7 @@ struct LaneClosures {
   template <For kFor>
   LOCKSTEP_LANE void gather() const {
     show_bodies();
-    for (const Link& link : plan.rows.links) write_rows<false, kFor>(plan.rows, link, c.rows);
+    for (const Link& link : plan.masks) LinkRows<kFor, Array>(link, c.rows).write();
     read_jacobians();
   }
   /// Those of the projection: J, C, Cd.

@@ -30,14 +30,6 @@ bool reads_solution(const Auxiliary& own, const System& system) {
 bool law_on(const Marker& m) { return m.translation_law || m.rotation_law; }
 const char* law_word(const Marker& m) { return m.translation_law ? "translation" : "rotation"; }
 
-RowTable rows_of(const System& system) {
-  std::vector<bool> modes;
-  for (const auto& link : system.links()) modes.push_back(link->active_at_start());
-  RowTable table;
-  system.lay_out(modes, table);
-  return table;
-}
-
 }  // namespace
 
 std::string unsuited_link(const Lock& link) {
@@ -72,60 +64,10 @@ std::string unsuited(const System& system) {
   return "";
 }
 
-std::string unsuited_rows(const System& system) {
-  if (system.plane())
-    return "the system is planar (three velocities a body), and lanes have rows in space; take \"planar\" out";
-  const RowTable rows = rows_of(system);
-  for (const RowEntry& e : rows.entries)
-    if (const std::string why = unsuited_link(*system.links()[e.link]); !why.empty()) return why;
-  std::vector<int> links(static_cast<std::size_t>(system.n_slots()));
-  for (const RowEntry& e : rows.entries)
-    for (int i = 0; i < e.slots.n; ++i)
-      if (++links[e.slots[i]] > schur::Plan::kHub)
-        return "body '" + system.body_of_slot(e.slots[i]).name + "' carries more than " +
-               std::to_string(schur::Plan::kHub) + " links";
-  return "";
-}
-
 Turn turn_of(const MarkerLock& lock) {
   if (!overlaps(lock.rows(), Mask::e123)) return Turn::none;
   if (lock.laws() & with::qD) return Turn::law;
   return lock.laws() & with::parallel ? Turn::parallel : Turn::plain;
-}
-
-namespace {
-
-Link link_of(const schur::Node& node, const RowEntry& e, const MarkerLock& lock, Plan& plan) {
-  Link link;
-  link.link = e.link;
-  link.m = node.m, link.x = node.x;
-  link.triple = node.turned;
-  link.moved = lock.laws() & with::p;
-  link.turn = turn_of(lock);
-  for (int k = 0, next = 0; k < 6; ++k)
-    if (includes(lock.rows(), row_bit(k))) link.row[next++] = k;
-  const int P = lock.p().body->slot, S = lock.s().body->slot;
-  link.P = P == kGround ? plan.n_slots : P, link.S = S == kGround ? plan.n_slots : S;
-  for (int i = 0; i < node.n_sides; ++i) (e.slots[i] == P ? link.side_P : link.side_S) = node.first_side + i;
-  link.frames = plan.size_frames;
-  plan.size_frames += frames::size;
-  link.law = plan.size_law;
-  if (link.has_laws()) plan.size_law += law::size;
-  return link;
-}
-
-}  // namespace
-
-Plan make_plan(const System& system) {
-  const RowTable rows = rows_of(system);
-  Plan plan;
-  static_cast<schur::Plan&>(plan) = schur::make_plan(rows, system.n_slots(), false, schur::Storage::lanes);
-  plan.n_states = system.n_states();
-  for (const schur::Node& node : plan.nodes) {
-    const RowEntry& e = rows.entries[node.link];
-    plan.links.push_back(link_of(node, e, static_cast<const MarkerLock&>(*system.links()[e.link]), plan));
-  }
-  return plan;
 }
 
 }  // namespace lockstep::lanes

@@ -18,29 +18,28 @@ LOCKSTEP_LANE auto along(int j, F&& f) {
   return f(vec::Unit<2>{});
 }
 
-/// Of a link: its bodies' motions (lane_plan.h, body), markers, laws, and its jacobians (none: the ground). kTriple: the first
-/// three rows are a full translation along the axes of the world; else rows are along those of S.
-template <bool kTriple, For kFor, class Array>
+/// Of a link: its bodies' motions (lane_plan.h, body), markers, laws, and its jacobians (none: the ground);
+/// rows along the axes of S.
+template <For kFor, class Array>
 struct LinkRows {
   using V3 = VectorIn<Array>;
   const Link& node;
   const Array O1, O2, markers, laws, J1, J2, c, C, Ct;
 
-  LOCKSTEP_LANE LinkRows(const Plan& plan, const Link& n, const RowArrays<Array>& z)
+  LOCKSTEP_LANE LinkRows(const Link& n, const RowArrays<Array>& z)
       : node(n),
         O1(z.body + body::size * static_cast<std::size_t>(n.P)),
         O2(z.body + body::size * static_cast<std::size_t>(n.S)),
         markers(z.frames + n.frames),
         laws(z.law + n.law),
-        J1(of_side(plan, n.side_P, z.J)),
-        J2(of_side(plan, n.side_S, z.J)),
+        J1(n.J_P < 0 ? Array{} : z.J + n.J_P),
+        J2(n.J_S < 0 ? Array{} : z.J + n.J_S),
         c(z.c + n.x),
         C(z.C + n.x),
         Ct(z.Ct + n.x) {}
 
   LOCKSTEP_LANE void write() const {
-    if (kTriple || node.row[0] < 3) translations();
-    if (kTriple && node.m == 3) return;
+    if (node.row[0] < 3) translations();
     switch (node.turn) {
       case Turn::parallel: {
         const auto aligned = kernel::Marker{vec::None{}, vec::Identity{}, vec::NoTurn{}};
@@ -57,9 +56,6 @@ struct LinkRows {
   }
 
  private:
-  LOCKSTEP_LANE static Array of_side(const Plan& plan, int side, const Array& J) {
-    return side < 0 ? Array{} : J + plan.sides[static_cast<std::size_t>(side)].J;
-  }
   LOCKSTEP_LANE auto A1() const { return load9(O1, body::A); }
   LOCKSTEP_LANE auto A2() const { return load9(O2, body::A); }
   LOCKSTEP_LANE auto A_S() const { return load9(markers, frames::AS); }
@@ -115,26 +111,14 @@ struct LinkRows {
     const Array& out = kFor == For::acceleration ? c : C;
 
     const auto s = transpose_times(A2, at.s);
-    if constexpr (kTriple) {
-      store3(out, 0, right);
-      if constexpr (kCt) store3(Ct, 0, rate);
-      const auto row = [&]<int k>() __attribute__((always_inline)) {
-        const vec::Unit<k> n{};
-        const auto r = kernel::translation_row(A1, uP, s, n, transpose_times(A2, n));
-        put(0, k, r.w1, r.w2);
-      };
-      row.template operator()<0>(), row.template operator()<1>(), row.template operator()<2>();
-    } else {
-      const auto A_S = this->A_S();
-      for (int k = 0; k < node.m && node.row[static_cast<std::size_t>(k)] < 3; ++k) {
-        const V3 n2 = along(
-            node.row[static_cast<std::size_t>(k)], [&](auto axis)
-                                                       __attribute__((always_inline)) { return A_S * axis; });
-        const auto r = kernel::translation_row(A1, uP, s, A2 * n2, n2);
-        put(0, k, r.v, -r.v), put(3, k, r.w1, r.w2);
-        out[k] = dot(r.v, right);
-        if constexpr (kCt) Ct[k] = dot(r.v, rate);
-      }
+    const auto A_S = this->A_S();
+    for (int k = 0; k < node.m && node.row[static_cast<std::size_t>(k)] < 3; ++k) {
+      const V3 n2 = along(
+          node.row[static_cast<std::size_t>(k)], [&](auto axis) __attribute__((always_inline)) { return A_S * axis; });
+      const auto r = kernel::translation_row(A1, uP, s, A2 * n2, n2);
+      put(0, k, r.v, -r.v), put(3, k, r.w1, r.w2);
+      out[k] = dot(r.v, right);
+      if constexpr (kCt) Ct[k] = dot(r.v, rate);
     }
   }
 
@@ -157,24 +141,19 @@ struct LinkRows {
 
     const auto h = 0.5 * e;
     const auto A_SD = m.A * d.A;
-    for (int k = kTriple ? 3 : 0; k < node.m; ++k) {
+    for (int k = 0; k < node.m; ++k) {
       const int axis = node.row[static_cast<std::size_t>(k)] - 3;
-      if (!kTriple && axis < 0) continue;
+      if (axis < 0) continue;
       const auto of_markers = along(
           axis, [&](auto g) __attribute__((always_inline)) {
             return kernel::rotation_row(h, vec::Quaternion{vec::Zero{}, g});
           });
       const auto r = kernel::in_body_axes(of_markers, p.A, A_SD);
-      put(kTriple ? 0 : 3, k, r.w1, r.w2);
+      put(3, k, r.w1, r.w2);
       out[k] = right[axis];
       if constexpr (kCt) Ct[k] = vec::numbers<NumberIn<Array>>(rate)[axis];
     }
   }
 };
-
-template <bool kTriple, For kFor, class Array>
-LOCKSTEP_LANE void write_rows(const Plan& plan, const Link& link, const RowArrays<Array>& z) {
-  LinkRows<kTriple, kFor, Array>(plan, link, z).write();
-}
 
 }  // namespace lockstep::lanes

@@ -69,7 +69,7 @@ void LaneRun::read(int lane, const double* y, double t, State& out) const {
 Dynamics LaneRun::dynamics_of(int lane) const {
   DynamicsOptions options;
   options.stabilization = task_.options.stabilization;
-  options.formulation = task_.formulation;
+  options.formulation = Formulation::joint;
   return Dynamics(batch_.system(lane), std::make_unique<SchurSolver>(), options);
 }
 

@@ -1,4 +1,4 @@
-#include "framework/tools/batch/tree_batch.h"
+#include "framework/tools/batch/batch.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,23 +8,12 @@
 #include <lockstep/lock.h>
 #include "framework/dynamics/evaluate/slot_coordinates.h"
 #include "framework/dynamics/solvers/graph.h"
-#include "framework/dynamics/tree/closure_cost.h"
 #include "framework/dynamics/tree/moving_markers.h"
+#include "framework/dynamics/tree/slender_bodies.h"
 #include "framework/dynamics/tree/tree_motion.h"
 
 namespace lockstep::lanes {
 namespace {
-
-// What makes joint coordinates the dearer ones in lanes, by a rule on counts beside why_dearer(); "" where they are not. They
-// are where the squares of the numbers of rows at a node, summed, are more than 6 for each row of all
-// (framework/docs/solvers.md, section 3).
-std::string why_dearer_in_lanes(const System& system, const TreeLayout& layout) {
-  constexpr double kMostSquares = 6;
-  RowTable all;
-  system.lay_out(system.start().modes, all);
-  if (squares_of(layout.fronts) <= kMostSquares * all.n_rows) return "";
-  return "the rows of what closes loops cost more along joints than in omega, in lanes";
-}
 
 // Why a tree has no lanes; "" if it has.
 std::string why_no_lanes(const TreeLayout& layout, const System& system) {
@@ -54,12 +43,12 @@ void put_carrying(std::span<double> to, std::size_t at, int lane, const Vec3& u,
 
 }  // namespace
 
-TreeBatch::Trees TreeBatch::trees_of(std::span<System* const> systems, Taken taken, std::string& why_not) {
+Batch::Trees Batch::trees_of(std::span<System* const> systems, Formulation formulation, std::string& why_not) {
   Trees trees;
   for (const System* system : systems) {
-    TreeLayout layout = lay_out_tree(*system, system->start().modes, taken);
+    TreeLayout layout = lay_out_tree(*system, system->start().modes, Taken::all);
     why_not = layout.tree ? why_no_lanes(layout, *system) : layout.why_not;
-    if (why_not.empty() && taken == Taken::where_cheaper) why_not = why_dearer_in_lanes(*system, layout);
+    if (why_not.empty() && formulation != Formulation::joint) why_not = slender_body(*layout.tree, *system);
     if (why_not.empty() && !trees.empty() &&
         !(has_equal_joints(*trees.front().tree, *layout.tree) &&
           are_alike(*systems.front(), trees.front(), *system, layout)))
@@ -70,71 +59,70 @@ TreeBatch::Trees TreeBatch::trees_of(std::span<System* const> systems, Taken tak
   return trees;
 }
 
-TreeBatch::TreeBatch(std::span<System* const> systems, int first, const Trees& trees, const CopiesOptions& options)
-    : Batch(systems, first, static_cast<std::size_t>(trees.front().tree->n_q()),
-            static_cast<std::size_t>(trees.front().tree->n_v()), options),
-      stabilization_(options.stabilization),
-      plan_(make_plan(*trees.front().tree)) {
+void Batch::lay_out(const Trees& trees) {
   TreeClosures::Layouts layouts{};
   for (std::size_t l = 0; l < kL; ++l) {
     layouts[l] = &trees[l < trees.size() ? l : 0];
     trees_[l] = layouts[l]->tree;
   }
-  const std::size_t n = plan_.nodes.size();
+  data_.plan = make_plan(*trees_[0]);
+  n_q_ = data_.plan.n_q, n_v_ = data_.plan.n_v;
+  TreeStore& z = data_.z;
+  const TreePlan& plan = data_.plan;
+  const std::size_t n = plan.nodes.size();
   const auto size = [&](std::size_t packs) { return arrays_.add(packs); };
-  z_.gravity = size(3), z_.joint = size(joint::size * n), z_.more = size(plan_.size_more),
-  z_.law = size(plan_.size_law);
-  z_.cosine = size(n), z_.sine = size(n), z_.moving = size(moving::size * (n + 1)), z_.largest = size(2);
-  z_.travel = size(travel::size * n), z_.dof = size(dof::size * plan_.n_v);
-  z_.waiting = size(articulated::size * plan_.n_waiting), z_.varied = size(varied::size * (n + 1));
+  z.gravity = size(3), z.joint = size(joint::size * n), z.more = size(plan.size_more), z.law = size(plan.size_law);
+  z.cosine = size(n), z.sine = size(n), z.moving = size(moving::size * (n + 1)), z.largest = size(2);
+  z.travel = size(travel::size * n), z.dof = size(dof::size * plan.n_v);
+  z.waiting = size(articulated::size * plan.n_waiting), z.varied = size(varied::size * (n + 1));
   half_.assign(kL * n, 0.0), start_.assign(kL * end::size * n, 0.0), now_ = start_;
-  if (has_forces_) z_.wrench = wrench_;
-  closures_.begin(systems_, layouts, pass_);
+  if (has_forces_) z.wrench = size(6 * n);
+  closures_ = std::make_unique<TreeClosures>(systems_, layouts, data_, pass_);
   n_followed_ = 12 * trees_.front()->followed().size();
   node_of_.resize(n);
-  for (std::size_t k = 0; k < n; ++k) node_of_[static_cast<std::size_t>(plan_.nodes[k].slot)] = k;
+  for (std::size_t k = 0; k < n; ++k) node_of_[static_cast<std::size_t>(data_.plan.nodes[k].slot)] = k;
   fill_joints();
 }
 
-void TreeBatch::fill_joints() {
+void Batch::fill_joints() {
   for (int l = 0; l < kLanes; ++l) {
-    put_numbers(z_.gravity, 0, l, system(l).gravity());
-    put_number(z_.moving, moving::e, l, 1.0);
-    put_matrix(z_.moving, moving::A, l, Mat3::Identity());
-    for (std::size_t k = 0; k < plan_.nodes.size(); ++k) {
-      const LaneNode& n = plan_.nodes[k];
+    put_numbers(data_.z.gravity, 0, l, system(l).gravity());
+    put_number(data_.z.moving, moving::e, l, 1.0);
+    put_matrix(data_.z.moving, moving::A, l, Mat3::Identity());
+    for (std::size_t k = 0; k < data_.plan.nodes.size(); ++k) {
+      const LaneNode& n = data_.plan.nodes[k];
       const TreeNode& t = tree(l).nodes()[k];
       const Slot& slot = system(l).slot(t.slot);
-      put_numbers(z_.joint, n.joint + joint::near, l, t.near_u),
-          put_numbers(z_.joint, n.joint + joint::far, l, t.far_u);
-      put_numbers(z_.joint, n.joint + joint::K0, l, t.K0.coefficients());
-      put_numbers(z_.joint, n.joint + joint::K1, l, t.K1.coefficients());
-      put_numbers(z_.joint, n.joint + joint::axis, l, t.axis);
-      put_number(z_.joint, n.joint + joint::m, l, slot.mass);
-      put_numbers(z_.joint, n.joint + joint::J, l, packed(slot.J));
+      put_numbers(data_.z.joint, n.joint + joint::near, l, t.near_u),
+          put_numbers(data_.z.joint, n.joint + joint::far, l, t.far_u);
+      put_numbers(data_.z.joint, n.joint + joint::K0, l, t.K0.coefficients());
+      put_numbers(data_.z.joint, n.joint + joint::K1, l, t.K1.coefficients());
+      put_numbers(data_.z.joint, n.joint + joint::axis, l, t.axis);
+      put_number(data_.z.joint, n.joint + joint::m, l, slot.mass);
+      put_numbers(data_.z.joint, n.joint + joint::J, l, packed(slot.J));
       if (!n.needs_more()) continue;
       const TreeAxes axes = t.axes ? *t.axes : TreeAxes();
-      for (std::size_t i = 0; i < 3; ++i) put_numbers(z_.more, n.more + more::slide + 3 * i, l, axes.slide[i]);
-      put_matrix(z_.more, n.more + more::ball, l, axes.ball);
-      put_numbers(z_.more, n.more + more::near_q, l, t.near_q.coefficients());
-      put_numbers(z_.more, n.more + more::far_q, l, t.far_q.coefficients());
-      put_numbers(z_.more, n.more + more::hinge, l, t.hinge);
+      for (std::size_t i = 0; i < 3; ++i) put_numbers(data_.z.more, n.more + more::slide + 3 * i, l, axes.slide[i]);
+      put_matrix(data_.z.more, n.more + more::ball, l, axes.ball);
+      put_numbers(data_.z.more, n.more + more::near_q, l, t.near_q.coefficients());
+      put_numbers(data_.z.more, n.more + more::far_q, l, t.far_q.coefficients());
+      put_numbers(data_.z.more, n.more + more::hinge, l, t.hinge);
     }
   }
 }
 
-void TreeBatch::to_batch(int lane, State& state) const {
+void Batch::to_batch(int lane, State& state) const {
   State out;
   tree(lane).read_off(state, nullptr, out);
   out.coordinates = trees_[static_cast<std::size_t>(lane)];
   state = std::move(out);
 }
 
-void TreeBatch::to_slots(int lane, State& state) const { to_slot_coordinates(system(lane), state); }
+void Batch::to_slots(int lane, State& state) const { to_slot_coordinates(system(lane), state); }
 
-void TreeBatch::read_motion(int lane, int slot, Motion& O) const {
+void Batch::read_motion(int lane, int slot, Motion& O) const {
   const std::size_t at = moving::size * (node_of_[static_cast<std::size_t>(slot)] + 1);
-  const double* b = z_.moving.data() + kL * at + static_cast<std::size_t>(lane);
+  const double* b = data_.z.moving.data() + kL * at + static_cast<std::size_t>(lane);
   const auto number = [&](std::size_t i) { return b[kL * i]; };
   Vec3 w;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -147,77 +135,77 @@ void TreeBatch::read_motion(int lane, int slot, Motion& O) const {
 }
 
 // In lanes whose laws fail the numbers are those of before.
-void TreeBatch::fill_laws(const double* y, const Numbers8& t) {
-  if (plan_.size_law == 0) return;
+void Batch::fill_laws(const double* y, const Numbers8& t) {
+  if (data_.plan.size_law == 0) return;
   for (int l = 0; l < kLanes; ++l) {
     inputs(l, y, t[static_cast<std::size_t>(l)]);
-    for (std::size_t k = 0; k < plan_.nodes.size(); ++k)
-      if (plan_.nodes[k].has_law || plan_.nodes[k].moving)
+    for (std::size_t k = 0; k < data_.plan.nodes.size(); ++k)
+      if (data_.plan.nodes[k].has_law || data_.plan.nodes[k].moving)
         guarded(l, [&] { fill_laws_of(k, l, t[static_cast<std::size_t>(l)]); });
   }
 }
 
 // By the last inputs().
-void TreeBatch::fill_laws_of(std::size_t node, int lane, double t) {
+void Batch::fill_laws_of(std::size_t node, int lane, double t) {
   const TreeNode& n = tree(lane).nodes()[node];
-  const std::size_t at = plan_.nodes[node].law;
+  const std::size_t at = data_.plan.nodes[node].law;
   if (n.moving) {
     const JointLaws now = joint_laws_at(n, t, states_of(lane));
-    put_carrying(z_.law, at + marked::near, lane, now.near.u, now.near.ud, now.near.udd, now.near);
-    put_carrying(z_.law, at + marked::far, lane, now.far.u, now.far.ud, now.far.udd, now.far);
-    put_carrying(z_.law, at + marked::lock, lane, now.x.p, now.x.pd, now.x.pdd, now.D);
+    put_carrying(data_.z.law, at + marked::near, lane, now.near.u, now.near.ud, now.near.udd, now.near);
+    put_carrying(data_.z.law, at + marked::far, lane, now.far.u, now.far.ud, now.far.udd, now.far);
+    put_carrying(data_.z.law, at + marked::lock, lane, now.x.p, now.x.pd, now.x.pdd, now.D);
     return;
   }
   Imposed now;
   laws_at(n, t, states_of(lane), now);
-  put_numbers(z_.law, at + imposed::p, lane, now.p), put_numbers(z_.law, at + imposed::pd, lane, now.pd);
-  put_numbers(z_.law, at + imposed::pdd, lane, now.pdd), put_numbers(z_.law, at + imposed::w, lane, now.w);
-  put_numbers(z_.law, at + imposed::a, lane, now.a), put_numbers(z_.law, at + imposed::axis, lane, now.axis);
-  put_numbers(z_.law, at + imposed::q, lane, now.q.coefficients());
+  put_numbers(data_.z.law, at + imposed::p, lane, now.p), put_numbers(data_.z.law, at + imposed::pd, lane, now.pd);
+  put_numbers(data_.z.law, at + imposed::pdd, lane, now.pdd), put_numbers(data_.z.law, at + imposed::w, lane, now.w);
+  put_numbers(data_.z.law, at + imposed::a, lane, now.a), put_numbers(data_.z.law, at + imposed::axis, lane, now.axis);
+  put_numbers(data_.z.law, at + imposed::q, lane, now.q.coefficients());
 }
 
 // Moves all slots.
-void TreeBatch::move(const double* y, const Numbers8& t, bool with_positions) {
-  z_.y = {const_cast<double*>(y), n_numbers()}, z_.with_positions = with_positions, lost_ = {};
+void Batch::move(const double* y, const Numbers8& t, bool with_positions) {
+  data_.z.y = {const_cast<double*>(y), n_numbers()}, data_.z.with_positions = with_positions, lost_ = {};
   fill_laws(y, t);
-  passes().half_turns(plan_, z_, half_.data());
-  passes().outward(plan_, z_);
+  passes().half_turns(data_, half_.data());
+  passes().outward(data_);
 }
 
-void TreeBatch::fill_closures(const double* y, const Numbers8& t) {
-  if (!closures_.has_laws() && !closures_.has_own_rows()) return;
+void Batch::fill_closures(const double* y, const Numbers8& t) {
+  if (!closures_->has_laws() && !closures_->has_own_rows()) return;
   for (int l = 0; l < kLanes; ++l) {
-    if (closures_.has_own_rows()) see_motions(l);
+    if (closures_->has_own_rows()) see_motions(l);
     const Inputs in = inputs(l, y, t[static_cast<std::size_t>(l)]);
-    guarded(l, [&] { closures_.fill(system(l), l, in); });
+    guarded(l, [&] { closures_->fill(system(l), l, in); });
   }
 }
 
-Flags8 TreeBatch::evaluate(const double* y, const Numbers8& t, double* rate) {
-  move(y, t, reads_motions_ || n_followed_ > 0 || !closures_.empty());
+Flags8 Batch::evaluate(const double* y, const Numbers8& t, double* rate) {
+  move(y, t, reads_motions_ || n_followed_ > 0 || !closures_->empty());
   fill_wrench(y, t);
   Flags8 failed{};
-  if (closures_.empty()) {
-    passes().accelerate_tree(plan_, z_, rate);
+  if (closures_->empty()) {
+    passes().accelerate_tree(data_, rate);
   } else {
     fill_closures(y, t);
-    failed = closures_.accelerate(plan_, z_, n_, rate);
-    if (watches_) closures_.see_pivots(plan_, z_);
+    failed = closures_->accelerate(n_, rate);
+    if (watches_) closures_->see_pivots();
   }
   state_rates(y, t, rate);
   follow_laws(rate);
   for (std::size_t l = 0; l < kL; ++l)
-    failed[l] = failed[l] || lost_[l] || !std::isfinite(z_.largest[l] + z_.largest[kL + l]);
+    failed[l] = failed[l] || lost_[l] || !std::isfinite(data_.z.largest[l] + data_.z.largest[kL + l]);
   return failed;
 }
 
 // Rates of the slots that laws move, after q, v and s.
-void TreeBatch::follow_laws(double* rate) const {
+void Batch::follow_laws(double* rate) const {
   if (n_followed_ == 0) return;
   double* to = rate + kL * (n_q_ + n_v_ + n_s_);
-  for (std::size_t k = 0; k < plan_.nodes.size(); ++k) {
-    if (!plan_.nodes[k].has_law && !plan_.nodes[k].moving) continue;
-    const double* slot = z_.moving.data() + kL * moving::size * (k + 1);
+  for (std::size_t k = 0; k < data_.plan.nodes.size(); ++k) {
+    if (!data_.plan.nodes[k].has_law && !data_.plan.nodes[k].moving) continue;
+    const double* slot = data_.z.moving.data() + kL * moving::size * (k + 1);
     for (const std::size_t part : {moving::v, moving::w, moving::a, moving::al}) {
       std::copy_n(slot + kL * part, 3 * kL, to);
       to += 3 * kL;
@@ -225,43 +213,43 @@ void TreeBatch::follow_laws(double* rate) const {
   }
 }
 
-void TreeBatch::watch_pivots() { watches_ = !closures_.empty() && has_loops(*systems_[0], systems_[0]->start().modes); }
+void Batch::watch_pivots() { watches_ = !closures_->empty() && has_loops(*systems_[0], systems_[0]->start().modes); }
 
-void TreeBatch::take_off_turns(int lane, double* y) const {
+void Batch::take_off_turns(int lane, double* y) const {
   for (const TreeNode& node : tree(lane).nodes())
     if (node.turn == TreeTurn::hinge)
       shed_turns(y[kL * static_cast<std::size_t>(node.first_q + node.n_slides) + static_cast<std::size_t>(lane)]);
 }
 
-double TreeBatch::largest_a(std::size_t lane) const { return std::sqrt(z_.largest[lane]); }
-double TreeBatch::largest_alpha(std::size_t lane) const { return std::sqrt(z_.largest[kL + lane]); }
+double Batch::largest_a(std::size_t lane) const { return std::sqrt(data_.z.largest[lane]); }
+double Batch::largest_alpha(std::size_t lane) const { return std::sqrt(data_.z.largest[kL + lane]); }
 
-void TreeBatch::start_from(const double* y, const Numbers8& t) {
+void Batch::start_from(const double* y, const Numbers8& t) {
   move(y, t, true);
   see_ends();
   start_ = now_;
 }
 
 // The motions that the tree has are those at the ends of steps.
-void TreeBatch::see_ends() {
+void Batch::see_ends() {
   alignas(64) const Numbers8 still{};
-  passes().change(plan_, z_, start_.data(), still.data(), now_.data(), sizes_.data());
+  passes().change(data_, start_.data(), still.data(), now_.data(), sizes_.data());
 }
 
-void TreeBatch::accept(int lane) {
+void Batch::accept(int lane) {
   for (std::size_t i = static_cast<std::size_t>(lane); i < start_.size(); i += kL) start_[i] = now_[i];
 }
 
-Flags8 TreeBatch::change_to(const double* y, const Numbers8& t, const Numbers8& h, std::array<Change, kLanes>& out) {
+Flags8 Batch::change_to(const double* y, const Numbers8& t, const Numbers8& h, std::array<Change, kLanes>& out) {
   alignas(64) const Numbers8 steps = h;
   move(y, t, true);
-  passes().change(plan_, z_, start_.data(), steps.data(), now_.data(), sizes_.data());
+  passes().change(data_, start_.data(), steps.data(), now_.data(), sizes_.data());
   read(out);
   return lost_;
 }
 
-void TreeBatch::weigh(const double* error, std::array<Change, kLanes>& out) {
-  passes().vary(plan_, z_, error, sizes_.data());
+void Batch::weigh(const double* error, std::array<Change, kLanes>& out) {
+  passes().vary(data_, error, sizes_.data());
   read(out);
   const double* slot = error + kL * (n_q_ + n_v_ + n_s_);
   for (std::size_t k = 0; k < n_followed_; k += 12, slot += 12 * kL)
@@ -276,7 +264,7 @@ void TreeBatch::weigh(const double* error, std::array<Change, kLanes>& out) {
     }
 }
 
-void TreeBatch::read(std::array<Change, kLanes>& out) const {
+void Batch::read(std::array<Change, kLanes>& out) const {
   for (std::size_t l = 0; l < kL; ++l) out[l] = {sizes_[l], sizes_[kL + l], sizes_[2 * kL + l], sizes_[3 * kL + l]};
 }
 

@@ -2,7 +2,11 @@
 // lane is corrected. Private to the room.
 #pragma once
 
-#include "framework/tools/batch/batch.h"
+#include <array>
+
+#include <lockstep/memory.h>
+#include "framework/tools/batch/lane_passes.h"
+#include "framework/tools/batch/packs.h"
 
 namespace lockstep::lanes {
 
@@ -10,40 +14,35 @@ class TreeClosures {
  public:
   using Systems = std::array<System*, kLanes>;
   using Layouts = std::array<const TreeLayout*, kLanes>;
-  /// Of systems whose layouts are alike; nothing where these have no rows.
-  void begin(const Systems&, const Layouts&, const Passes&);
+  /// Of systems whose layouts are alike, whose tree is in the data; nothing where these have no rows. The data and passes
+  /// outlive this.
+  TreeClosures(const Systems&, const Layouts&, LaneData&, const Passes&);
 
-  const ClosurePlan& plan() const { return plan_; }
-  const ClosureStore& numbers() const { return z_; }
-  bool empty() const { return plan_.empty(); }
+  bool empty() const { return data_.loops.empty(); }
   bool has_laws() const { return has_laws_; }
   /// Whether links write rows of their own, which needs the motions of the copies.
-  bool has_own_rows() const { return !plan_.own.empty(); }
+  bool has_own_rows() const { return !data_.loops.own.empty(); }
   /// Sets the laws of the links of one copy, and the rows that they write. Throws what they throw.
   void fill(const System&, int lane, const Inputs&);
 
   /// Accelerations at the motions that the tree has; true in the lanes whose rows are not met. The first n are looked at.
-  Flags8 accelerate(const TreePlan&, const TreeStore&, int n, double* rate);
+  Flags8 accelerate(int n, double* rate);
   /// Of the last of them: how many pivots are small, and the smallest of the others, relative to its diagonal.
-  void see_pivots(const TreePlan&, const TreeStore&);
+  void see_pivots();
   double n_small(std::size_t lane) const { return pivots_[lane]; }
   double smallest_pivot(std::size_t lane) const { return pivots_[kL + lane]; }
 
   /// C and Cd = J v + Ct at the motions that the tree has; the second alone after new velocities.
-  void gather(const TreePlan& tree, const TreeStore& z) { pass_->closure_errors(tree, z, plan_, z_); }
-  void gather_rates(const TreePlan& tree, const TreeStore& z) { pass_->closure_rates(tree, z, plan_, z_); }
+  void gather() { pass_.closure_errors(data_); }
+  void gather_rates() { pass_.closure_rates(data_); }
   /// Their largest numbers, as Evaluation::norm measures them.
-  Numbers8 norm_C(const TreePlan& tree, const TreeStore& z) { return norm(tree, z, z_.rows.C); }
-  Numbers8 norm_Cd(const TreePlan& tree, const TreeStore& z) { return norm(tree, z, z_.Cd); }
+  Numbers8 norm_C() { return norm(data_.c.rows.C); }
+  Numbers8 norm_Cd() { return norm(data_.c.Cd); }
   /// The elimination of the rows as gathered last.
-  void factor(const TreePlan& tree, const TreeStore& z) { pass_->factor_closures(tree, z, plan_, z_); }
+  void factor() { pass_.factor_closures(data_); }
   /// The change of the velocities of least kinetic energy by which C or Cd vanish in the wanted lanes; none in others.
-  const double* correct_C(const TreePlan& tree, const TreeStore& z, const Flags8& wanted) {
-    return correct(tree, z, z_.rows.C, wanted);
-  }
-  const double* correct_Cd(const TreePlan& tree, const TreeStore& z, const Flags8& wanted) {
-    return correct(tree, z, z_.Cd, wanted);
-  }
+  const double* correct_C(const Flags8& wanted) { return correct(data_.c.rows.C, wanted); }
+  const double* correct_Cd(const Flags8& wanted) { return correct(data_.c.Cd, wanted); }
 
  private:
   void fill_own_rows(const System&, int lane, const Inputs&);
@@ -54,16 +53,15 @@ class TreeClosures {
     Numbers8 all, regular;
     bool met(std::size_t lane) const;
   };
-  Residuals residuals(const TreePlan&, const TreeStore&);
-  Numbers8 norm(const TreePlan&, const TreeStore&, std::span<const double>);
-  const double* correct(const TreePlan&, const TreeStore&, std::span<const double> r, const Flags8& wanted);
+  Residuals residuals();
+  Numbers8 norm(std::span<const double>);
+  const double* correct(std::span<const double> r, const Flags8& wanted);
 
-  ClosurePlan plan_;
-  ClosureStore z_{};
+  LaneData& data_;
+  const Passes& pass_;
   RowTable scratch_;  // of one link
-  const Passes* pass_ = nullptr;
   bool has_laws_ = false, floors_known_ = false;
-  Arrays arrays_;  // of z_
+  Arrays arrays_;  // of data_.c
   Aligned<double> masked_, dv_, length_;
   alignas(64) std::array<double, 2 * kLanes> pivots_{};        // n_small, smallest_pivot
   alignas(64) std::array<double, 3 * kLanes> pivot_floors_{};  // one pack per RowKind

@@ -5,17 +5,37 @@
 
 #include "framework/dynamics/evaluate/projection_rule.h"
 #include "framework/dynamics/tree/closure_rows.h"
-#include "framework/tools/batch/tree_batch.h"
+#include "framework/tools/batch/batch.h"
 
 namespace lockstep::lanes {
 
-void TreeBatch::project(double* y, const Numbers8& t, const Flags8& wanted, std::array<Landing, kLanes>& landed) {
+namespace {
+
+// Takes the residuals |C| before the next round: `going`, the lanes that need it. Returns whether the last factor is good
+// enough for all of them, which share it.
+bool next_round(const Numbers8& C, std::array<PositionRounds, kLanes>& rounds, Flags8& going,
+                std::array<Landing, kLanes>& landed) {
+  bool chord = true;
+  for (std::size_t l = 0; l < kL; ++l) {
+    if (!going[l]) continue;
+    going[l] = !rounds[l].ends(C[l]);
+    chord = chord && rounds[l].chord();
+    if (rounds[l].round() == 0) landed[l].before = rounds[l].residual();
+    landed[l].after = rounds[l].residual();
+    landed[l].converged = rounds[l].converged();
+  }
+  return chord;
+}
+
+}  // namespace
+
+void Batch::project(double* y, const Numbers8& t, const Flags8& wanted, std::array<Landing, kLanes>& landed) {
   landed.fill({});
   normalize(y);
-  if (closures_.empty()) return;
+  if (closures_->empty()) return;
   if (stabilization_.kind != Stabilization::Kind::project) {
     gather(y, t);
-    const Numbers8 C = closures_.norm_C(plan_, z_);
+    const Numbers8 C = closures_->norm_C();
     for (std::size_t l = 0; l < kL; ++l) landed[l].before = landed[l].after = C[l];
     return;
   }
@@ -26,15 +46,15 @@ void TreeBatch::project(double* y, const Numbers8& t, const Flags8& wanted, std:
 }
 
 // C and Cd of the rows at these states.
-void TreeBatch::gather(const double* y, const Numbers8& t) {
+void Batch::gather(const double* y, const Numbers8& t) {
   move(y, t, true);
   fill_closures(y, t);
-  closures_.gather(plan_, z_);
+  closures_->gather();
 }
 
 // Quaternions of balls get length one.
-void TreeBatch::normalize(double* y) const {
-  for (const LaneNode& n : plan_.nodes) {
+void Batch::normalize(double* y) const {
+  for (const LaneNode& n : data_.plan.nodes) {
     if (n.turn != TreeTurn::ball) continue;
     for (std::size_t l = 0; l < kL; ++l) {
       double* e = y + kL * (n.q + static_cast<std::size_t>(n.n_slides)) + l;
@@ -45,8 +65,8 @@ void TreeBatch::normalize(double* y) const {
 }
 
 // q <- q (+) d
-void TreeBatch::advance(double* y, const double* d) const {
-  for (const LaneNode& n : plan_.nodes) {
+void Batch::advance(double* y, const double* d) const {
+  for (const LaneNode& n : data_.plan.nodes) {
     const auto single = static_cast<std::size_t>(n.n_slides + (n.turn == TreeTurn::hinge ? 1 : 0));
     for (std::size_t i = 0; i < kL * single; ++i) y[kL * n.q + i] += d[kL * n.v + i];
     if (n.turn != TreeTurn::ball) continue;
@@ -60,18 +80,17 @@ void TreeBatch::advance(double* y, const double* d) const {
 }
 
 // Largest component of a vector of the slots in each lane; at: where it is in moving::.
-Numbers8 TreeBatch::largest_of(std::size_t at) const {
+Numbers8 Batch::largest_of(std::size_t at) const {
   Numbers8 out{};
-  for (std::size_t k = 1; k <= plan_.nodes.size(); ++k)
+  for (std::size_t k = 1; k <= data_.plan.nodes.size(); ++k)
     for (std::size_t i = 0; i < 3; ++i)
       for (std::size_t l = 0; l < kL; ++l)
-        out[l] = std::max(out[l], std::abs(z_.moving[kL * (moving::size * k + at + i) + l]));
+        out[l] = std::max(out[l], std::abs(data_.z.moving[kL * (moving::size * k + at + i) + l]));
   return out;
 }
 
 // H d + (J T)' z = 0,  J T d = -C,  q <- q (+) d. True if the last factor can be used for the velocities.
-bool TreeBatch::project_positions(double* y, const Numbers8& t, const Flags8& wanted,
-                                  std::array<Landing, kLanes>& landed) {
+bool Batch::project_positions(double* y, const Numbers8& t, const Flags8& wanted, std::array<Landing, kLanes>& landed) {
   const double tolerance = stabilization_.tolerance;
   gather(y, t);
   const Numbers8 x_max = largest_of(moving::x);
@@ -80,19 +99,19 @@ bool TreeBatch::project_positions(double* y, const Numbers8& t, const Flags8& wa
     rounds[l] = {position_goal_of(tolerance), tolerance, system(static_cast<int>(l)).length(), x_max[l]};
   Flags8 going = wanted;
   for (;; gather(y, t)) {
-    const bool chord = next_round(closures_.norm_C(plan_, z_), rounds, going, landed);
+    const bool chord = next_round(closures_->norm_C(), rounds, going, landed);
     if (!any(going)) return chord;
-    if (!chord) closures_.factor(plan_, z_);
-    advance(y, closures_.correct_C(plan_, z_, going));
+    if (!chord) closures_->factor();
+    advance(y, closures_->correct_C(going));
     normalize(y);
   }
 }
 
 // A factor of a position before serves while each round leaves a tenth at most; with one of this position the proximal
 // term alone leaves something. Copies whose velocities are not met then go on alone.
-void TreeBatch::project_velocities(double* y, const Numbers8& t, const Flags8& wanted, bool factored,
-                                   std::array<Landing, kLanes>& landed) {
-  const Numbers8 v_max = largest_of(moving::v), w_max = largest_of(moving::w), first = closures_.norm_Cd(plan_, z_);
+void Batch::project_velocities(double* y, const Numbers8& t, const Flags8& wanted, bool factored,
+                               std::array<Landing, kLanes>& landed) {
+  const Numbers8 v_max = largest_of(moving::v), w_max = largest_of(moving::w), first = closures_->norm_Cd();
   Numbers8 left = first, goal;
   Flags8 going = wanted;
   for (std::size_t l = 0; l < kL; ++l) {
@@ -101,15 +120,15 @@ void TreeBatch::project_velocities(double* y, const Numbers8& t, const Flags8& w
   }
   bool old = factored;
   for (int round = 0; any(going) && round < kTreeVelocityRounds; ++round) {
-    if (!factored) closures_.factor(plan_, z_), factored = true;
-    const double* dv = closures_.correct_Cd(plan_, z_, going);
-    for (std::size_t i = 0; i < kL * plan_.n_v; ++i) y[kL * plan_.n_q + i] += dv[i];
+    if (!factored) closures_->factor(), factored = true;
+    const double* dv = closures_->correct_Cd(going);
+    for (std::size_t i = 0; i < kL * data_.plan.n_v; ++i) y[kL * data_.plan.n_q + i] += dv[i];
     const Flags8 lost = lost_;
     move(y, t, true);
     lost_ = lost;
-    closures_.gather_rates(plan_, z_);
+    closures_->gather_rates();
     const Numbers8 last = left;
-    left = closures_.norm_Cd(plan_, z_);
+    left = closures_->norm_Cd();
     bool again = false;
     for (std::size_t l = 0; l < kL; ++l) {
       if (!going[l]) continue;

@@ -37,7 +37,6 @@ std::string unsuited(const RunSettings& run) {
   if ((method != "dop853" && method != "dopri5") || has_keys(run.integrator))
     return "lanes are there for dop853 and dopri5 without keys";
   if (run.solver.type != "schur" || has_keys(run.solver)) return "lanes have the solver schur without keys";
-  if (run.formulation == Formulation::quaternion) return "lanes have the formulations joint and omega";
   if (run.stabilization.kind == Stabilization::Kind::baumgarte) return "lanes have no Baumgarte stabilisation";
   if (run.nearly_redundant == NearlyRedundant::free || run.nearly_redundant == NearlyRedundant::held)
     return "lanes have all rows of their links: \"nearly_redundant\" is \"auto\" or \"told\" in them";
