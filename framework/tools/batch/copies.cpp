@@ -5,7 +5,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/registry.h>
-#include <lockstep/solvers.h>
+#include <lockstep/step_loop.h>
 #include <lockstep/text.h>
 #include "framework/tools/batch/copy_run.h"
 
@@ -187,11 +187,9 @@ std::vector<CopyReport> Copies::run(std::span<const State> starts, std::span<con
     const std::span<CopyReport> told(reports.data() + w.first(batch), n);
     if (w.options.lanes) return lanes::run_lanes(batch, states, task, told);
     for (std::size_t l = 0; l < n; ++l) {
-      System& system = batch.system(static_cast<int>(l));
-      lanes::OutputSchedule schedule;
-      schedule.begin(system, states[l].t, times);
-      told[l].alone = true;
-      lanes::start_alone(system, batch.first() + static_cast<int>(l), states[l], schedule, task, told[l]);
+      const int lane = static_cast<int>(l);
+      lanes::run_alone(batch.system(lane), batch.first() + lane, states[l], 0, StepLoopOptions().start_limit, task,
+                       told[l]);
     }
   };
   try {

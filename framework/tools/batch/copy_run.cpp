@@ -1,14 +1,11 @@
 #include "framework/tools/batch/copy_run.h"
 
-#include <spdlog/fmt/fmt.h>
-
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <exception>
 #include <utility>
 
 #include <lockstep/error.h>
-#include <lockstep/log.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>
 #include "framework/dynamics/simulate/consistency.h"
@@ -92,131 +89,70 @@ void RunTask::go_on_from(double t) const {
 
 namespace {
 
-/// The run of one copy by the scalar code.
-class AloneRun {
+/// Counts the steps of a copy that runs alone, and hands them on. What is thrown there leaves the run as it is.
+class Follower final : public Observer {
  public:
-  AloneRun(System& system, int copy, State state, OutputSchedule schedule, double h, const RunTask& task,
-           CopyReport& report, const LastSteps& last)
-      : copy_(copy),
-        task_(task),
-        report_(report),
-        dynamics_(system, std::make_unique<SchurSolver>(), options_of(task)),
-        integrator_(task.make_integrator()),
-        state_(std::move(state)),
-        schedule_(std::move(schedule)),
-        last_(last),
-        t_start_(state_.t),
-        h_(h) {
-    integrator_->set_tolerance(task.options.tolerance);
-    if (task.options.max_step > 0) largest_ = task.options.max_step;
+  Follower(int copy, Dynamics& dynamics, const RunTask& task, CopyReport& report)
+      : copy_(copy), dynamics_(dynamics), task_(task), report_(report) {}
+  void step(const Sample& sample) override {
+    ++report_.steps, report_.rejected += sample.report.rejected;
+    report_.t = sample.state.t, report_.unmet.count(sample.report, report_.t);
+    tell(sample.state, false);
+    guarded([&] { task_.go_on_from(report_.t); });
   }
-
-  void run() {
-    dynamics_.to_formulation(state_);
-    dynamics_.accept(state_);
-    integrator_->begin(dynamics_, state_);
-    report_.t = state_.t;
-    while (!schedule_.done()) {
-      while (!schedule_.done() && schedule_.reach() <= state_.t) arrive();  // the start may be an output time
-      if (schedule_.done()) break;
-      task_.go_on_from(state_.t);
-      check_length(last_, task_, schedule_.end(), state_.t, report_.steps);
-      step();
-    }
+  void jumped(const Sample& sample) override { tell(sample.state, true); }
+  bool threw() const { return threw_ != nullptr; }
+  void rethrow() const {
+    if (threw_) std::rethrow_exception(threw_);
+  }
+  State in_slots(State state) const {
+    dynamics_.to_slots(state);
+    return state;
   }
 
  private:
-  static DynamicsOptions options_of(const RunTask& task) {
-    DynamicsOptions options;
-    options.stabilization = task.options.stabilization;
-    options.formulation = Formulation::joint;
-    return options;
+  void tell(const State& state, bool jumped) {
+    if (task_.step) guarded([&] { task_.tell_step(copy_, in_slots(state), jumped); });
   }
-
-  State in_slots() {
-    State told = state_;
-    dynamics_.to_slots(told);
-    return told;
-  }
-
-  void tell_step(bool jumped) {
-    if (task_.step) task_.tell_step(copy_, in_slots(), jumped);
-  }
-
-  // At the schedule's next instant.
-  void arrive() {
-    bool output = false;
-    const double t = schedule_.arrive(output);
-    if (output) {
-      state_.t = t;
-      task_.tell(copy_, schedule_.next() - 1, in_slots());
-    } else {
-      pass_jump(dynamics_, state_, t);
-      dynamics_.to_formulation(state_);
-      tell_step(true);
-    }
-    report_.t = state_.t;
-  }
-
-  void step() {
-    const bool fixed = task_.scheme.error == nullptr;
-    if (h_ > 0 && !fixed && step_is_round_off(h_, state_.t, schedule_.end() - t_start_))
-      throw StepError(
-          fmt::format("{}: the step shrank to {:.3g} s at t = {:.9g} s", integrator_->info().name, h_, state_.t),
-          state_.t);
-    if (!(h_ > 0)) h_ = integrator_->first_step(dynamics_, state_, std::min(largest_, schedule_.reach() - state_.t));
-    const double asked = schedule_.step(state_.t, std::min(h_, largest_), fixed);
-    const bool lands = schedule_.lands(state_.t, asked);
-    const StepReport step = integrator_->step(dynamics_, state_, asked);
-    dynamics_.accept(state_);
-    if (state_.coordinates) state_.coordinates->take_off_turns(state_);
-    ++report_.steps, report_.rejected += step.rejected;
-    last_.add(state_.t);
-    if (step.h_next > 0) h_ = advised_after(h_, asked, step.h, step.h_next);
-    const bool landed = lands && step.h >= asked;
-    if (landed) state_.t = schedule_.reach();
-    report_.t = state_.t;
-    report_.unmet.count(step, state_.t);
-    tell_step(false);
-    if (landed) arrive();  // run() goes on where an output is at a jump
+  template <class Act>
+  void guarded(Act&& act) try {
+    if (!threw_) act();
+  } catch (...) {
+    threw_ = std::current_exception();
   }
 
   int copy_;
+  Dynamics& dynamics_;
   const RunTask& task_;
   CopyReport& report_;
-  Dynamics dynamics_;
-  std::unique_ptr<Integrator> integrator_;
-  State state_;
-  OutputSchedule schedule_;
-  LastSteps last_;
-  double t_start_, h_;
-  double largest_ = std::numeric_limits<double>::infinity();
+  std::exception_ptr threw_;
 };
 
 }  // namespace
 
-void run_alone(System& system, int copy, State state, OutputSchedule schedule, double h, const RunTask& task,
-               CopyReport& report, const LastSteps& last) {
-  try {
-    AloneRun(system, copy, std::move(state), std::move(schedule), h, task, report, last).run();
-  } catch (const Error& error) {
-    report.finished = false;
-    report.error = error.what();
+void run_alone(System& system, int copy, State state, std::size_t next, double start_limit, const RunTask& task,
+               CopyReport& report) try {
+  report.alone = true, report.t = state.t;
+  DynamicsOptions how;
+  how.stabilization = task.options.stabilization, how.formulation = Formulation::joint;
+  Dynamics dynamics(system, std::make_unique<SchurSolver>(), how);
+  StepLoopOptions options;
+  options.step = task.scheme.error ? task.options.max_step : task.options.step;
+  options.tolerance = task.options.tolerance, options.start_limit = start_limit;
+  if (task.options.max_steps > 0) options.max_steps = std::max(1L, task.options.max_steps - report.steps);
+  StepLoop loop(dynamics, task.make_integrator(), options);
+  Follower follower(copy, dynamics, task, report);
+  loop.add_observer(follower);
+  loop.set_state(std::move(state));
+  loop.progress = [&](const State&) { return !follower.threw(); };
+  for (; next < task.times.size(); ++next) {
+    loop.run_until(task.times[next]);
+    follower.rethrow();
+    task.tell(copy, next, follower.in_slots(loop.state()));
   }
-}
-
-void start_alone(System& system, int copy, const State& start, const OutputSchedule& schedule, const RunTask& task,
-                 CopyReport& report) {
-  try {
-    Dynamics dynamics(system, std::make_unique<SchurSolver>(), {Formulation::omega, task.options.stabilization});
-    check_copy(dynamics, start);
-  } catch (const Error& error) {
-    report.finished = false, report.t = start.t, report.error = error.what();
-    return;
-  }
-  LastSteps last;
-  last.begin(start.t);
-  run_alone(system, copy, start, schedule, task.options.step, task, report, last);
+} catch (const Error& error) {
+  report.finished = false;
+  report.error = error.what();
 }
 
 }  // namespace lockstep::lanes

@@ -69,12 +69,9 @@ void check_length(const LastSteps&, const RunTask&, double end, double t, long n
 /// Throws AssemblyError where a start, in the slots' own coordinates, violates the constraints, as StepLoop does.
 void check_copy(Dynamics&, const State&);
 
-/// Runs from `state` to the end of the schedule with the scalar Dynamics and integrator, or until it fails. `h`: first
-/// step; 0: the method's own guess. The last steps: of those that the report counts.
-void run_alone(System&, int copy, State state, OutputSchedule schedule, double h, const RunTask&, CopyReport&,
-               const LastSteps&);
-/// The same from a start, which is checked.
-void start_alone(System&, int copy, const State& start, const OutputSchedule&, const RunTask&, CopyReport&);
+/// Runs a copy from `state` through the times from the next one on as a single run does, or until it fails. The state may
+/// violate the constraints by start_limit (StepLoopOptions).
+void run_alone(System&, int copy, State state, std::size_t next, double start_limit, const RunTask&, CopyReport&);
 
 /// Runs all copies of a batch in lanes; run_alone finishes those that fail there.
 void run_lanes(Batch&, std::span<const State> starts, const RunTask&, std::span<CopyReport>);

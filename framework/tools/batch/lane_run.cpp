@@ -218,16 +218,14 @@ void LaneRun::leave(int lane) {
   const auto l = static_cast<std::size_t>(lane);
   State state = state_;
   read(lane, y_.data(), t_[l], state);
-  const double h = fixed_ ? task_.options.step : h_[l];
-  reports_[l].alone = true;
   park(lane);
   try {
     batch_.to_slots(lane, state);
   } catch (const Error& error) {
     return fail(lane, error);
   }
-  run_alone(batch_.system(lane), batch_.first() + lane, std::move(state), lanes_[l].schedule, h, task_, reports_[l],
-            lanes_[l].last);
+  run_alone(batch_.system(lane), batch_.first() + lane, std::move(state), lanes_[l].schedule.next(), HUGE_VAL, task_,
+            reports_[l]);
 }
 
 void LaneRun::fail(int lane, const Error& error) {
