@@ -72,9 +72,9 @@ std::vector<double> inputs_now(const lanes::Batch& batch) {
 }
 
 /// Accelerations of the coordinates, then multipliers of the closures.
-template <class T>
-std::vector<T> evaluate(const lanes::Batch& batch, std::span<const T> inputs) {
-  using Space = bodies::InSpace<T>;
+template <class T, class G>
+std::vector<T> evaluate_in(const lanes::Batch& batch, std::span<const T> inputs) {
+  using Space = typename G::Space;
   Arrays<T> arrays;
   std::size_t next = 0;
   const std::vector<std::span<const double>> varying = inputs_of(batch);
@@ -89,10 +89,10 @@ std::vector<T> evaluate(const lanes::Batch& batch, std::span<const T> inputs) {
     return to;
   };
   const lanes::TreePlan& plan = batch.data().plan;
-  std::vector<lanes::Travel<T>> travel(plan.nodes.size());
+  std::vector<lanes::Travel<Space>> travel(plan.nodes.size());
   std::vector<bodies::Coordinate<Space>> dof(plan.n_v);
   std::vector<typename Space::Inertia> waiting(plan.n_waiting);
-  const lanes::LaneTree<T*> tree{plan, {batch.data().z.each(put), travel.data(), dof.data(), waiting.data()}};
+  const lanes::LaneTree<G> tree{plan, {batch.data().z.each(put), travel.data(), dof.data(), waiting.data()}};
   for (std::size_t k = 0; k < plan.nodes.size(); ++k) {
     const lanes::LaneNode& n = plan.nodes[k];
     if (n.turn != TreeTurn::hinge) continue;
@@ -109,13 +109,19 @@ std::vector<T> evaluate(const lanes::Batch& batch, std::span<const T> inputs) {
     const lanes::ClosurePlan& loops = batch.data().loops;
     std::vector<typename Space::Wrench> K(loops.fronts.rows.size()), wrench(loops.fronts.n_nodes);
     std::vector<typename Space::Twist> change(loops.fronts.n_nodes);
-    const lanes::LaneClosures<T*> closures{
+    const lanes::LaneClosures<G> closures{
         tree, loops, {batch.data().c.each(put), K.data(), wrench.data(), change.data()}};
     closures.accelerate(rate);
     out.assign(closures.c.lambda, closures.c.lambda + loops.n_rows());
   }
   out.insert(out.begin(), rate + plan.n_q, rate + plan.n_q + plan.n_v);
   return out;
+}
+
+template <class T>
+std::vector<T> evaluate(const lanes::Batch& batch, std::span<const T> inputs) {
+  return batch.data().plan.normal < 0 ? evaluate_in<T, lanes::Spatial<T*>>(batch, inputs)
+                                      : evaluate_in<T, lanes::Planar<T*>>(batch, inputs);
 }
 
 /// A sample in a batch of one copy, at states that it is set to.

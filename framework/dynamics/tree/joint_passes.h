@@ -20,10 +20,10 @@ struct alignas(kAlign<typename Space::Linear>) Coordinate {
 /// point about which it turns to the slot's.
 template <class Axes, class V3, class Space>
 LOCKSTEP_INLINE void put_axes(int n_slides, int n_v, const Axes& axes, const V3& arm, Coordinate<Space>* dof) {
-  for (int i = 0; i < n_slides; ++i) dof[i].S = {Space::from(axes.slides[i]), typename Space::Linear{}};
+  for (int i = 0; i < n_slides; ++i) dof[i].S = {Space::from(axes.slides[i]), typename Space::Axial{}};
   for (int i = n_slides; i < n_v; ++i) {
-    const V3& axis = axes.turns[i - n_slides];
-    dof[i].S = {Space::from(V3(cross(axis, arm))), Space::from(axis)};
+    const auto& axis = axes.turns[i - n_slides];
+    dof[i].S = {Space::from(V3(cross(axis, arm))), Space::from_axial(axis)};
   }
 }
 
@@ -111,7 +111,8 @@ struct JointPasses {
   /// carried(). What the joint does not let happen is lost.
   LOCKSTEP_INLINE void read_off(int n_slides, Twist beyond, double* vd) const {
     for (int i = n_v(); i-- > 0;) {
-      vd[i] = i < n_slides ? dot(dof[i].S.a, beyond.a) : dot(dof[i].S.al, beyond.al);
+      using Linear = typename Space::Linear;
+      vd[i] = i < n_slides ? dot(dof[i].S.a, beyond.a) : axial_dot<Linear>(dof[i].S.al, beyond.al);
       if (i >= n_slides) beyond -= vd[i] * dof[i].S;
     }
   }
@@ -134,8 +135,9 @@ struct JointPasses {
 ///
 /// in one go, where on the right all are the old ones, written so that little waits for the division.
 struct PlanarHinge {
-  using Wrench = InPlane::Wrench;
-  using Twist = InPlane::Twist;
+  using Wrench = InPlane<double>::Wrench;
+  using Twist = InPlane<double>::Twist;
+  using Inertia = InPlane<double>::Inertia;
 
   /// al = u - g' a_p - gs al_p, of the slot, not against the parent.
   struct Own {
@@ -148,7 +150,7 @@ struct PlanarHinge {
   const Twist& c;
 
   LOCKSTEP_INLINE int n_v() const { return 1; }
-  LOCKSTEP_INLINE void eliminate(InPlane::Inertia& IA, bool) const {
+  LOCKSTEP_INLINE void eliminate(Inertia& IA, bool) const {
     const Flat s = across(r), h = IA.h, Ms = IA.M(s), p = IA.p.f + IA.M(c.a);
     const double hs = dot(h, s), u = -IA.p.t - dot(h, c.a), D_1 = 1.0 / IA.I;
     own = {D_1 * h, D_1 * u, D_1 * hs, D_1};
@@ -157,7 +159,7 @@ struct PlanarHinge {
     IA.I = dot(s, Ms) - D_1 * (hs * hs);
     IA.p = {p + D_1 * (u * h), dot(s, p) + D_1 * (u * hs)};
   }
-  LOCKSTEP_INLINE void shift(InPlane::Inertia&) const {}
+  LOCKSTEP_INLINE void shift(Inertia&) const {}
   LOCKSTEP_INLINE void pass(Wrench& K, double& l, double* kappa, double* V) const {
     const double t = kappa[0] = K.t;
     V[0] = t * own.D_1;

@@ -83,8 +83,7 @@ LOCKSTEP_INLINE void LoopClosures<Space>::read(const Slots& slots, std::span<con
         const Motion& motion = motions[static_cast<std::size_t>(e.slots[i] + 1)];
         Wrench& J = J_[at];
         J = slots.read_side(block, i, k, node, motion, diagonal_[row]);
-        using bodies::dot;
-        if (source.kind == RowKind::translation) arm2 = std::max(arm2, dot(J.t, J.t));
+        if (source.kind == RowKind::translation) arm2 = std::max(arm2, squares(J).second);
         Wrench K = J;
         l += slots.move_to_joint(node, K);
         K_[static_cast<std::size_t>(side.place)] += K;

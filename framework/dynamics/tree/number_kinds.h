@@ -10,22 +10,22 @@ template <class T>
 using PackQuat = vec::Quaternion<T, vec::Vector<T>>;
 
 LOCKSTEP_INLINE Quat quaternion(double w, const Vec3& v) { return Quat::from(w, v); }
-template <class T>
-LOCKSTEP_INLINE PackQuat<T> quaternion(const T& w, const vec::Vector<T>& v) {
+template <class T, class X, class Y, class Z>
+LOCKSTEP_INLINE vec::Quaternion<T, vec::Vector<X, Y, Z>> quaternion(const T& w, const vec::Vector<X, Y, Z>& v) {
   return {w, v};
 }
 LOCKSTEP_INLINE Quat scaled(double x, const Quat& q) { return {x * q.w, x * q.x, x * q.y, x * q.z}; }
-template <class T>
-LOCKSTEP_INLINE PackQuat<T> scaled(const T& x, const PackQuat<T>& q) {
+template <class T, class V>
+LOCKSTEP_INLINE vec::Quaternion<T, V> scaled(const T& x, const vec::Quaternion<T, V>& q) {
   return x * q;
 }
 LOCKSTEP_INLINE Vec3 vector_of(const Quat& q) { return q.vec(); }
-template <class T>
-LOCKSTEP_INLINE vec::Vector<T> vector_of(const PackQuat<T>& q) {
+template <class T, class V>
+LOCKSTEP_INLINE V vector_of(const vec::Quaternion<T, V>& q) {
   return q.v;
 }
-template <class T>
-LOCKSTEP_INLINE T norm2(const PackQuat<T>& q) {
+template <class T, class V>
+LOCKSTEP_INLINE T norm2(const vec::Quaternion<T, V>& q) {
   return q.w * q.w + dot(q.v, q.v);
 }
 
@@ -45,6 +45,15 @@ template <class Q4>
 LOCKSTEP_INLINE Q4 near_unit(const Q4& q) {
   const auto n2 = norm2(q);
   return scaled(decltype(norm2(q))(1.5 - 0.5 * n2), q);
+}
+
+/// The vector a as a V3, which may have components of other types.
+template <class V3, class A>
+LOCKSTEP_INLINE V3 to(const A& a) {
+  if constexpr (std::is_constructible_v<V3, const A&>)
+    return V3(a);
+  else
+    return V3() + a;
 }
 
 template <class V3>

@@ -224,8 +224,10 @@ LOCKSTEP_INLINE void measure_row(const ClosureSource& source, bool raised, const
                                                              const auto& a) __attribute__((always_inline)) {
           const Number x = dot(J, a);
           sum += x, sizes += magnitude(x);
-          if (raised)
-            bound += square_root(dot(J.f, J.f) * dot(a.a, a.a)) + square_root(dot(J.t, J.t) * dot(a.al, a.al));
+          if (!raised) return;
+          const auto [f2, t2] = squares(J);
+          const auto [a2, al2] = squares(a);
+          bound += square_root(f2 * a2) + square_root(t2 * al2);
         });
   const Number least = kScaleFloor * bound;
   r = sum, size = sizes < least ? least : sizes;

@@ -17,17 +17,40 @@ namespace lockstep {
 struct TreeNode;
 
 /// A vector in the plane, by its components along i and j.
-struct Flat {
-  double i = 0, j = 0;
+template <class T>
+struct FlatOf {
+  T i{}, j{};
 };
-LOCKSTEP_INLINE Flat operator+(const Flat& a, const Flat& b) { return {a.i + b.i, a.j + b.j}; }
-LOCKSTEP_INLINE Flat operator-(const Flat& a, const Flat& b) { return {a.i - b.i, a.j - b.j}; }
-LOCKSTEP_INLINE Flat operator*(double x, const Flat& a) { return {x * a.i, x * a.j}; }
-LOCKSTEP_INLINE Flat& operator+=(Flat& a, const Flat& b) { return a = a + b; }
-LOCKSTEP_INLINE Flat& operator-=(Flat& a, const Flat& b) { return a = a - b; }
-LOCKSTEP_INLINE double dot(const Flat& a, const Flat& b) { return a.i * b.i + a.j * b.j; }
+using Flat = FlatOf<double>;
+template <class T>
+LOCKSTEP_INLINE FlatOf<T> operator+(const FlatOf<T>& a, const FlatOf<T>& b) {
+  return {a.i + b.i, a.j + b.j};
+}
+template <class T>
+LOCKSTEP_INLINE FlatOf<T> operator-(const FlatOf<T>& a, const FlatOf<T>& b) {
+  return {a.i - b.i, a.j - b.j};
+}
+template <class X, class T>
+LOCKSTEP_INLINE FlatOf<T> operator*(const X& x, const FlatOf<T>& a) {
+  return {x * a.i, x * a.j};
+}
+template <class T>
+LOCKSTEP_INLINE FlatOf<T>& operator+=(FlatOf<T>& a, const FlatOf<T>& b) {
+  return a = a + b;
+}
+template <class T>
+LOCKSTEP_INLINE FlatOf<T>& operator-=(FlatOf<T>& a, const FlatOf<T>& b) {
+  return a = a - b;
+}
+template <class T>
+LOCKSTEP_INLINE T dot(const FlatOf<T>& a, const FlatOf<T>& b) {
+  return a.i * b.i + a.j * b.j;
+}
 /// n x a
-LOCKSTEP_INLINE Flat across(const Flat& a) { return {-a.j, a.i}; }
+template <class T>
+LOCKSTEP_INLINE FlatOf<T> across(const FlatOf<T>& a) {
+  return {-a.j, a.i};
+}
 /// a turned about the normal by the angle with this cosine and sine
 LOCKSTEP_INLINE Flat turned(double c, double s, const Flat& a) { return {c * a.i - s * a.j, s * a.i + c * a.j}; }
 

@@ -50,8 +50,8 @@ LOCKSTEP_INLINE void inward(Slots& slots, Rows& rows, Waiting& waiting, AddSlot&
 
 template <class Largest, class Twist>
 LOCKSTEP_INLINE void see_largest(Largest& most, const Twist& of) {
-  using bodies::dot;
-  most.add(dot(of.a, of.a), dot(of.al, of.al));
+  const auto [a2, al2] = squares(of);
+  most.add(a2, al2);
 }
 
 /// Adds changes of the accelerations, by node; returns the largest as they are then.

@@ -11,7 +11,7 @@ namespace {
 /// point of its joint.
 class PlanarSlots {
  public:
-  using Space = bodies::InPlane;
+  using Space = bodies::InPlane<double>;
   using Twist = Space::Twist;
   using Largest = lockstep::Largest;
   using Wrench = Space::Wrench;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <type_traits>
+#include <utility>
 
 #include <lockstep/vec.h>
 #include "framework/dynamics/tree/column_algebra.h"
@@ -52,9 +53,14 @@ LOCKSTEP_INLINE T square_root(const T& x) {
 using lockstep::cross;
 using lockstep::dot;
 // In the plane an axial vector is a number, along the normal.
-LOCKSTEP_INLINE double dot(double a, double b) { return a * b; }
-LOCKSTEP_INLINE double cross(const Flat& a, const Flat& b) { return a.i * b.j - a.j * b.i; }
-LOCKSTEP_INLINE Flat cross(double a, const Flat& b) { return a * across(b); }
+template <class T>
+LOCKSTEP_INLINE T cross(const FlatOf<T>& a, const FlatOf<T>& b) {
+  return a.i * b.j - a.j * b.i;
+}
+template <class T>
+LOCKSTEP_INLINE FlatOf<T> cross(const T& a, const FlatOf<T>& b) {
+  return a * across(b);
+}
 LOCKSTEP_INLINE Column cross(const Column& a, const Column& b) { return Skew(a) * b; }
 
 template <class L, class A>
@@ -85,9 +91,26 @@ template <class N, class L, class A>
 LOCKSTEP_INLINE Twist<L, A> operator*(const N& x, const Twist<L, A>& a) {
   return {x * a.a, x * a.al};
 }
+/// a . b of axial vectors: in the plane their product. L: the vectors of their space.
+template <class L, class A>
+LOCKSTEP_INLINE auto axial_dot(const A& a, const A& b) {
+  if constexpr (std::is_same_v<L, A>)
+    return dot(a, b);
+  else
+    return a * b;
+}
 template <class L, class A>
 LOCKSTEP_INLINE auto dot(const Wrench<L, A>& a, const Twist<L, A>& b) {
-  return dot(a.f, b.a) + dot(a.t, b.al);
+  return dot(a.f, b.a) + axial_dot<L>(a.t, b.al);
+}
+/// Squares of both parts.
+template <class L, class A>
+LOCKSTEP_INLINE auto squares(const Wrench<L, A>& a) {
+  return std::pair(dot(a.f, a.f), axial_dot<L>(a.t, a.t));
+}
+template <class L, class A>
+LOCKSTEP_INLINE auto squares(const Twist<L, A>& a) {
+  return std::pair(dot(a.a, a.a), axial_dot<L>(a.al, a.al));
 }
 /// Of the point at r from this one in a rigid body, beyond what its velocity makes: a + al x r.
 template <class L, class A>
@@ -128,9 +151,11 @@ template <class T>
 struct InSpace {
   using Number = T;
   using Linear = vec::Vector<T>;
+  using Axial = Linear;
   using Wrench = bodies::Wrench<Linear>;
   using Twist = bodies::Twist<Linear>;
   LOCKSTEP_INLINE static const Linear& from(const Linear& a) { return a; }
+  LOCKSTEP_INLINE static const Linear& from_axial(const Linear& a) { return a; }
 
   struct Inertia {
     Symmetric<T> M{}, I{};
@@ -169,9 +194,11 @@ struct InSpace {
 struct InColumns {
   using Number = double;
   using Linear = Column;
+  using Axial = Column;
   using Wrench = bodies::Wrench<Column>;
   using Twist = bodies::Twist<Column>;
   LOCKSTEP_INLINE static Column from(const Vec3& a) { return column(a); }
+  LOCKSTEP_INLINE static Column from_axial(const Vec3& a) { return column(a); }
 
   struct alignas(kColumn) Inertia {
     Columns M{}, H{}, H_t{}, I{};
@@ -198,18 +225,29 @@ struct InColumns {
 };
 
 /// Two dimensions: force = M a + h al + p.f, moment = h' a + I al + p.t.
+template <class T>
 struct InPlane {
-  using Number = double;
-  using Linear = Flat;
-  using Wrench = bodies::Wrench<Flat, double>;
-  using Twist = bodies::Twist<Flat, double>;
+  using Number = T;
+  using Linear = FlatOf<T>;
+  using Axial = T;
+  using Wrench = bodies::Wrench<Linear, T>;
+  using Twist = bodies::Twist<Linear, T>;
+  /// Of vectors of three components, of which those out of the plane are zero; the normal is the third axis.
+  template <class Z>
+  LOCKSTEP_INLINE static Linear from(const vec::Vector<T, T, Z>& a) {
+    return {a.x, a.y};
+  }
+  template <class X>
+  LOCKSTEP_INLINE static Axial from_axial(const vec::Vector<X, X, T>& a) {
+    return a.z;
+  }
 
   struct Inertia {
-    double Mii = 0, Mij = 0, Mjj = 0, I = 0;
-    Flat h;
+    T Mii{}, Mij{}, Mjj{}, I{};
+    Linear h;
     Wrench p;
 
-    LOCKSTEP_INLINE Flat M(const Flat& a) const { return {Mii * a.i + Mij * a.j, Mij * a.i + Mjj * a.j}; }
+    LOCKSTEP_INLINE Linear M(const Linear& a) const { return {Mii * a.i + Mij * a.j, Mij * a.i + Mjj * a.j}; }
     LOCKSTEP_INLINE Wrench operator*(const Twist& s) const { return {M(s.a) + s.al * h, dot(h, s.a) + I * s.al}; }
     LOCKSTEP_INLINE void add(const Inertia& b) {
       Mii += b.Mii, Mij += b.Mij, Mjj += b.Mjj, I += b.I, h += b.h, p += b.p;
@@ -218,8 +256,8 @@ struct InPlane {
       Mii -= V.f.i * U.f.i, Mij -= V.f.i * U.f.j, Mjj -= V.f.j * U.f.j;
       h -= U.t * V.f, I -= V.t * U.t;
     }
-    LOCKSTEP_INLINE void move(const Flat& r) {
-      const Flat s = across(r), Ms = M(s);
+    LOCKSTEP_INLINE void move(const Linear& r) {
+      const Linear s = across(r), Ms = M(s);
       I += dot(s, Ms) + 2.0 * dot(s, h);
       h += Ms;
       p = about(r, p);

@@ -84,7 +84,8 @@ void Batch::fill_wrench(const double* y, const Numbers8& t) {
         system(l).check_forces(in, wrench_of_one_);
       });
     }
-    put_numbers(data_.z.wrench, 0, l, wrench_of_one_);
+    for (Eigen::Index i = 0; i < wrench_of_one_.size(); i += 3)
+      put_axes(data_.z.wrench, static_cast<std::size_t>(i), l, axes_, wrench_of_one_.segment<3>(i));
   }
 }
 

@@ -109,6 +109,7 @@ class LOCKSTEP_API Batch {
   void state_rates(const double* y, const Numbers8& t, double* rate);
   void lay_out(const Trees&);
   void fill_joints();
+  void put_heights(int lane);
   void follow_laws(double* rate) const;
   void fill_laws(const double* y, const Numbers8& t);
   void fill_laws_of(std::size_t node, int lane, double t);
@@ -144,6 +145,7 @@ class LOCKSTEP_API Batch {
   std::array<std::shared_ptr<const JointTree>, kLanes> trees_;
   Stabilization stabilization_;
   LaneData data_;
+  std::array<int, 3> axes_{};  // of its plan
   std::unique_ptr<TreeClosures> closures_;
   std::vector<std::size_t> node_of_;  // of each slot
   Arrays arrays_;                     // of data_.z

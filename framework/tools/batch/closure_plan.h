@@ -83,10 +83,10 @@ struct ClosureArrays {
   }
 };
 /// A struct of numbers each: per place: K | of a correction, per node.
-template <class A>
-struct ClosureNumbers : ClosureArrays<A> {
-  typename SpaceOf<A>::Wrench *K, *wrench;
-  typename SpaceOf<A>::Twist* change;
+template <class G>
+struct ClosureNumbers : ClosureArrays<typename G::Array> {
+  typename G::Space::Wrench *K, *wrench;
+  typename G::Space::Twist* change;
 };
 struct ClosureStore : ClosureArrays<std::span<double>> {
   std::span<double> K, wrench, change;  ///< those of one round after another

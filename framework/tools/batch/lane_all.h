@@ -41,23 +41,31 @@ template <class S>
 LOCKSTEP_LANE S* round_at(int lane, std::span<double> p) {
   return reinterpret_cast<S*>(p.data() + p.size() / kL * static_cast<std::size_t>(lane));
 }
-LOCKSTEP_LANE LaneTree<LaneArray> tree(const LaneData& d, int lane) {
-  using Inertia = Space::Inertia;
+template <class G>
+LOCKSTEP_LANE LaneTree<G> tree(const LaneData& d, int lane) {
+  using Space = typename G::Space;
+  using Inertia = typename Space::Inertia;
   using Coordinate = bodies::Coordinate<Space>;
-  static_assert(sizeof(Coordinate) == dof::size * sizeof(V) && sizeof(Travel<V>) == travel::size * sizeof(V) &&
-                sizeof(Inertia) == articulated::size * sizeof(V));
+  static_assert(sizeof(Coordinate) <= dof::size * sizeof(V) && sizeof(Travel<Space>) <= travel::size * sizeof(V) &&
+                sizeof(Inertia) <= articulated::size * sizeof(V));
   return {d.plan,
-          {d.z.each(at_lane(lane)), round_at<Travel<V>>(lane, d.z.travel), round_at<Coordinate>(lane, d.z.dof),
+          {d.z.each(at_lane(lane)), round_at<Travel<Space>>(lane, d.z.travel), round_at<Coordinate>(lane, d.z.dof),
            round_at<Inertia>(lane, d.z.waiting)}};
 }
-LOCKSTEP_LANE LaneClosures<LaneArray> closed(const LaneData& d, int lane) {
-  using Wrench = Space::Wrench;
-  using Twist = Space::Twist;
-  static_assert(sizeof(Wrench) == spatial::size * sizeof(V) && sizeof(Twist) == sizeof(Wrench));
-  return {tree(d, lane),
+template <class G>
+LOCKSTEP_LANE LaneClosures<G> closed(const LaneData& d, int lane) {
+  using Wrench = typename G::Space::Wrench;
+  using Twist = typename G::Space::Twist;
+  static_assert(sizeof(Wrench) <= spatial::size * sizeof(V) && sizeof(Twist) == sizeof(Wrench));
+  return {tree<G>(d, lane),
           d.loops,
           {d.c.each(at_lane(lane)), round_at<Wrench>(lane, d.c.K), round_at<Wrench>(lane, d.c.wrench),
            round_at<Twist>(lane, d.c.change)}};
+}
+/// f(G), Spatial or Planar, as that of the plan.
+template <class F>
+LOCKSTEP_LANE void in_its_space(const LaneData& d, F&& f) {
+  d.plan.normal < 0 ? f(Spatial<LaneArray>{}) : f(Planar<LaneArray>{});
 }
 
 // A pass over all eight lanes, in as many rounds as the packs need.
@@ -66,6 +74,15 @@ LOCKSTEP_LANE LaneClosures<LaneArray> closed(const LaneData& d, int lane) {
     for (int lane = 0; lane < kLanes; lane += kWide) act; \
   };
 
+#define LOCKSTEP_TREE_PASS(name, parameters, act) \
+  LOCKSTEP_PASS(name, parameters,                 \
+                in_its_space(                     \
+                    d, [&](auto g) __attribute__((always_inline)) { tree<decltype(g)>(d, lane).act; }))
+#define LOCKSTEP_CLOSED_PASS(name, parameters, act) \
+  LOCKSTEP_PASS(name, parameters,                   \
+                in_its_space(                       \
+                    d, [&](auto g) __attribute__((always_inline)) { closed<decltype(g)>(d, lane).act; }))
+
 Passes all_passes() {
   Passes all;
   LOCKSTEP_PASS(combine,
@@ -73,25 +90,23 @@ Passes all_passes() {
                  const double* w, double* out),
                 combine(n, y, h, n_k, k, w, out, lane))
   all.half_turns = [](const LaneData& d, double* half) LOCKSTEP_TARGET { half_turns(d, half); };
-  LOCKSTEP_PASS(outward, (const LaneData& d), tree(d, lane).outward())
-  LOCKSTEP_PASS(accelerate_tree, (const LaneData& d, double* rate), tree(d, lane).accelerate_free(rate + lane))
-  LOCKSTEP_PASS(change, (const LaneData& d, const double* before, const double* h, double* now, double* out),
-                tree(d, lane).change(before + lane, h + lane, now + lane, out + lane))
-  LOCKSTEP_PASS(vary, (const LaneData& d, const double* dy, double* out), tree(d, lane).vary(dy + lane, out + lane))
-  LOCKSTEP_PASS(accelerate_closed, (const LaneData& d, double* rate), closed(d, lane).accelerate(rate + lane))
-  LOCKSTEP_PASS(factor_closures, (const LaneData& d), closed(d, lane).factor())
-  LOCKSTEP_PASS(correct_closures, (const LaneData& d, const double* r, double* dv),
-                closed(d, lane).correct(r + lane, dv + lane))
-  LOCKSTEP_PASS(add_correction, (const LaneData& d, const double* dv, double* rate),
-                closed(d, lane).add_correction(dv + lane, rate + lane))
-  LOCKSTEP_PASS(closure_errors, (const LaneData& d), closed(d, lane).errors())
-  LOCKSTEP_PASS(closure_rates, (const LaneData& d), closed(d, lane).rates())
-  LOCKSTEP_PASS(closure_residuals, (const LaneData& d, bool raised, double* out),
-                closed(d, lane).residuals(raised, out + lane))
-  LOCKSTEP_PASS(closure_pivots, (const LaneData& d, const double* left, double* out),
-                closed(d, lane).pivots(left + lane, out + lane))
-  LOCKSTEP_PASS(closure_norm, (const LaneData& d, const double* x, const double* L, double* out),
-                closed(d, lane).norm(x + lane, L + lane, out + lane))
+  LOCKSTEP_TREE_PASS(outward, (const LaneData& d), outward())
+  LOCKSTEP_TREE_PASS(accelerate_tree, (const LaneData& d, double* rate), accelerate_free(rate + lane))
+  LOCKSTEP_TREE_PASS(change, (const LaneData& d, const double* before, const double* h, double* now, double* out),
+                     change(before + lane, h + lane, now + lane, out + lane))
+  LOCKSTEP_TREE_PASS(vary, (const LaneData& d, const double* dy, double* out), vary(dy + lane, out + lane))
+  LOCKSTEP_CLOSED_PASS(accelerate_closed, (const LaneData& d, double* rate), accelerate(rate + lane))
+  LOCKSTEP_CLOSED_PASS(factor_closures, (const LaneData& d), factor())
+  LOCKSTEP_CLOSED_PASS(correct_closures, (const LaneData& d, const double* r, double* dv), correct(r + lane, dv + lane))
+  LOCKSTEP_CLOSED_PASS(add_correction, (const LaneData& d, const double* dv, double* rate),
+                       add_correction(dv + lane, rate + lane))
+  LOCKSTEP_CLOSED_PASS(closure_errors, (const LaneData& d), errors())
+  LOCKSTEP_CLOSED_PASS(closure_rates, (const LaneData& d), rates())
+  LOCKSTEP_CLOSED_PASS(closure_residuals, (const LaneData& d, bool raised, double* out), residuals(raised, out + lane))
+  LOCKSTEP_CLOSED_PASS(closure_pivots, (const LaneData& d, const double* left, double* out),
+                       pivots(left + lane, out + lane))
+  LOCKSTEP_CLOSED_PASS(closure_norm, (const LaneData& d, const double* x, const double* L, double* out),
+                       norm(x + lane, L + lane, out + lane))
   return all;
 }
 

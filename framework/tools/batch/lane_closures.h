@@ -1,5 +1,5 @@
 // LaneClosures: rows that close loops, eliminated along with the recursion (dynamics/tree/open_rows.h) on arrays of any
-// numbers, in space. Private to the room.
+// numbers. Private to the room.
 #pragma once
 
 #include "framework/dynamics/solvers/stop_rule.h"
@@ -10,20 +10,21 @@
 
 namespace lockstep::lanes {
 
-template <class Array>
+template <class G>
 struct LaneClosures {
-  using Tree = LaneTree<Array>;
-  using T = typename Tree::T;
-  using V3 = typename Tree::V3;
-  using M3 = typename Tree::M3;
-  using Space = typename Tree::Space;
+  using Tree = LaneTree<G>;
+  using Array = typename G::Array;
+  using T = typename G::T;
+  using M3 = typename G::M3;
+  using W = typename G::W;
+  using Space = typename G::Space;
   using Wrench = typename Space::Wrench;
   using Twist = typename Space::Twist;
   using Rows = OpenRows<Space, Array>;
 
   const Tree tree;
   const ClosurePlan& plan;
-  const ClosureNumbers<Array> c;
+  const ClosureNumbers<G> c;
 
   // ------------------------------------------------------------------------------------------------------------ rows
 
@@ -42,7 +43,8 @@ struct LaneClosures {
       for_sides(
           j, [&](std::size_t at, const ClosureSlot& s) __attribute__((always_inline)) {
             const Array b = tree.moving_at(static_cast<std::ptrdiff_t>(s.node));
-            Cd += dot(J_of(at), Twist{load3(b, moving::v), load3(b, moving::w)});
+            const Twist of{Space::from(G::linear(b, moving::v)), Space::from_axial(G::axial(b, moving::w))};
+            Cd += dot(J_of(at), of);
           });
       c.Cd[j] = Cd;
     }
@@ -131,39 +133,49 @@ struct LaneClosures {
   }
   LOCKSTEP_LANE Wrench J_of(std::size_t side) const {
     const Array J = c.J + spatial::size * side;
-    return {load3(J, 0), load3(J, 3)};
+    return {Space::from(G::linear(J, 0)), Space::from_axial(G::axial(J, 3))};
   }
-  // The motions of the slots that rows touch, for LinkRows.
+  // The motions of the slots that rows touch, for LinkRows: in the axes of space.
   LOCKSTEP_LANE void show_bodies() const {
+    const std::array<int, 3> axes = tree.plan.axes();
     for (const ClosurePlan::Seen& s : plan.seen) {
-      const Array b = tree.moving_at(static_cast<std::ptrdiff_t>(s.node)), to = c.rows.body + body::size * s.slot;
-      const M3 A = load9(b, moving::A);
-      const V3 w = load3(b, moving::w);
-      store3(to, body::x, load3(b, moving::x)), store3(to, body::v, load3(b, moving::v));
-      store9(to, body::A, A), store4(to, body::e, load4(b, moving::e));
-      store3(to, body::w, transpose_times(A, w)), store3(to, body::W, w);
+      const Array b = tree.moving_at(static_cast<std::ptrdiff_t>(s.node)), out = c.rows.body + body::size * s.slot;
+      const M3 A = G::matrix(b, moving::A);
+      const auto w = to<VectorIn<Array>>(transpose_times(A, G::axial(b, moving::w)));
+      out[body::e] = b[moving::e];
+      for (int i = 0; i < 3; ++i) {
+        const int k = axes[static_cast<std::size_t>(i)];
+        out[body::x + k] = b[moving::x + i], out[body::v + k] = b[moving::v + i];
+        out[body::e + 1 + k] = b[moving::e + 1 + i], out[body::W + k] = b[moving::w + i], out[body::w + k] = w[i];
+        for (int j = 0; j < 3; ++j) out[body::A + 3 * k + axes[static_cast<std::size_t>(j)]] = b[moving::A + 3 * i + j];
+      }
     }
   }
-  // What of a row lies in the plane with this normal.
-  LOCKSTEP_LANE static void keep_in_plane(int normal, Wrench& J) {
-    const T zero{};
-    component(J.f, normal) = zero;
-    for (int k = 0; k < 3; ++k)
-      if (k != normal) component(J.t, k) = zero;
+  // What of a row lies in the plane with this normal, of mechanisms in it that move as in space.
+  LOCKSTEP_LANE static void keep_in_plane(int normal, const Array& K) {
+    if constexpr (G::kFlat) return;
+    for (int i = 0; i < 3; ++i) K[i == normal ? i : 3 + i] = T{};
   }
   // The jacobians in world axes, and J M^-1 J' of each row.
   LOCKSTEP_LANE void read_jacobians() const {
+    const std::array<int, 3> axes = tree.plan.axes();
     for (std::size_t j = 0; j < plan.n_rows(); ++j) {
       T diagonal{};
       for_sides(
           j, [&](std::size_t at, const ClosureSlot& s) __attribute__((always_inline)) {
-            const Array J = c.rows.J + s.J, inverse = c.inverse + 7 * s.node;
-            const V3 t{J[3 * s.m], J[4 * s.m], J[5 * s.m]};
-            const M3 A = load9(tree.moving_at(static_cast<std::ptrdiff_t>(s.node)), moving::A);
-            Wrench K{{J[0], J[s.m], J[2 * s.m]}, A * t};
+            const Array inverse = c.inverse + 7 * s.node, K = c.J + spatial::size * at;
+            for (int i = 0; i < 6; ++i)
+              K[i] =
+                  c.rows.J[s.J + s.m * static_cast<std::size_t>(3 * (i / 3) + axes[static_cast<std::size_t>(i % 3)])];
+            const auto f = G::linear(K, 0);
+            const W t = G::axial(K, 3);
+            diagonal += inverse[0] * dot(f, f);
+            if constexpr (G::kFlat)
+              diagonal += inverse[6] * dot(t, t);
+            else
+              diagonal += dot(t, load_symmetric(inverse, 1) * t);
+            store3(K, 3, to<W>(G::matrix(tree.moving_at(static_cast<std::ptrdiff_t>(s.node)), moving::A) * t));
             if (plan.normal >= 0) keep_in_plane(plan.normal, K);
-            diagonal += inverse[0] * dot(K.f, K.f) + dot(t, load_symmetric(inverse, 1) * t);
-            store3(c.J, spatial::size * at, K.f), store3(c.J, spatial::size * at + 3, K.t);
           });
       c.diagonal[j] = diagonal;
     }

@@ -15,10 +15,6 @@ namespace lockstep::lanes::LOCKSTEP_SET {
 inline constexpr int kWide = LOCKSTEP_WIDE;  ///< lanes in one register
 using V = Pack<kWide>;                       ///< of the eight that are stored side by side
 
-using V3 = vec::Vector<V>;
-using M3 = vec::Matrix<V3>;
-using Q4 = PackQuat<V>;
-using Space = bodies::InSpace<V>;
 
 /// An array of eight lanes: [i] is its pack i, + i what begins there.
 struct LaneArray {

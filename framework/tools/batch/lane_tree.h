@@ -1,5 +1,5 @@
-// LaneTree: the recursion of a tree in space (dynamics/tree/recursion_in.h) on arrays of any numbers: its nodes, and how
-// they move. World axes; forces and accelerations of a slot about its mass centre. Private to the room.
+// LaneTree: the recursion of a tree (dynamics/tree/recursion_in.h) on arrays of any numbers, in space or in a plane: its
+// nodes, and how they move. World axes; forces and accelerations of a slot about its mass centre. Private to the room.
 #pragma once
 
 #include "framework/dynamics/tree/recursion_in.h"
@@ -18,25 +18,27 @@ struct LaneSizes {
   LOCKSTEP_LANE void put(const Array& out) const { out[0] = x, out[1] = r, out[2] = v, out[3] = w; }
 };
 
-/// The Slots of the recursion.
-template <class Array>
+/// The Slots of the recursion. G: Spatial or Planar (number_arrays.h).
+template <class G>
 struct LaneTree {
-  using T = NumberIn<Array>;
-  using V3 = VectorIn<Array>;
-  using M3 = MatrixIn<Array>;
-  using Q4 = QuaternionIn<Array>;
-  using Space = SpaceOf<Array>;
+  using Array = typename G::Array;
+  using T = typename G::T;
+  using L = typename G::L;
+  using W = typename G::W;
+  using M3 = typename G::M3;
+  using Q4 = typename G::Q4;
+  using Space = typename G::Space;
   using Twist = typename Space::Twist;
   using Inertia = typename Space::Inertia;
   template <bool kHinge>
-  using Joint = LaneJoint<kHinge, Array>;
+  using Joint = LaneJoint<kHinge, G>;
   template <bool kHinge>
   using Motion = JointMotion<Joint<kHinge>, Array>;
   template <bool kVaries>
-  using Frame = MovingFrame<V3, M3, Q4, kVaries>;
+  using Frame = MovingFrame<L, M3, Q4, kVaries>;
 
   const TreePlan& plan;
-  const TreeNumbers<Array> z;
+  const TreeNumbers<G> z;
 
   /// The motion of a slot; -1: the ground.
   LOCKSTEP_LANE Array moving_at(std::ptrdiff_t k) const {
@@ -57,31 +59,34 @@ struct LaneTree {
   LOCKSTEP_LANE void carry(std::size_t k) const {
     const LaneNode& n = plan.nodes[k];
     const Array p = moving_at(n.parent), b = moving_at(static_cast<std::ptrdiff_t>(k));
-    Travel<T>& travel = z.travel[k];
-    const M3 A_p = load9(p, moving::A);
-    const V3 w_p = load3(p, moving::w);
-    Q4 e;
-    M3 A;
-    V3 w, v;
-    if (!kHinge && n.moving) {
-      Frame<false> f{load4(p, moving::e), A_p, w_p};
-      const auto at = take_along(n, plan, z, k, z.y, f);
-      e = near_unit(f.e), A = rotation(e), w = f.w, v = f.v;
-      travel = {f.x, {f.a, f.al}};
-      bodies::put_axes(n.n_slides, n.n_v(), at, V3(f.x - at.X), z.dof + n.v);
-    } else {
-      const Joint<kHinge> joint(n, z);
-      const Motion<kHinge> m = motion_of(joint);
-      e = m.orientation(z.cosine[k], z.sine[k], load4(p, moving::e)), A = rotation(e);
-      const Carried<V3> c = m.carried(A_p, A, w_p);
-      w = c.w, v = m.velocity(c, w_p);
-      travel.r = c.d1 + c.d2;
-      m.biases(c, A_p, A, w_p, travel.c.a, travel.c.al);
-      bodies::put_axes(joint.n_slides(), kHinge ? 1 : n.n_v(), c, c.d2, z.dof + n.v);
+    const M3 A_p = G::matrix(p, moving::A);
+    const W w_p = G::axial(p, moving::w);
+    const auto put = [&](const Q4& e, const M3& A, const W& w, const L& r, const L& v, const L& ca, const W& cal)
+        __attribute__((always_inline)) {
+      z.travel[k] = {Space::from(r), {Space::from(ca), Space::from_axial(cal)}};
+      store4(b, moving::e, e), store9(b, moving::A, A), store3(b, moving::w, w);
+      if (!z.with_positions) return;
+      store3(b, moving::x, G::linear(p, moving::x) + r), store3(b, moving::v, G::linear(p, moving::v) + v);
+    };
+    if constexpr (!kHinge && !G::kFlat) {
+      if (n.moving) {
+        Frame<false> f{G::quaternion(p, moving::e), A_p, w_p};
+        const auto at = take_along<false, G>(n, plan, z, k, z.y, f);
+        const Q4 e = near_unit(f.e);
+        put(e, G::axes(e), f.w, f.x, f.v, f.a, f.al);
+        return bodies::put_axes(n.n_slides, n.n_v(), at, L(f.x - at.X), z.dof + n.v);
+      }
     }
-    store4(b, moving::e, e), store9(b, moving::A, A), store3(b, moving::w, w);
-    if (!z.with_positions) return;
-    store3(b, moving::x, load3(p, moving::x) + travel.r), store3(b, moving::v, load3(p, moving::v) + v);
+    const Joint<kHinge> joint(n, z);
+    const Motion<kHinge> m = motion_of(joint);
+    const Q4 e = m.orientation(z.cosine[k], z.sine[k], G::quaternion(p, moving::e));
+    const M3 A = G::axes(e);
+    const Carried<L, W> c = m.carried(A_p, A, w_p);
+    L ca;
+    W cal;
+    m.biases(c, A_p, A, w_p, ca, cal);
+    put(e, A, c.w, c.d1 + c.d2, m.velocity(c, w_p), ca, cal);
+    bodies::put_axes(joint.n_slides(), kHinge ? 1 : n.n_v(), c, c.d2, z.dof + n.v);
   }
 
   // ------------------------------------------------------------------------------------------- second and third pass
@@ -97,11 +102,14 @@ struct LaneTree {
   }
   LOCKSTEP_LANE Twist found(std::size_t k) const {
     const Array b = moving_at(static_cast<std::ptrdiff_t>(k));
-    return {load3(b, moving::a), load3(b, moving::al)};
+    return {Space::from(G::linear(b, moving::a)), Space::from_axial(G::axial(b, moving::al))};
   }
   LOCKSTEP_LANE const Twist& put(std::size_t k, const Twist& found) const {
     const Array b = moving_at(static_cast<std::ptrdiff_t>(k));
-    store3(b, moving::a, found.a), store3(b, moving::al, found.al);
+    if constexpr (G::kFlat)
+      b[moving::a] = found.a.i, b[moving::a + 1] = found.a.j, b[moving::al + 2] = found.al;
+    else
+      store3(b, moving::a, found.a), store3(b, moving::al, found.al);
     return found;
   }
   /// |a|^2, |al|^2
@@ -114,24 +122,29 @@ struct LaneTree {
   };
 
   /// M = m 1, H = 0, I = A J A', p = (-m g - F, w x I w - T)
-  LOCKSTEP_LANE void add_slot(std::size_t k, const V3& g, Inertia& IA) const {
+  LOCKSTEP_LANE void add_slot(std::size_t k, const L& g, Inertia& IA) const {
     const LaneNode& n = plan.nodes[k];
     const Array b = moving_at(static_cast<std::ptrdiff_t>(k)), j = z.joint + n.joint;
     const T m = j[joint::m];
-    const V3 w = load3(b, moving::w);
-    const M3 A = load9(b, moving::A);
-    const auto I = bodies::Symmetric<T>::turned(A, load_symmetric(j, joint::J));
-    IA.M.xx += m, IA.M.yy += m, IA.M.zz += m;
-    IA.I = IA.I + I;
-    IA.p.f = IA.p.f - m * g, IA.p.t = IA.p.t + cross(w, I * w);
+    IA.p.f = IA.p.f - Space::from(to<L>(m * g));
+    if constexpr (G::kFlat) {
+      IA.Mii += m, IA.Mjj += m, IA.I += j[joint::J + 5];
+    } else {
+      const W w = load3(b, moving::w);
+      const auto I = bodies::Symmetric<T>::turned(load9(b, moving::A), load_symmetric(j, joint::J));
+      IA.M.xx += m, IA.M.yy += m, IA.M.zz += m;
+      IA.I = IA.I + I;
+      IA.p.t = IA.p.t + cross(w, I * w);
+    }
     if (!z.wrench) return;
     const Array F = z.wrench + 6 * static_cast<std::size_t>(n.slot);
-    IA.p.f = IA.p.f - load3(F, 0), IA.p.t = IA.p.t - A * load3(F, 3);
+    IA.p.f = IA.p.f - Space::from(G::linear(F, 0));
+    IA.p.t = IA.p.t - Space::from_axial(to<W>(G::matrix(b, moving::A) * G::axial(F, 3)));
   }
 
   template <class Rows>
   LOCKSTEP_LANE void inward(Rows& rows) const {
-    const V3 g = load3(z.gravity, 0);
+    const L g = G::linear(z.gravity, 0);
     lockstep::inward(
         *this, rows,
         z.waiting, [&](std::size_t k, Inertia & IA) __attribute__((always_inline)) { add_slot(k, g, IA); });
@@ -153,8 +166,8 @@ struct LaneTree {
       const auto single = static_cast<std::size_t>(n.n_slides + (n.turn == TreeTurn::hinge ? 1 : 0));
       for (std::size_t i = 0; i < single; ++i) qd[i] = v[i];
       if (n.turn != TreeTurn::ball) continue;
-      const Q4 e = load4(q, single);
-      const V3 w = 0.5 * load3(v, single);
+      const auto e = load4(q, single);
+      const auto w = 0.5 * load3(v, single);
       qd[single] = -dot(e.v, w);
       store3(qd, single + 1, e.w * w + cross(e.v, w));
     }
@@ -169,13 +182,12 @@ struct LaneTree {
     const T h2 = h[0] * h[0];
     for (std::size_t k = 0; k < plan.nodes.size(); ++k) {
       const Array b = moving_at(static_cast<std::ptrdiff_t>(k)), was = before + end::size * k, is = now + end::size * k;
-      const V3 x = load3(b, moving::x), v = load3(b, moving::v);
-      const V3 w = transpose_times(load9(b, moving::A), load3(b, moving::w));
-      const Q4 e = load4(b, moving::e), e0 = load4(was, end::e);
-      const V3 dx = x - load3(was, end::x), dv = v - load3(was, end::v), dw = w - load3(was, end::w);
-      const V3 dr = e0.w * e.v - e.w * e0.v - cross(e0.v, e.v);
+      const L x = G::linear(b, moving::x), v = G::linear(b, moving::v);
+      const W w = to<W>(transpose_times(G::matrix(b, moving::A), G::axial(b, moving::w)));
+      const Q4 e = G::quaternion(b, moving::e), e0 = G::quaternion(was, end::e);
+      const L v0 = G::linear(was, end::v), dx = x - G::linear(was, end::x), dv = v - v0;
+      const W w0 = G::axial(was, end::w), dw = w - w0, dr = to<W>(e0.w * e.v - e.w * e0.v - cross(e0.v, e.v));
       sizes.take(dot(dx, dx), 4.0 * dot(dr, dr), dot(dv, dv), dot(dw, dw));
-      const V3 v0 = load3(was, end::v), w0 = load3(was, end::w);
       sizes.take(h2 * dot(v0, v0), h2 * dot(w0, w0), T{}, T{});
       store3(is, end::x, x), store4(is, end::e, e), store3(is, end::v, v), store3(is, end::w, w);
     }
@@ -189,24 +201,27 @@ struct LaneTree {
       const LaneNode& n = plan.nodes[k];
       const Array p = moving_at(n.parent), b = moving_at(static_cast<std::ptrdiff_t>(k));
       const Array of_parent = z.varied + varied::size * static_cast<std::size_t>(n.parent + 1);
-      const Variation<V3> dp{load3(of_parent, varied::x), load3(of_parent, varied::phi), load3(of_parent, varied::v),
-                             load3(of_parent, varied::w)};
-      const M3 A_p = load9(p, moving::A);
-      const V3 w_p = load3(p, moving::w), w = load3(b, moving::w);
-      Variation<V3> d;
-      if (n.moving) {
-        Frame<true> f{load4(p, moving::e), A_p, w_p};
-        f.dx = dp.x, f.dphi = dp.phi, f.dv = dp.v, f.dw = dp.w;
-        take_along(n, plan, z, k, dy, f);
-        d = {f.dx, f.dphi, f.dv, f.dw};
-      } else {
+      const Variation<L, W> dp{G::linear(of_parent, varied::x), G::linear(of_parent, varied::v),
+                               G::axial(of_parent, varied::phi), G::axial(of_parent, varied::w)};
+      const M3 A_p = G::matrix(p, moving::A);
+      const W w_p = G::axial(p, moving::w), w = G::axial(b, moving::w);
+      const auto d = [&]() __attribute__((always_inline))->Variation<L, W> {
+        if constexpr (!G::kFlat) {
+          if (n.moving) {
+            Frame<true> f{G::quaternion(p, moving::e), A_p, w_p};
+            f.dx = dp.x, f.dphi = dp.phi, f.dv = dp.v, f.dw = dp.w;
+            take_along<true, G>(n, plan, z, k, dy, f);
+            return {f.dx, f.dv, f.dphi, f.dw};
+          }
+        }
         const Joint<false> joint(n, z);
-        d = motion_of(joint).vary(A_p, load9(b, moving::A), w_p, dy + n.q, dy + (plan.n_q + n.v), dp);
+        return motion_of(joint).vary(A_p, G::matrix(b, moving::A), w_p, dy + n.q, dy + (plan.n_q + n.v), dp);
       }
+      ();
       const Array own = z.varied + varied::size * (k + 1);
       store3(own, varied::x, d.x), store3(own, varied::phi, d.phi);
       store3(own, varied::v, d.v), store3(own, varied::w, d.w);
-      const V3 in_slot = d.w - cross(d.phi, w);
+      const W in_slot = d.w - cross(d.phi, w);
       sizes.take(dot(d.x, d.x), dot(d.phi, d.phi), dot(d.v, d.v), dot(in_slot, in_slot));
     }
     sizes.put(out);

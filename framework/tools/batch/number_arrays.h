@@ -22,8 +22,6 @@ template <class A>
 using MatrixIn = vec::Matrix<VectorIn<A>>;
 template <class A>
 using QuaternionIn = PackQuat<NumberIn<A>>;
-template <class A>
-using SpaceOf = bodies::InSpace<NumberIn<A>>;
 
 template <class A>
 LOCKSTEP_LANE VectorIn<A> load3(const A& p, std::size_t at) {
@@ -51,18 +49,60 @@ LOCKSTEP_LANE void store(const A& p, std::size_t at, const X& x) {
   else
     p[at] = x;
 }
+/// Absent components are left as they are.
 template <class A, class X, class Y, class Z>
 LOCKSTEP_LANE void store3(const A& p, std::size_t at, const vec::Vector<X, Y, Z>& v) {
-  store(p, at, v.x), store(p, at + 1, v.y), store(p, at + 2, v.z);
+  if constexpr (!std::is_same_v<X, vec::Zero>) p[at] = v.x;
+  if constexpr (!std::is_same_v<Y, vec::Zero>) p[at + 1] = v.y;
+  if constexpr (!std::is_same_v<Z, vec::Zero>) p[at + 2] = v.z;
 }
-template <class A>
-LOCKSTEP_LANE void store4(const A& p, std::size_t at, const QuaternionIn<A>& q) {
+template <class A, class V>
+LOCKSTEP_LANE void store4(const A& p, std::size_t at, const vec::Quaternion<NumberIn<A>, V>& q) {
   p[at] = q.w, store3(p, at + 1, q.v);
 }
-template <class A>
-LOCKSTEP_LANE void store9(const A& p, std::size_t at, const MatrixIn<A>& m) {
-  store3(p, at, m.r0), store3(p, at + 3, m.r1), store3(p, at + 6, m.r2);
+template <class A, class R0, class R2>
+LOCKSTEP_LANE void store9(const A& p, std::size_t at, const vec::Matrix<R0, R0, R2>& m) {
+  store3(p, at, m.r0), store3(p, at + 3, m.r1);
+  if constexpr (std::is_same_v<R0, R2>) store3(p, at + 6, m.r2);
 }
+
+/// What moves in space: vectors, axial ones, matrices and quaternions in arrays.
+template <class A>
+struct Spatial {
+  using Array = A;
+  using T = NumberIn<A>;
+  using L = VectorIn<A>;
+  using W = L;
+  using M3 = MatrixIn<A>;
+  using Q4 = QuaternionIn<A>;
+  using Space = bodies::InSpace<T>;
+  static constexpr bool kFlat = false;
+  LOCKSTEP_LANE static L linear(const A& p, std::size_t at) { return load3(p, at); }
+  LOCKSTEP_LANE static W axial(const A& p, std::size_t at) { return load3(p, at); }
+  LOCKSTEP_LANE static M3 matrix(const A& p, std::size_t at) { return load9(p, at); }
+  LOCKSTEP_LANE static Q4 quaternion(const A& p, std::size_t at) { return load4(p, at); }
+  LOCKSTEP_LANE static M3 axes(const Q4& e) { return rotation(e); }
+};
+/// In a plane, whose normal is the third axis: what lies out of it is absent.
+template <class A>
+struct Planar {
+  using Array = A;
+  using T = NumberIn<A>;
+  using L = vec::Vector<T, T, vec::Zero>;
+  using W = vec::Vector<vec::Zero, vec::Zero, T>;
+  using M3 = vec::Matrix<L, L, vec::Unit<2>>;
+  using Q4 = vec::Quaternion<T, W>;
+  using Space = bodies::InPlane<T>;
+  static constexpr bool kFlat = true;
+  LOCKSTEP_LANE static L linear(const A& p, std::size_t at) { return {p[at], p[at + 1], {}}; }
+  LOCKSTEP_LANE static W axial(const A& p, std::size_t at) { return {{}, {}, p[at + 2]}; }
+  LOCKSTEP_LANE static M3 matrix(const A& p, std::size_t at) { return {linear(p, at), linear(p, at + 3), {}}; }
+  LOCKSTEP_LANE static Q4 quaternion(const A& p, std::size_t at) { return {p[at], axial(p, at + 1)}; }
+  LOCKSTEP_LANE static M3 axes(const Q4& e) {
+    const auto A3 = rotation(e);
+    return {A3.r0, A3.r1, {}};
+  }
+};
 
 template <class T>
 LOCKSTEP_LANE T larger(const T& a, const T& b) {

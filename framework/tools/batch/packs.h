@@ -35,6 +35,14 @@ void put_numbers(std::span<double> to, std::size_t at, int lane, const M& values
   for (Eigen::Index i = 0; i < values.size(); ++i)
     put_number(to, at + static_cast<std::size_t>(i), lane, values.data()[i]);
 }
+/// A vector's, in this order of the axes.
+template <class V>
+void put_axes(std::span<double> to, std::size_t at, int lane, const std::array<int, 3>& axes, const V& a) {
+  for (std::size_t i = 0; i < 3; ++i) put_number(to, at + i, lane, a[axes[i]]);
+}
+inline void put_axes(std::span<double> to, std::size_t at, int lane, const std::array<int, 3>& axes, const Quat& q) {
+  put_number(to, at, lane, q.w), put_axes(to, at + 1, lane, axes, Vec3(q.vec()));
+}
 inline void put_matrix(std::span<double> to, std::size_t at, int lane, const Mat3& A) {
   put_numbers(to, at, lane, Mat3(A.transpose()));
 }

@@ -65,7 +65,8 @@ void Batch::lay_out(const Trees& trees) {
     layouts[l] = &trees[l < trees.size() ? l : 0];
     trees_[l] = layouts[l]->tree;
   }
-  data_.plan = make_plan(*trees_[0]);
+  data_.plan = make_plan(*trees_[0], layouts[0]->fronts.sources.empty() || layouts[0]->fronts.in_plane);
+  axes_ = data_.plan.axes();
   n_q_ = data_.plan.n_q, n_v_ = data_.plan.n_v;
   TreeStore& z = data_.z;
   const TreePlan& plan = data_.plan;
@@ -85,29 +86,53 @@ void Batch::lay_out(const Trees& trees) {
 }
 
 void Batch::fill_joints() {
+  const TreeStore& z = data_.z;
+  const bool flat = data_.plan.normal >= 0;
   for (int l = 0; l < kLanes; ++l) {
-    put_numbers(data_.z.gravity, 0, l, system(l).gravity());
-    put_number(data_.z.moving, moving::e, l, 1.0);
-    put_matrix(data_.z.moving, moving::A, l, Mat3::Identity());
+    put_axes(z.gravity, 0, l, axes_, system(l).gravity());
+    put_number(z.moving, moving::e, l, 1.0);
+    put_matrix(z.moving, moving::A, l, Mat3::Identity());
     for (std::size_t k = 0; k < data_.plan.nodes.size(); ++k) {
       const LaneNode& n = data_.plan.nodes[k];
       const TreeNode& t = tree(l).nodes()[k];
       const Slot& slot = system(l).slot(t.slot);
-      put_numbers(data_.z.joint, n.joint + joint::near, l, t.near_u),
-          put_numbers(data_.z.joint, n.joint + joint::far, l, t.far_u);
-      put_numbers(data_.z.joint, n.joint + joint::K0, l, t.K0.coefficients());
-      put_numbers(data_.z.joint, n.joint + joint::K1, l, t.K1.coefficients());
-      put_numbers(data_.z.joint, n.joint + joint::axis, l, t.axis);
-      put_number(data_.z.joint, n.joint + joint::m, l, slot.mass);
-      put_numbers(data_.z.joint, n.joint + joint::J, l, packed(slot.J));
+      put_axes(z.joint, n.joint + joint::near, l, axes_, t.near_u),
+          put_axes(z.joint, n.joint + joint::far, l, axes_, t.far_u);
+      put_axes(z.joint, n.joint + joint::K0, l, axes_, t.K0), put_axes(z.joint, n.joint + joint::K1, l, axes_, t.K1);
+      put_axes(z.joint, n.joint + joint::axis, l, axes_, t.axis);
+      put_number(z.joint, n.joint + joint::m, l, slot.mass);
+      put_number(z.moving, moving::size * (k + 1) + moving::A + 8, l, 1.0);  // in a plane for good
+      Mat3 J;
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+          J(i, j) = slot.J(axes_[static_cast<std::size_t>(i)], axes_[static_cast<std::size_t>(j)]);
+      put_numbers(z.joint, n.joint + joint::J, l, packed(J));
       if (!n.needs_more()) continue;
       const TreeAxes axes = t.axes ? *t.axes : TreeAxes();
-      for (std::size_t i = 0; i < 3; ++i) put_numbers(data_.z.more, n.more + more::slide + 3 * i, l, axes.slide[i]);
-      put_matrix(data_.z.more, n.more + more::ball, l, axes.ball);
-      put_numbers(data_.z.more, n.more + more::near_q, l, t.near_q.coefficients());
-      put_numbers(data_.z.more, n.more + more::far_q, l, t.far_q.coefficients());
-      put_numbers(data_.z.more, n.more + more::hinge, l, t.hinge);
+      for (std::size_t i = 0; i < 3; ++i) put_axes(z.more, n.more + more::slide + 3 * i, l, axes_, axes.slide[i]);
+      put_matrix(z.more, n.more + more::ball, l, axes.ball);
+      // In a plane near' q r far'^-1 = (near q near^-1) (near r near^-1) K0, each of which turns about the normal.
+      put_axes(z.more, n.more + more::near_q, l, axes_, flat ? Quat() : t.near_q);
+      put_axes(z.more, n.more + more::far_q, l, axes_, flat ? conjugate(t.K0) : t.far_q);
+      put_axes(z.more, n.more + more::hinge, l, axes_, flat ? Vec3(rotation(t.near_q) * t.hinge) : t.hinge);
     }
+    if (flat) put_heights(l);
+  }
+}
+
+// Of the mass centres along the normal, which moves nobody: after the laws.
+void Batch::put_heights(int lane) {
+  const auto at = [&](std::span<double> p, std::size_t i) -> double& {
+    return p[kL * i + static_cast<std::size_t>(lane)];
+  };
+  for (std::size_t k = 0; k < data_.plan.nodes.size(); ++k) {
+    const LaneNode& n = data_.plan.nodes[k];
+    const auto height = [&](std::size_t slot) -> double& {
+      return at(data_.z.moving, moving::size * slot + moving::x + 2);
+    };
+    height(k + 1) = height(static_cast<std::size_t>(n.parent + 1)) + at(data_.z.joint, n.joint + joint::near + 2) -
+                    at(data_.z.joint, n.joint + joint::far + 2) +
+                    (n.has_law ? at(data_.z.law, n.law + imposed::p + 2) : 0);
   }
 }
 
@@ -124,13 +149,14 @@ void Batch::read_motion(int lane, int slot, Motion& O) const {
   const std::size_t at = moving::size * (node_of_[static_cast<std::size_t>(slot)] + 1);
   const double* b = data_.z.moving.data() + kL * at + static_cast<std::size_t>(lane);
   const auto number = [&](std::size_t i) { return b[kL * i]; };
-  Vec3 w;
+  Vec3 w, e;
   for (std::size_t i = 0; i < 3; ++i) {
-    const auto r = static_cast<Eigen::Index>(i);
+    const int r = axes_[i];
     O.x[r] = number(moving::x + i), O.v[r] = number(moving::v + i), w[r] = number(moving::w + i);
-    for (std::size_t j = 0; j < 3; ++j) O.A(r, static_cast<Eigen::Index>(j)) = number(moving::A + 3 * i + j);
+    e[r] = number(moving::e + 1 + i);
+    for (std::size_t j = 0; j < 3; ++j) O.A(r, axes_[j]) = number(moving::A + 3 * i + j);
   }
-  O.e = {number(moving::e), number(moving::e + 1), number(moving::e + 2), number(moving::e + 3)};
+  O.e = Quat::from(number(moving::e), e);
   O.w = O.A.transpose() * w;
 }
 
@@ -142,6 +168,7 @@ void Batch::fill_laws(const double* y, const Numbers8& t) {
     for (std::size_t k = 0; k < data_.plan.nodes.size(); ++k)
       if (data_.plan.nodes[k].has_law || data_.plan.nodes[k].moving)
         guarded(l, [&] { fill_laws_of(k, l, t[static_cast<std::size_t>(l)]); });
+    if (data_.plan.normal >= 0) put_heights(l);
   }
 }
 
@@ -158,10 +185,10 @@ void Batch::fill_laws_of(std::size_t node, int lane, double t) {
   }
   Imposed now;
   laws_at(n, t, states_of(lane), now);
-  put_numbers(data_.z.law, at + imposed::p, lane, now.p), put_numbers(data_.z.law, at + imposed::pd, lane, now.pd);
-  put_numbers(data_.z.law, at + imposed::pdd, lane, now.pdd), put_numbers(data_.z.law, at + imposed::w, lane, now.w);
-  put_numbers(data_.z.law, at + imposed::a, lane, now.a), put_numbers(data_.z.law, at + imposed::axis, lane, now.axis);
-  put_numbers(data_.z.law, at + imposed::q, lane, now.q.coefficients());
+  const auto put = [&](std::size_t i, const auto& a) { put_axes(data_.z.law, at + i, lane, axes_, a); };
+  put(imposed::p, now.p), put(imposed::pd, now.pd), put(imposed::pdd, now.pdd);
+  put(imposed::w, now.w), put(imposed::a, now.a), put(imposed::axis, now.axis);
+  put(imposed::q, data_.plan.normal < 0 ? now.q : n.near_q * now.q * conjugate(n.near_q));
 }
 
 // Moves all slots.

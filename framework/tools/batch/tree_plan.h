@@ -35,6 +35,12 @@ struct TreePlan {
   std::size_t n_q = 0, n_v = 0;
   std::size_t size_more = 0, size_law = 0;
   std::size_t n_waiting = 0;
+  int normal = -1;  ///< of the plane in which all moves; -1: in space
+
+  /// The axes of space in their order in arrays: the normal comes third.
+  std::array<int, 3> axes() const {
+    return normal < 0 ? std::array{0, 1, 2} : std::array{(normal + 1) % 3, (normal + 2) % 3, normal};
+  }
 };
 
 /// Packs of a joint: markers' origins | e = e_p (c K0 + s K1) | axis of a hinge | mass | inertia xx xy xz yy yz zz.
@@ -60,10 +66,10 @@ namespace moving {
 inline constexpr std::size_t e = 0, A = 4, w = 13, x = 16, v = 19, a = 22, al = 25, size = 28;
 }
 /// From the parent's point to that of a node, and its acceleration beyond the parent's if the coordinates' are zero.
-template <class T>
+template <class Space>
 struct Travel {
-  vec::Vector<T> r;
-  typename bodies::InSpace<T>::Twist c;
+  typename Space::Linear r;
+  typename Space::Twist c;
 };
 namespace travel {
 inline constexpr std::size_t size = 9;
@@ -103,17 +109,17 @@ struct TreeArrays {
   }
 };
 /// What the recursion alone reads, a struct of numbers each: per node | per velocity | inertias that wait.
-template <class A>
-struct TreeNumbers : TreeArrays<A> {
-  Travel<NumberIn<A>>* travel;
-  bodies::Coordinate<SpaceOf<A>>* dof;
-  typename SpaceOf<A>::Inertia* waiting;
+template <class G>
+struct TreeNumbers : TreeArrays<typename G::Array> {
+  Travel<typename G::Space>* travel;
+  bodies::Coordinate<typename G::Space>* dof;
+  typename G::Space::Inertia* waiting;
 };
 struct TreeStore : TreeArrays<std::span<double>> {
   std::span<double> travel, dof, waiting;  ///< those of one round after another
 };
 
-/// The plan of copies of a tree of this shape.
-TreePlan make_plan(const JointTree&);
+/// The plan of copies of a tree of this shape. in_plane: so are the rows that close its loops, if there are some.
+TreePlan make_plan(const JointTree&, bool in_plane);
 
 }  // namespace lockstep::lanes
