@@ -34,8 +34,9 @@ class Counted {
   friend Counted operator*(Counted a, const Counted& b) { return a *= b; }
   friend Counted operator/(Counted a, const Counted& b) { return a /= b; }
   friend Counted operator-(const Counted& a) { return {-a.value_}; }
-  friend Counted sqrt(const Counted& a) { return std::sqrt(a.value_); }  // functions are not counted
-  friend Counted sin(const Counted& a) { return std::sin(a.value_); }
+  /// One operation, as a division.
+  friend Counted sqrt(const Counted& a) { return ++done().div, Counted(std::sqrt(a.value_)); }
+  friend Counted sin(const Counted& a) { return std::sin(a.value_); }  // not counted
   friend Counted cos(const Counted& a) { return std::cos(a.value_); }
   friend bool operator==(const Counted& a, const Counted& b) { return a.value_ == b.value_; }
   friend bool operator<(const Counted& a, const Counted& b) { return a.value_ < b.value_; }

@@ -15,11 +15,6 @@
 #include "tests/support/counted.h"
 #include "tests/support/paper_lock.h"
 
-namespace lockstep::oracle {
-/// One operation, as a division.
-inline Counted sqrt(const Counted& a) { return ++Counted::done().div, Counted(std::sqrt(a.value())); }
-}  // namespace lockstep::oracle
-
 namespace lockstep::derivations {
 
 /// compact: the library's kernel. products: the paper's expressions, sixty quaternion products, literally. jets: the

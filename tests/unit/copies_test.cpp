@@ -62,7 +62,8 @@ TEST_CASE("a run in lanes is the run of each copy", "[unit][copies]") {
       CHECK(lanes.reports[k].finished);
       CHECK_FALSE(lanes.reports[k].alone);
       CHECK(alone.reports[k].alone);
-      CHECK(lanes.reports[k].steps == alone.reports[k].steps);
+      const long differ = std::abs(lanes.reports[k].steps - alone.reports[k].steps);  // steps cut at outputs
+      CHECK(differ <= (method == std::string("rk4") ? 0 : 2));
       for (std::size_t i = 0; i < times.size(); ++i) {
         CHECK(largest(lanes.states[k][i].q - alone.states[k][i].q) < 1e-9);
         CHECK(largest(lanes.states[k][i].v - alone.states[k][i].v) < 1e-8);
@@ -175,7 +176,7 @@ TEST_CASE("a moment on a particle is refused of a copy in lanes by the words of 
 
 TEST_CASE("copies land on the jumps of their laws", "[unit][copies]") {
   const auto kink = [](int k) {
-    auto sys = chain(1, k);
+    auto sys = chain(2, k);
     const double t1 = 0.21 + 0.01 * k;
     static_cast<MarkerLock&>(*sys->links()[0])
         .drive(Axis::rz, laws::law([t1](auto t) { return t < t1 ? 0.0 * t : 5.0 * (t - t1) * (t - t1); }, {t1}));
@@ -219,7 +220,7 @@ constexpr double kRalstonB[2] = {0.25, 0.75};
 constexpr EmbeddedScheme kRalston{"ralston", {2, 2, 2, 1, kRalstonA[0], kRalstonB, kRalstonC}};
 
 struct Ralston final : Integrator {
-  IntegratorInfo info() const override { return {"ralston", 2, false, false, 2}; }
+  IntegratorInfo info() const override { return {"ralston", 2, false, false, 2, true}; }
   const EmbeddedScheme* scheme() const override { return &kRalston; }
   void begin(Dynamics&, const State& state) override { stages.begin(kRalston.tableau, state), end = state; }
   StepReport step(Dynamics& dynamics, State& state, double h) override {

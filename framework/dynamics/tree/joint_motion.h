@@ -24,10 +24,10 @@ struct Carried {
 /// Variation of a node's motion, world axes.
 template <class L, class W = L>
 struct Variation {
-  L x,    ///< of the mass centre
-      v;  ///< of its velocity
-  W phi,  ///< rotation vector
-      w;  ///< of the angular velocity
+  L x;    ///< of the mass centre
+  W phi;  ///< rotation vector
+  L v;    ///< of its velocity
+  W w;    ///< of the angular velocity
 };
 
 /// A joint at its coordinates q and velocities v. Joint: a node by
@@ -117,7 +117,7 @@ struct JointMotion {
 
   /// The variation under dq and dv of the joint's own coordinates; laws stay as they are. dp: that of the parent.
   LOCKSTEP_INLINE Variation<L, W> vary(const M3& A_p, const M3& A, const W& w_p, Numbers dq, Numbers dv,
-                                     const Variation<L, W>& dp) const {
+                                       const Variation<L, W>& dp) const {
     const Carried<L, W> c = carried(A_p, A, w_p);
     const int n = j.n_slides();
     Variation<L, W> d;

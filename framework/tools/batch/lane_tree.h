@@ -201,8 +201,8 @@ struct LaneTree {
       const LaneNode& n = plan.nodes[k];
       const Array p = moving_at(n.parent), b = moving_at(static_cast<std::ptrdiff_t>(k));
       const Array of_parent = z.varied + varied::size * static_cast<std::size_t>(n.parent + 1);
-      const Variation<L, W> dp{G::linear(of_parent, varied::x), G::linear(of_parent, varied::v),
-                               G::axial(of_parent, varied::phi), G::axial(of_parent, varied::w)};
+      const Variation<L, W> dp{G::linear(of_parent, varied::x), G::axial(of_parent, varied::phi),
+                               G::linear(of_parent, varied::v), G::axial(of_parent, varied::w)};
       const M3 A_p = G::matrix(p, moving::A);
       const W w_p = G::axial(p, moving::w), w = G::axial(b, moving::w);
       const auto d = [&]() __attribute__((always_inline))->Variation<L, W> {
@@ -211,7 +211,7 @@ struct LaneTree {
             Frame<true> f{G::quaternion(p, moving::e), A_p, w_p};
             f.dx = dp.x, f.dphi = dp.phi, f.dv = dp.v, f.dw = dp.w;
             take_along<true, G>(n, plan, z, k, dy, f);
-            return {f.dx, f.dv, f.dphi, f.dw};
+            return {f.dx, f.dphi, f.dv, f.dw};
           }
         }
         const Joint<false> joint(n, z);
