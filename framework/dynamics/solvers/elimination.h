@@ -1,5 +1,5 @@
 // The elimination of S = J M^-1 J^T + E over the graph of the links, node by node (framework/docs/solvers.md, sections
-// 2 and 5): the numeric half, the same code for one matrix and for several at once, one per vector lane. Letters:
+// 2 and 5): the numeric half. Letters:
 //
 //   Y = J M^-1,   T^T p T the inverse of a pivot's block (T unit lower triangular, p diagonal),   L = A T^T p T below it
 //
@@ -26,23 +26,15 @@
 // With hubs the matrix is [[-M, -J^T], [-J, S]] over (a of the hubs, lambda), quasi-definite in any order
 // (Vanderbei 1995). No allocation, no search.
 //
-// K is the storage (schur_plan.h): PackedBlocks (schur_blocks.h), or the blocks of the lanes
-// (tools/batch/lane_blocks.h):
-//   K::Number             a double, or a pack of them, one per lane
-//   K::Slab<m>            rows of a column of m that one register holds, K::slabs(m) of them: all rows, or one per lane
-//   K::at(p, i)           address of number i; K::number, K::put, K::load<Slab>, K::store: read and write there
-//   K::stride(m)          numbers from one column of J, Y to the next
-//   K::below(i, k, m, n)  place of row i, column k in a block of m x n below a pivot; K::square: in a diagonal one
-//   K::columns(i, m)      columns that a diagonal block keeps of slab i
-//   K::row, set_row, add_row   row k of a column in slabs
-//   K::Square<M>          a diagonal block in registers
-//   K::times_T            y <- T y, and its transpose, of a stored block
-//   K::floor, K::mark     residual floors of a slab; the result of a test of its rows
-// X is the geometry, Spatial or Planar. Everything is always inlined, so that it is compiled for the instruction set of
-// the pass that calls it.
+// A column of a block is one pack: all rows of a node in one instruction. Columns of m rows are ld = pack_size(m) numbers
+// apart, so that row i of column k is number k ld + i. A block below a pivot has a column for each row of the pivot; a
+// diagonal one becomes T below its diagonal and T^T above it.
+//
+// M: the unknowns of a node, a constant. X: the geometry, Spatial or Planar. Everything is always inlined, so that it is
+// compiled for the instruction set of the pass that calls it (schur_passes.cpp).
 #pragma once
 
-#include <cmath>
+#include <algorithm>
 #include <cstring>
 
 #include "framework/dynamics/solvers/schur_plan.h"
@@ -62,146 +54,166 @@ struct Planar {
   static constexpr int I[1][1] = {{1}};
 };
 
-/// Arrays of the numeric phase. By node (offset Node::x): x, c, scale, diagonal, p, E, r, lambda. By slot (strides
-/// of X): a; mass: m, J; inverse: 1/m, J^-1, zero where nothing turns.
+/// Arrays of the numeric phase. By node (offset Node::x): x, c, scale, diagonal, p, E, r. By slot (strides of
+/// X): a; mass: m, J; inverse: 1/m, J^-1, zero where nothing turns.
 struct Numbers {
   const double *rows = nullptr, *inverse = nullptr, *mass = nullptr;
   double *A = nullptr, *Y = nullptr, *a = nullptr;
-  double *x = nullptr, *c = nullptr, *scale = nullptr, *diagonal = nullptr, *p = nullptr, *E = nullptr, *r = nullptr,
-         *lambda = nullptr;
+  double *x = nullptr, *c = nullptr, *scale = nullptr, *diagonal = nullptr, *p = nullptr, *E = nullptr, *r = nullptr;
   const double* floors = nullptr;  ///< residual floors: no scale of a row of that kind is smaller; one per RowKind
-  const double* kind = nullptr;    ///< packed: by node, a pack per RowKind with ones where a row is of that kind
+  const double* kind = nullptr;    ///< by node, a pack per RowKind with ones where a row is of that kind
   double eps = 0;                  ///< of the proximal term; 0: none
 };
 
 inline constexpr double kPivotFloor = 1e-14;  ///< relative to the diagonal before elimination
 
-#define LOCKSTEP_KERNEL [[gnu::always_inline]] inline
-
+/// The n numbers at p.
+template <int n>
+LOCKSTEP_INLINE Pack<n>& pack(double* p) {
+  return *reinterpret_cast<Pack<n>*>(p);
+}
+template <int n>
+LOCKSTEP_INLINE const Pack<n>& pack(const double* p) {
+  return *reinterpret_cast<const Pack<n>*>(p);
+}
+/// Ones in rows first .. last - 1, zeros elsewhere.
+template <int n>
+LOCKSTEP_INLINE Pack<n> ones(int first, int last) {
+  Pack<n> v{};
+  for (int i = first; i < last; ++i) v[i] = 1.0;
+  return v;
+}
+/// Numbers first .. last - 1 of the n at p, which need not be aligned; zeros elsewhere.
+template <int n>
+LOCKSTEP_INLINE Pack<n> numbers(const double* p, int first, int last) {
+  Pack<n> v;
+  std::memcpy(&v, p, sizeof v);
+  return v * ones<n>(first, last);
+}
+/// Calls f(ld) with the length of a column of m rows as a constant.
+template <class F>
+LOCKSTEP_INLINE void with_column(int m, F&& f) {
+  using std::integral_constant;
+  m <= 2 ? f(integral_constant<int, 2>{}) : m <= 4 ? f(integral_constant<int, 4>{}) : f(integral_constant<int, 8>{});
+}
 template <class T>
-LOCKSTEP_KERNEL T size_of(const T& v) {
+LOCKSTEP_INLINE T size_of(const T& v) {
   return v < 0.0 ? -v : v;
 }
 template <class T>
-LOCKSTEP_KERNEL T larger(const T& a, const T& b) {
+LOCKSTEP_INLINE T larger(const T& a, const T& b) {
   return a > b ? a : b;
 }
 
 // ------------------------------------------------------------------------------------------------- S -> factor
 
-/// D = T^-1 diag(1/p) T^-T, symmetric positive definite, without pivoting. D <- T. `sign`: of p.
-template <class K, int M>
-LOCKSTEP_KERNEL void factor_block(typename K::template Square<M>& D, const double* diagonal, double sign, double* p) {
-  using Number = typename K::Number;
+/// D = T^-1 diag(1/p) T^-T, symmetric positive definite, without pivoting. D <- T, T^T. `sign`: of p.
+/// Step k, before: T[0..k), with T^T above, and what is left of D.
+/// Column j > k, row i > k: D_ij - p D_ik D_jk;   row k: T_jk = -p D_jk;   rows i < k: T_ji - p T_ki D_jk.
+/// Columns j < k have the last from row k + 1 on. Both u c: c = D_jk or T_kj, u = p column k with p in row k.
+template <int M, int ld = pack_size(M)>
+LOCKSTEP_INLINE void factor_block(Pack<ld>* D, const double* diagonal, double sign, double* p) {
   // Else k is not a constant, D lives on the stack, and a factor takes three times as long.
 #pragma GCC unroll 8
   for (int k = 0; k < M; ++k) {
-    const Number floor = kPivotFloor * K::number(diagonal, k), d = larger(D.number(k, k), floor), p_k = 1.0 / d;
-    K::put(p, k, sign * p_k);
-    D.eliminate(k, p_k);
+    const Pack<ld> c = D[k];
+    const double d = c[k], p_k = 1.0 / larger(d, kPivotFloor * diagonal[k]);
+    p[k] = sign * p_k;
+    Pack<ld> u = c * p_k;
+    const Pack<ld> u_below = u * ones<ld>(k + 1, ld);
+    u[k] = p_k;
+    for (int j = 0; j < k; ++j) D[j] -= u_below * c[j];
+    for (int j = k + 1; j < M; ++j) {
+      Pack<ld> D_j = D[j];
+      D_j[k] = 0.0;
+      D[j] = D_j - u * c[j];
+    }
+    D[k] = c * ones<ld>(0, k) - u_below;
   }
 }
 
-/// The block of one later node, s: L, and all products with the blocks before it. With kSolve also x_s -= L x.
-template <class K, int M, bool kSolve, class Slab>
-LOCKSTEP_KERNEL void eliminate_below(const Node& node, const typename K::template Square<M>& D, const Later* later,
-                                     int s, const std::size_t* target, const Numbers& z) {
-  const int ms = later[s].m;
-  double* As = K::at(z.A, later[s].block);
-  for (int i = 0; i < K::slabs(ms); ++i) {
-    Slab A[M], L[M];
-    for (int k = 0; k < M; ++k)
-      L[k] = A[k] = K::template load<Slab>(K::at(As, K::below(i, k, K::template rows<Slab>(ms), M)));
-    for (int j = M - 1; j >= 0; --j)
-      for (int k = 0; k < j; ++k) L[j] += L[k] * D.stored(K::at(z.A, node.D), j, k);
-    for (int j = 0; j < M; ++j) {
-      L[j] *= K::number(z.p, node.x + j);
-      for (int k = 0; k < j; ++k) L[k] += L[j] * D.stored(K::at(z.A, node.D), j, k);
-    }
-    for (int j = 0; j < M; ++j) K::store(K::at(As, K::below(i, j, K::template rows<Slab>(ms), M)), L[j]);
-    for (int t = 0; t <= s; ++t) {
-      const double* Lt = K::at(z.A, later[t].block);
-      double* T = K::at(z.A, target[t]);
-      const auto subtract = [&](int mt) __attribute__((always_inline)) {
-        for (int j = 0; j < (t == s ? K::columns(i, mt) : mt); ++j) {
-          double* at = K::at(
-              T, t == s ? K::square(i, j, K::template rows<Slab>(ms)) : K::below(i, j, K::template rows<Slab>(ms), mt));
-          Slab v = K::template load<Slab>(at);
-          for (int k = 0; k < M; ++k) v -= A[k] * K::number(Lt, K::below(j, k, mt, M));
-          K::store(at, v);
-        }
-      };
-      later[t].m == M ? subtract(M) : subtract(later[t].m);
-    }
-    if constexpr (kSolve) {
-      double* at = K::at(z.x, later[s].x + i);
-      Slab b = K::template load<Slab>(at);
-      for (int k = 0; k < M; ++k) b -= L[k] * K::number(z.x, node.x + k);
-      K::store(at, b);
-    }
+/// The block of one later node s, of columns of n: L_s = ((A_s T^T) p) T, and A_st -= A_s L_t^T with the blocks t before.
+template <int M, int n>
+LOCKSTEP_INLINE void eliminate_below(const Node& node, const Later* later, int s, const std::size_t* target,
+                                     const Numbers& z) {
+  constexpr int ld = pack_size(M);
+  const double *T = z.A + node.D, *p = z.p + node.x;  // T from memory: the load broadcasts a number to a pack
+  double* A_s = z.A + later[s].block;
+  Pack<n> A[M], L[M];
+  for (int k = 0; k < M; ++k) L[k] = A[k] = pack<n>(A_s + k * n);
+  for (int j = M - 1; j >= 0; --j)
+    for (int k = 0; k < j; ++k) L[j] += L[k] * T[j * ld + k];
+  for (int j = 0; j < M; ++j) {
+    L[j] *= p[j];
+    for (int k = 0; k < j; ++k) L[k] += L[j] * T[j * ld + k];
+  }
+  for (int j = 0; j < M; ++j) pack<n>(A_s + j * n) = L[j];
+  for (int t = 0; t <= s; ++t) {
+    const double* L_t = z.A + later[t].block;
+    double* A_st = z.A + target[t];
+    const auto subtract = [&](int m) __attribute__((always_inline)) {
+      for (int j = 0; j < m; ++j) {
+        Pack<n> v = pack<n>(A_st + j * n);
+        for (int k = 0; k < M; ++k) v -= A[k] * L_t[k * pack_size(m) + j];
+        pack<n>(A_st + j * n) = v;
+      }
+    };
+    later[t].m == M ? subtract(M) : subtract(later[t].m);
   }
 }
 
 /// Eliminates one pivot: factors its block, forms L below it, subtracts the products from the later blocks.
-template <class K, int M, bool kSolve>
-LOCKSTEP_KERNEL void eliminate(const Plan& plan, const Node& node, const Numbers& z) {
-  typename K::template Square<M> D;
-  double* d = K::at(z.A, node.D);
+template <int M, int ld = pack_size(M)>
+LOCKSTEP_INLINE void eliminate(const Plan& plan, const Node& node, const Numbers& z) {
   const double sign = node.link < 0 ? -1.0 : 1.0;  // the block of a hub is negative definite
-  D.load(d, sign);
-  factor_block<K, M>(D, K::at(z.diagonal, node.x), sign, K::at(z.p, node.x));
-  D.store(d);
+  double* block = z.A + node.D;
+  Pack<ld> D[M];
+  for (int k = 0; k < M; ++k) D[k] = pack<ld>(block + k * ld) * sign;
+  factor_block<M>(D, z.diagonal + node.x, sign, z.p + node.x);
+  for (int k = 0; k < M; ++k) pack<ld>(block + k * ld) = D[k];
   const Later* later = plan.later.data() + node.first_later;
   const std::size_t* target = plan.targets.data() + node.first_target;
   for (int s = 0; s < node.n_later; target += ++s)
-    K::with_slab(
-        later[s].m, [&]<class Slab>() __attribute__((always_inline)) {
-          eliminate_below<K, M, kSolve, Slab>(node, D, later, s, target, z);
-        });
+    with_column(
+        later[s].m, [&](auto n) __attribute__((always_inline)) { eliminate_below<M, n>(node, later, s, target, z); });
 }
 
-/// x_later -= L x
-template <class K, int M>
-LOCKSTEP_KERNEL void forward(const Plan& plan, const Node& node, const Numbers& z) {
-  const double* x = K::at(z.x, node.x);
+/// x_s -= L_s x
+template <int M>
+LOCKSTEP_INLINE void forward(const Plan& plan, const Node& node, const Numbers& z) {
+  const double* x = z.x + node.x;
   for (const Later& later : plan.later_of(node))
-    K::with_slab(
-        later.m, [&]<class Slab>() __attribute__((always_inline)) {
-          const double* L = K::at(z.A, later.block);
-          for (int i = 0; i < K::slabs(later.m); ++i) {
-            double* at = K::at(z.x, later.x + i);
-            Slab b = K::template load<Slab>(at);
-            for (int k = 0; k < M; ++k)
-              b -= K::template load<Slab>(K::at(L, K::below(i, k, K::template rows<Slab>(later.m), M))) *
-                   K::number(x, k);
-            K::store(at, b);
-          }
+    with_column(
+        later.m, [&](auto n) __attribute__((always_inline)) {
+          const double* L = z.A + later.block;
+          Pack<n> b = pack<n>(z.x + later.x);
+          for (int k = 0; k < M; ++k) b -= pack<n>(L + k * n) * x[k];
+          pack<n>(z.x + later.x) = b;
         });
 }
-/// x <- T^T p T x - sum L^T x_later
-template <class K, int M>
-LOCKSTEP_KERNEL void backward(const Plan& plan, const Node& node, const Numbers& z) {
-  using Slab = typename K::template Slab<M>;
-  double *x = K::at(z.x, node.x), *p = K::at(z.p, node.x), *D = K::at(z.A, node.D);
-  Slab y[K::slabs(M)];
-  for (int i = 0; i < K::slabs(M); ++i) y[i] = K::template load<Slab>(K::at(x, i));
-  K::template times_T<M>(D, y);
-  for (int i = 0; i < K::slabs(M); ++i) y[i] *= K::template load<Slab>(K::at(p, i));
-  K::template times_T_transposed<M>(D, y);
+/// x <- T^T p T x - sum L_s^T x_s
+template <int M, int ld = pack_size(M)>
+LOCKSTEP_INLINE void backward(const Plan& plan, const Node& node, const Numbers& z) {
+  const double* T = z.A + node.D;
+  const Pack<ld> x = pack<ld>(z.x + node.x);
+  Pack<ld> y = x;
+#pragma GCC unroll 8
+  for (int k = 0; k + 1 < M; ++k) y += pack<ld>(T + k * ld) * ones<ld>(k + 1, ld) * x[k];
+  const Pack<ld> v = y *= pack<ld>(z.p + node.x);
+#pragma GCC unroll 8
+  for (int k = 1; k < M; ++k) y += pack<ld>(T + k * ld) * ones<ld>(0, k) * v[k];
   for (const Later& later : plan.later_of(node)) {
-    const double *L = K::at(z.A, later.block), *xs = K::at(z.x, later.x);
+    const double *L = z.A + later.block, *x_s = z.x + later.x;
     const auto subtract = [&](int m) __attribute__((always_inline)) {
       for (int k = 0; k < M; ++k) {
-        typename K::Number t{};
-        for (int i = 0; i < m; ++i) t += K::number(L, K::below(i, k, m, M)) * K::number(xs, i);
-        K::set_row(y, k, K::row(y, k) - t);
+        double t = 0;
+        for (int i = 0; i < m; ++i) t += L[k * pack_size(m) + i] * x_s[i];
+        y[k] -= t;
       }
     };
     later.m == M ? subtract(M) : subtract(later.m);
   }
-  for (int i = 0; i < K::slabs(M); ++i) K::store(K::at(x, i), y[i]);
+  pack<ld>(z.x + node.x) = y;
 }
-
-#undef LOCKSTEP_KERNEL
 
 }  // namespace lockstep::schur

@@ -5,175 +5,92 @@
 
 namespace lockstep::schur {
 
-#define LOCKSTEP_KERNEL [[gnu::always_inline]] inline
-
-// ------------------------------------------------------------------------------------------------- masses
-
-/// J^-1 t of one slot, I its inverse mass; J w with the mass itself.
-template <class K, class X>
-LOCKSTEP_KERNEL void inertia_times(const double* I, const typename K::Number* t, typename K::Number* out) {
-  for (int i = 0; i < X::nw; ++i) {
-    out[i] = K::number(I, X::I[i][0]) * t[0];
-    for (int k = 1; k < X::nw; ++k) out[i] += K::number(I, X::I[i][k]) * t[k];
-  }
-}
-/// a = M^-1 f; f = M a with the mass itself.
-template <class K, class X>
-LOCKSTEP_KERNEL void mass_times(const double* I, const typename K::Number* f, typename K::Number* a) {
-  for (int i = 0; i < X::nv; ++i) a[i] = K::number(I, 0) * f[i];
-  inertia_times<K, X>(I, f + X::nv, a + X::nv);
-}
-template <class K, class X>
-LOCKSTEP_KERNEL typename K::Number power(const typename K::Number* f, const typename K::Number* a) {
-  auto sum = f[0] * a[0];
-  for (int i = 1; i < X::n; ++i) sum += f[i] * a[i];
-  return sum;
-}
-/// The largest a . M a over the slots.
-template <class K, class X>
-LOCKSTEP_KERNEL typename K::Number largest_energy(const Plan& plan, const Numbers& z, const double* accelerations) {
-  typename K::Number most{}, a[X::n], f[X::n];
-  for (int s = 0; s < plan.n_slots; ++s) {
-    for (int i = 0; i < X::n; ++i) a[i] = K::number(accelerations, X::a * s + i);
-    mass_times<K, X>(K::at(z.mass, X::mass * s), a, f);
-    most = larger(power<K, X>(f, a), most);
-  }
-  return most;
-}
-/// The largest value of the rows of each kind.
-template <class K>
-LOCKSTEP_KERNEL void largest_by_kind(const Plan& plan, const double* values, typename K::Number* largest) {
-  typename K::Number t{}, r{}, f{};  // not an array: they stay in registers
-  for (const Node& node : plan.nodes)
-    for (int k = 0; node.link >= 0 && k < node.m; ++k) {
-      const typename K::Number value = K::number(values, node.x + k);
-      switch (node.kinds.of(k)) {
-        case RowKind::translation:
-          t = larger(value, t);
-          break;
-        case RowKind::rotation:
-          r = larger(value, r);
-          break;
-        case RowKind::function:
-          f = larger(value, f);
-          break;
-      }
-    }
-  largest[0] = t, largest[1] = r, largest[2] = f;
-}
-
 // ------------------------------------------------------------------------------------------------- rows -> S
 
 /// Diagonal of J M^-1 J^T over the hubs that a link touches: not in its block, but part of its scale.
-template <class K, class X, int M, bool kTurned>
-void add_hub_diagonal(const Plan& plan, const Node& node, const Numbers& z, typename K::Number* diagonal) {
+template <class X, int M, bool kTurned>
+void add_hub_diagonal(const Plan& plan, const Node& node, const Numbers& z, double* diagonal) {
   constexpr int kAngular = kTurned ? 0 : X::nv;  // first column of the angular part
   for (const Side& side : plan.sides_of(node)) {
     if (!side.hub) continue;
-    const double* I = K::at(z.inverse, X::mass * side.slot);
+    const double* I = z.inverse + X::mass * side.slot;
     for (int i = 0; i < M; ++i) {
-      const auto J = [&](int c) { return K::number(K::at(z.rows, side.J), c * K::stride(M) + i); };
-      if (kTurned && i < X::nv) diagonal[i] += K::number(I, 0);
-      for (int c = 0; c < kAngular; ++c) diagonal[i] += K::number(I, 0) * J(c) * J(c);
+      const auto J = [&](int c) { return z.rows[side.J + c * pack_size(M) + i]; };
+      if (kTurned && i < X::nv) diagonal[i] += I[0];
+      for (int c = 0; c < kAngular; ++c) diagonal[i] += I[0] * J(c) * J(c);
       for (int c = 0; c < X::nw; ++c)
-        for (int k = 0; k < X::nw; ++k) diagonal[i] += J(kAngular + c) * K::number(I, X::I[c][k]) * J(kAngular + k);
+        for (int k = 0; k < X::nw; ++k) diagonal[i] += J(kAngular + c) * I[X::I[c][k]] * J(kAngular + k);
     }
   }
 }
 
-/// E = eps s_j, added to the diagonal of S.
-template <class K, int M>
-LOCKSTEP_KERNEL void add_proximal(const Node& node, const Numbers& z, typename K::Number* diagonal,
-                                  typename K::template Square<M>& D) {
-  typename K::Number s[M];
-  for (int i = 0; i < M; ++i) s[i] = diagonal[i];
-  average_scales(s, M, node.kinds);
-  for (int i = 0; i < M; ++i) {
-    const auto e = z.eps * s[i];
-    K::put(z.E, node.x + i, e);
-    D.add_to_diagonal(i, e);
-    diagonal[i] += e;
-  }
-}
-
-/// Y = J M^-1 of one link and its own block of S + E.
-template <class K, class X, int M, bool kTurned>
-LOCKSTEP_KERNEL void fill_own(const Plan& plan, const Node& node, const Numbers& z) {
-  using Slab = typename K::template Slab<M>;
+/// Y = J M^-1 of one link and its own block of S + E; a hub has its own columns instead.
+template <class X, int M, bool kTurned, int ld = pack_size(M)>
+LOCKSTEP_INLINE void fill_own(const Plan& plan, const Node& node, const Numbers& z) {
   constexpr int kAngular = kTurned ? 0 : X::nv;
-  typename K::template Square<M> D{};
-  typename K::Number linear{}, diagonal[M];
+  Pack<ld> D[M] = {};
+  double linear = 0, diagonal[M];
   for (const Side& side : plan.sides_of(node)) {
-    const bool own = !K::kPacked || !side.hub;  // a hub has its own columns instead; lanes have no hubs
-    const double *J = K::at(z.rows, side.J), *I = K::at(z.inverse, X::mass * side.slot);
-    double* Y = K::at(z.Y, side.Y);
-    const auto take = [&](int c, auto i, const Slab& y) __attribute__((always_inline)) {
-      K::store(K::at(Y, c * K::stride(M) + i), y);
-      if (own)
-        unrolled<K::columns(i, M)>([&](auto j) __attribute__((always_inline)) {
-          D.slab(i, j) += y * K::number(J, c * K::stride(M) + j);
-        });
+    const double *J = z.rows + side.J, *I = z.inverse + X::mass * side.slot;
+    double* Y = z.Y + side.Y;
+    const bool own = !side.hub;
+    const auto column = [&](int c) __attribute__((always_inline))->Pack<ld> { return pack<ld>(J + c * ld); };
+    const auto take = [&](int c, const Pack<ld>& y) __attribute__((always_inline)) {
+      pack<ld>(Y + c * ld) = y;
+      if (own) unrolled<M>([&](auto j) __attribute__((always_inline)) { D[j] += y * J[c * ld + j]; });
     };
-    const auto Jc = [&](int c, int i) __attribute__((always_inline)) {
-      return K::template load<Slab>(K::at(J, c * K::stride(M) + i));
-    };
-    unrolled<K::slabs(M)>([&](auto i) __attribute__((always_inline)) {
-      for (int c = 0; c < kAngular; ++c) take(c, i, Jc(c, i) * K::number(I, 0));
-      for (int c = 0; c < X::nw; ++c) {
-        Slab y = Jc(kAngular, i) * K::number(I, X::I[c][0]);
-        for (int k = 1; k < X::nw; ++k) y += Jc(kAngular + k, i) * K::number(I, X::I[c][k]);
-        take(kAngular + c, i, y);
-      }
-    });
-    if (own) linear += K::number(I, 0);
+    for (int c = 0; c < kAngular; ++c) take(c, column(c) * I[0]);
+    for (int c = 0; c < X::nw; ++c) {
+      Pack<ld> y = column(kAngular) * I[X::I[c][0]];
+      for (int k = 1; k < X::nw; ++k) y += column(kAngular + k) * I[X::I[c][k]];
+      take(kAngular + c, y);
+    }
+    if (own) linear += I[0];
   }
   for (int i = 0; i < M; ++i) {
-    if (kTurned && i < X::nv) D.add_to_diagonal(i, linear);
-    diagonal[i] = D.number(i, i);
+    if (kTurned && i < X::nv) D[i][i] += linear;
+    diagonal[i] = D[i][i];
   }
-  if constexpr (K::kPacked)
-    if (node.on_hub) add_hub_diagonal<K, X, M, kTurned>(plan, node, z, diagonal);
-  if (z.eps > 0) add_proximal<K, M>(node, z, diagonal, D);
-  for (int i = 0; i < M; ++i) K::put(z.diagonal, node.x + i, diagonal[i]);
-  D.store(K::at(z.A, node.D));
-}
-
-/// Share of a slot in the block between two links of one size, both turned: J_later M^-1 J_pivot^T. `first`: the block
-/// is written, not added to.
-template <class K, class X, int M>
-LOCKSTEP_KERNEL void fill_term(const Side& p, const Side& q, const Numbers& z, double* block, bool first) {
-  using Slab = typename K::template Slab<M>;
-  const double *Y = K::at(z.Y, p.Y), *J = K::at(z.rows, q.J);
-  const typename K::Number linear = p.sign * q.sign * K::number(z.inverse, X::mass * p.slot);
-  for (int j = 0; j < K::slabs(M); ++j) {
-    Slab Jc[X::nw];
-    for (int c = 0; c < X::nw; ++c) Jc[c] = K::template load<Slab>(K::at(J, c * K::stride(M) + j));
+  if (node.on_hub) add_hub_diagonal<X, M, kTurned>(plan, node, z, diagonal);
+  if (z.eps > 0) {  // E = eps s
+    double s[M];
+    for (int i = 0; i < M; ++i) s[i] = diagonal[i];
+    average_scales(s, M, node.kinds);
     for (int i = 0; i < M; ++i) {
-      double* at = K::at(block, K::below(j, i, M, M));
-      Slab a = first ? Slab{} : K::template load<Slab>(at);
-      for (int c = 0; c < X::nw; ++c) a += Jc[c] * K::number(Y, c * K::stride(M) + i);
-      if (i < X::nv) K::add_row(a, j, i, linear);
-      K::store(at, a);
+      const double e = z.E[node.x + i] = z.eps * s[i];
+      D[i][i] += e, diagonal[i] += e;
     }
   }
+  for (int i = 0; i < M; ++i) z.diagonal[node.x + i] = diagonal[i];
+  for (int k = 0; k < M; ++k) pack<ld>(z.A + node.D + k * ld) = D[k];
 }
 
-/// The same for any two links, number by number.
-template <class K, class X>
-LOCKSTEP_KERNEL void fill_any_term(int mp, const Side& p, int mq, const Side& q, const Numbers& z, double* block,
-                                   bool first) {
-  using Number = typename K::Number;
-  const auto Y = [&](int c, int i) __attribute__((always_inline)) {
-    return K::number(K::at(z.Y, p.Y), c * K::stride(mp) + i);
-  };
-  const auto J = [&](int c, int j) __attribute__((always_inline)) {
-    return K::number(K::at(z.rows, q.J), c * K::stride(mq) + j);
-  };
+/// Adds the share of a slot to the block between two links of one size, both turned: J_q M^-1 J_p^T, p of the pivot.
+/// `first`: the block is written, not added to.
+template <class X, int M, int ld = pack_size(M)>
+LOCKSTEP_INLINE void add_term(const Side& p, const Side& q, const Numbers& z, double* block, bool first) {
+  const double *Y = z.Y + p.Y, *J = z.rows + q.J;
+  const double linear = p.sign * q.sign * z.inverse[X::mass * p.slot];
+  Pack<ld> Jc[X::nw];
+  for (int c = 0; c < X::nw; ++c) Jc[c] = pack<ld>(J + c * ld);
+  for (int i = 0; i < M; ++i) {
+    Pack<ld> a = first ? Pack<ld>{} : pack<ld>(block + i * ld);
+    for (int c = 0; c < X::nw; ++c) a += Jc[c] * Y[c * ld + i];
+    if (i < X::nv) a[i] += linear;
+    pack<ld>(block + i * ld) = a;
+  }
+}
+
+/// The same for any two links, of m_p and m_q rows, number by number.
+template <class X>
+LOCKSTEP_INLINE void add_any_term(int m_p, const Side& p, int m_q, const Side& q, const Numbers& z, double* block) {
+  const auto Y = [&](int c, int i) __attribute__((always_inline)) { return (z.Y + p.Y)[c * pack_size(m_p) + i]; };
+  const auto J = [&](int c, int j) __attribute__((always_inline)) { return (z.rows + q.J)[c * pack_size(m_q) + j]; };
   const int first_p = p.turned ? 0 : X::nv, first_q = q.turned ? 0 : X::nv;  // columns of the angular parts
-  const Number im = K::number(z.inverse, X::mass * p.slot);
-  for (int i = 0; i < mp; ++i)
-    for (int j = 0; j < mq; ++j) {
-      Number s = J(first_q, j) * Y(first_p, i);
+  const double im = z.inverse[X::mass * p.slot];
+  for (int i = 0; i < m_p; ++i)
+    for (int j = 0; j < m_q; ++j) {
+      double s = J(first_q, j) * Y(first_p, i);
       for (int c = 1; c < X::nw; ++c) s += J(first_q + c, j) * Y(first_p + c, i);
       if (p.turned && q.turned) {
         if (i == j && i < X::nv) s += p.sign * q.sign * im;
@@ -184,98 +101,133 @@ LOCKSTEP_KERNEL void fill_any_term(int mp, const Side& p, int mq, const Side& q,
       } else {
         for (int c = 0; c < X::nv; ++c) s += J(c, j) * Y(c, i);
       }
-      double* at = K::at(block, K::below(j, i, mq, mp));
-      K::put(at, 0, first ? s : K::number(at, 0) + s);
+      block[i * pack_size(m_q) + j] += s;
     }
+}
+
+/// -J of a link on a hub: the block between the two, whichever goes first.
+template <class X>
+void add_hub_term(const Plan& plan, const Node& pivot, const Later& later, const Term& term, const Numbers& z,
+                  double* block) {
+  const bool hub_first = term.pivot_side < 0;
+  const Side& side = plan.sides[hub_first ? term.later_side : term.pivot_side];
+  const int m = hub_first ? later.m : pivot.m;
+  const auto J = [&](int row, int c) {
+    if (side.turned && c < X::nv) return row == c ? side.sign : 0.0;
+    return (z.rows + side.J)[(side.turned ? c - X::nv : c) * pack_size(m) + row];
+  };
+  for (int i = 0; i < pivot.m; ++i)
+    for (int j = 0; j < later.m; ++j) block[i * pack_size(later.m) + j] -= hub_first ? J(j, i) : J(i, j);
+}
+
+/// The block between a pivot and one later node: a sum over the slots that both touch.
+template <class X, int M>
+LOCKSTEP_INLINE void fill_below(const Plan& plan, const Node& node, const Later& later, const Numbers& z) {
+  double* block = z.A + later.block;
+  const auto clear = [&] { std::fill_n(block, M * pack_size(later.m), 0.0); };
+  if (later.n_terms == 0) clear();
+  bool first = true;  // the block is to be written
+  for (const Term& term : plan.terms_of(later)) {
+    const bool on_hub = term.pivot_side < 0 || term.later_side < 0;
+    const Side *p = plan.sides.data() + term.pivot_side, *q = plan.sides.data() + term.later_side;
+    if (M >= X::nv && later.m == M && !on_hub && p->turned && q->turned) {
+      add_term<X, M>(*p, *q, z, block, first);
+    } else {
+      if (first) clear();
+      on_hub ? add_hub_term<X>(plan, node, later, term, z, block) : add_any_term<X>(M, *p, later.m, *q, z, block);
+    }
+    first = false;
+  }
+}
+
+/// The mass of a hub, negative.
+template <class X>
+void fill_hub(const Node& node, const Numbers& z) {
+  const double* M = z.mass + X::mass * node.hub_slot;
+  double* D = z.A + node.D;
+  const int ld = node.ld();
+  std::fill_n(D, node.m * ld, 0.0);
+  for (int i = 0; i < X::nv; ++i) D[i * ld + i] = -M[0];
+  for (int i = 0; i < X::nw; ++i)
+    for (int k = 0; k < X::nw; ++k) D[(X::nv + i) * ld + X::nv + k] = -M[X::I[i][k]];
+  for (int i = 0; i < node.m; ++i) z.diagonal[node.x + i] = -D[i * ld + i];
 }
 
 // ------------------------------------------------------------------------------------------------- right sides
 
-/// t = J u of one link and slot, in the axes that its rows are kept in; u: numbers of one slot, v then w.
-template <class K, class X, int M, bool kTurned>
-LOCKSTEP_KERNEL void rows_times(const Side& side, const Numbers& z, const double* u, typename K::template Slab<M>* t) {
-  using Slab = typename K::template Slab<M>;
+/// J a of one link and slot, in the axes that its rows are kept in.
+template <class X, int M, bool kTurned, int ld = pack_size(M)>
+LOCKSTEP_INLINE Pack<ld> rows_times_a(const Side& side, const Numbers& z) {
+  const double *J = z.rows + side.J, *a = z.a + X::a * side.slot;
   constexpr int kFirst = kTurned ? X::nv : 0;
-  for (int i = 0; i < K::slabs(M); ++i) {
-    const auto term = [&](int c) __attribute__((always_inline))->Slab {
-      return K::template load<Slab>(K::at(z.rows, side.J + (c - kFirst) * K::stride(M) + i)) * K::number(u, c);
-    };
-    t[i] = kTurned ? K::template head<Slab, X::nv>(u, i) * side.sign : term(kFirst);
-    for (int c = kTurned ? kFirst : kFirst + 1; c < X::n; ++c) t[i] += term(c);
-  }
+  const auto term = [&](int c) __attribute__((always_inline))->Pack<ld> {
+    return pack<ld>(J + (c - kFirst) * ld) * a[c];
+  };
+  Pack<ld> t = kTurned ? numbers<ld>(a, 0, X::nv) * side.sign : term(0);
+  for (int c = kTurned ? X::nv : 1; c < X::n; ++c) t += term(c);
+  return t;
 }
 
-/// b += J u over the slots of a link, without its hubs or with them alone; u: numbers of all slots.
-template <class K, class X, int M, bool kTurned>
-LOCKSTEP_KERNEL void add_rows_times(const Plan& plan, const Node& node, const Numbers& z, const double* u,
-                                    typename K::template Slab<M>* b) {
-  for (const Side& side : plan.sides_of(node)) {
-    typename K::template Slab<M> t[K::slabs(M)];
-    rows_times<K, X, M, kTurned>(side, z, K::at(u, X::a * side.slot), t);
-    for (int i = 0; i < K::slabs(M); ++i) b[i] += t[i];
+/// c of one link, turned from its own axes to those in which its rows are stored.
+template <class X, int M, bool kTurned, int ld = pack_size(M)>
+LOCKSTEP_INLINE void turn_link(const Node& node, const double* given, const Numbers& z) {
+  Pack<ld> c = numbers<ld>(given, kTurned ? X::nv : 0, M);
+  if constexpr (kTurned) {
+    const double* R = z.rows + node.R;
+    for (int k = 0; k < X::nv; ++k) c += pack<ld>(R + k * ld) * given[k];
   }
+  pack<ld>(z.c + node.x) = c;
 }
-
 /// x = J a - c of one link and the scales |J a| + |c|; a on hubs is still unknown, and only enters the scale.
-template <class K, class X, int M, bool kTurned>
-LOCKSTEP_KERNEL void start_link(const Plan& plan, const Node& node, const Numbers& z) {
-  using Slab = typename K::template Slab<M>;
-  Slab b[K::slabs(M)] = {}, on_hubs[K::slabs(M)] = {};
-  for (const Side& side : plan.sides_of(node)) {
-    Slab t[K::slabs(M)];
-    rows_times<K, X, M, kTurned>(side, z, K::at(z.a, X::a * side.slot), t);
-    for (int i = 0; i < K::slabs(M); ++i) (side.hub ? on_hubs : b)[i] += t[i];
-  }
-  for (int i = 0; i < K::slabs(M); ++i) {
-    const Slab c = K::template load<Slab>(K::at(z.c, node.x + i));
-    K::store(K::at(z.x, node.x + i), b[i] - c);
-    K::store(K::at(z.scale, node.x + i), size_of(Slab(b[i] + on_hubs[i])) + size_of(c));
-  }
+template <class X, int M, bool kTurned, int ld = pack_size(M)>
+LOCKSTEP_INLINE void start_link(const Plan& plan, const Node& node, const Numbers& z) {
+  Pack<ld> b = {}, on_hubs = {};
+  for (const Side& side : plan.sides_of(node)) (side.hub ? on_hubs : b) += rows_times_a<X, M, kTurned>(side, z);
+  const Pack<ld> c = pack<ld>(z.c + node.x), sum = b + on_hubs;
+  pack<ld>(z.x + node.x) = b - c;
+  pack<ld>(z.scale + node.x) = size_of(sum) + size_of(c);
 }
 
 /// a -= Y^T x
-template <class K, class X, int M, bool kTurned>
-LOCKSTEP_KERNEL void apply_link(const Plan& plan, const Node& node, const double* x, const Numbers& z) {
+template <class X, int M, bool kTurned>
+LOCKSTEP_INLINE void apply_link(const Plan& plan, const Node& node, const double* x, const Numbers& z) {
   constexpr int kFirst = kTurned ? X::nv : 0;
   for (const Side& side : plan.sides_of(node)) {
-    const double* Y = K::at(z.Y, side.Y);
-    double* a = K::at(z.a, X::a * side.slot);
+    const double* Y = z.Y + side.Y;
+    double* a = z.a + X::a * side.slot;
     if constexpr (kTurned) {
-      const typename K::Number k = side.sign * K::number(z.inverse, X::mass * side.slot);
-      for (int c = 0; c < X::nv; ++c) K::put(a, c, K::number(a, c) - k * K::number(x, c));
+      const double k = side.sign * z.inverse[X::mass * side.slot];
+      for (int c = 0; c < X::nv; ++c) a[c] -= k * x[c];
     }
     for (int c = kFirst; c < X::n; ++c) {
-      typename K::Number t{};
-      for (int i = 0; i < M; ++i) t += K::number(Y, (c - kFirst) * K::stride(M) + i) * K::number(x, i);
-      K::put(a, c, K::number(a, c) - t);
+      double t = 0;
+      for (int i = 0; i < M; ++i) t += Y[(c - kFirst) * pack_size(M) + i] * x[i];
+      a[c] -= t;
     }
   }
 }
 
 /// r = J a - c
-template <class K, class X, int M, bool kTurned>
-LOCKSTEP_KERNEL void residual_link(const Plan& plan, const Node& node, const Numbers& z) {
-  using Slab = typename K::template Slab<M>;
-  Slab r[K::slabs(M)];
-  for (int i = 0; i < K::slabs(M); ++i) r[i] = -K::template load<Slab>(K::at(z.c, node.x + i));
-  add_rows_times<K, X, M, kTurned>(plan, node, z, z.a, r);
-  for (int i = 0; i < K::slabs(M); ++i) K::store(K::at(z.r, node.x + i), r[i]);
+template <class X, int M, bool kTurned, int ld = pack_size(M)>
+LOCKSTEP_INLINE void residual_link(const Plan& plan, const Node& node, const Numbers& z) {
+  Pack<ld> r = -pack<ld>(z.c + node.x);
+  for (const Side& side : plan.sides_of(node)) r += rows_times_a<X, M, kTurned>(side, z);
+  pack<ld>(z.r + node.x) = r;
 }
 
-/// Marks the rows where |r| is not within `tolerance` of the scale, which is at least the floor; a NaN never is.
-template <class K>
-LOCKSTEP_KERNEL void check_link(const Node& node, const Numbers& z, double tolerance, typename K::Marks& unmet) {
-  K::with_slab(
-      node.m, [&]<class Slab>() __attribute__((always_inline)) {
-        for (int i = 0; i < K::slabs(node.m); ++i) {
-          const Slab scale = K::template load<Slab>(K::at(z.scale, node.x + i)),
-                     floor = K::template floor<Slab>(z, node, i);
-          const Slab limit = tolerance * larger(scale, floor);
-          K::mark(unmet, size_of(K::template load<Slab>(K::at(z.r, node.x + i))), limit);
-        }
+/// Whether |r| is within `tolerance` of the scale, which is at least the floor, in each row; a NaN never is.
+LOCKSTEP_INLINE bool link_met(const Node& node, double tolerance, const Numbers& z) {
+  bool met = true;
+  with_column(
+      node.m, [&](auto n) __attribute__((always_inline)) {
+        const double* kind = z.kind + 3 * node.x;
+        const Pack<n> floor =
+            pack<n>(kind) * z.floors[0] + pack<n>(kind + n) * z.floors[1] + pack<n>(kind + 2 * n) * z.floors[2];
+        const Pack<n> r = pack<n>(z.r + node.x), scale = pack<n>(z.scale + node.x);
+        const auto within = size_of(r) <= tolerance * larger(scale, floor);
+        for (int i = 0; i < n; ++i) met = met && within[i];
       });
+  return met;
 }
-
-#undef LOCKSTEP_KERNEL
 
 }  // namespace lockstep::schur

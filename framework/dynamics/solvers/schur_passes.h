@@ -1,7 +1,7 @@
-// The passes of the solver `schur`; each is compiled for every instruction set (LOCKSTEP_FLAT_CLONES).
+// The passes of the solver `schur`; each is compiled for every instruction set (LOCKSTEP_CLONES).
 #pragma once
 
-#include "framework/dynamics/solvers/schur_blocks.h"
+#include "framework/dynamics/solvers/elimination.h"
 
 namespace lockstep::schur {
 

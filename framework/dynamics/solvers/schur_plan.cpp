@@ -84,14 +84,10 @@ class Layout {
   void lay_out(const std::vector<MinimumDegree::Pivot>& order);
 
  private:
-  bool packed() const { return plan_.storage == Storage::packed; }
-  /// Numbers from one column of m rows to the next.
-  int stride(int m) const { return packed() ? pack_size(m) : m; }
-  /// Takes room for n numbers, aligned for columns of m rows.
-  std::size_t take(std::size_t& size, int m, int n) const {
-    if (packed()) size = aligned_to(size, pack_size(m));
-    const std::size_t at = size;
-    size += static_cast<std::size_t>(n);
+  /// Takes room for n columns of m rows, each a pack. Returns where they begin.
+  static std::size_t take(std::size_t& size, int m, int n) {
+    const std::size_t at = aligned_to(size, pack_size(m));
+    size = at + static_cast<std::size_t>(n * pack_size(m));
     return at;
   }
   Node node_of(int number);
@@ -111,10 +107,9 @@ void Layout::add_sides(const RowEntry& e, Node& node) {
   node.first_side = static_cast<int>(plan_.sides.size());
   node.n_sides = e.slots.n;
   for (int i = 0; i < e.slots.n; ++i) {
-    const std::size_t Y = take(plan_.size_Y, packed() ? kMaxRows : node.m, n_columns(e.layout) * stride(node.m));
+    const std::size_t Y = take(plan_.size_Y, node.m, n_columns(e.layout));
     const bool hub = graph_.is_hub(e.slots[i]);
-    const std::size_t J = packed() ? e.offset + shape.J(i) : Y;
-    plan_.sides.push_back({e.slots[i], shape.sign_of(i), node.turned, hub, J, Y});
+    plan_.sides.push_back({e.slots[i], shape.sign_of(i), node.turned, hub, e.offset + shape.J(i), Y});
     node.on_hub = node.on_hub || hub;
   }
 }
@@ -136,7 +131,7 @@ Node Layout::node_of(int number) {
     node.kinds = {e.kind, e.m};
     add_sides(e, node);
   }
-  node.x = take(plan_.size_x, node.m, stride(node.m));
+  node.x = take(plan_.size_x, node.m, 1);
   return node;
 }
 
@@ -156,14 +151,14 @@ void Layout::add_terms(const Node& pivot, const Node& other, Later& out) {
 }
 
 void Layout::add_blocks(Node& node, const std::vector<int>& below) {
-  node.D = take(plan_.size_A, node.m, packed() ? node.ld() * node.m : node.m * (node.m + 1) / 2);
+  node.D = take(plan_.size_A, node.m, node.m);
   node.first_later = static_cast<int>(plan_.later.size());
   node.n_later = static_cast<int>(below.size());
   for (const int q : below) {
     const Node& other = plan_.nodes[q];
     Later later;
     later.node = q, later.m = other.m, later.x = other.x;
-    later.block = take(plan_.size_A, other.m, stride(other.m) * node.m);
+    later.block = take(plan_.size_A, other.m, node.m);
     add_terms(node, other, later);
     block_of_[&node - plan_.nodes.data()][q] = later.block;
     plan_.later.push_back(later);
@@ -196,13 +191,12 @@ void Layout::lay_out(const std::vector<MinimumDegree::Pivot>& order) {
 
 }  // namespace
 
-Plan make_plan(const RowTable& rows, int n_slots, bool planar, Storage storage) {
+Plan make_plan(const RowTable& rows, int n_slots, bool planar) {
   const Graph graph(rows, n_slots);
   Plan plan;
   plan.n_slots = n_slots;
   plan.n_rows = rows.n_rows;
   plan.planar = planar;
-  plan.storage = storage;
   plan.tree =
       graph.slot_of_hub.empty() && graph.links.is_tree();  // before its hub is gone, a link's pivot may be E alone
   Layout(rows, graph, plan).lay_out(order_of(graph));

@@ -1,5 +1,5 @@
-// SchurPlan: the symbolic half of the elimination: the order of the nodes, and where every number is stored. Used by
-// the solver `schur` and by batches in lanes (tools/batch); the numeric half is elimination.h.
+// SchurPlan: the symbolic half of the elimination: the order of the nodes, and where every number is stored; the numeric
+// half is elimination.h.
 //
 // Nodes are links; a slot with many links (a hub) is a node as well, because eliminating it first would couple all its
 // links with one another. Leaves go first, so that a tree makes no fill (Baraff 1996).
@@ -8,17 +8,11 @@
 #include <span>
 #include <vector>
 
-#include "framework/dynamics/solvers/scales.h"
 #include <lockstep/export.h>
 #include <lockstep/rows.h>
+#include "framework/dynamics/solvers/scales.h"
 
 namespace lockstep::schur {
-
-/// How blocks are stored.
-///   packed  one matrix: a column of a block is a pack of doubles, padded to 2, 4 or 8; diagonal blocks whole
-///   lanes   several matrices at once, one per vector lane: every number is a pack; diagonal blocks as lower triangles
-/// Offsets count doubles, or packs.
-enum class Storage { packed, lanes };
 
 /// One slot that a link touches.
 struct Side {
@@ -26,7 +20,7 @@ struct Side {
   double sign = 1;      ///< of the v-part of a triple
   bool turned = false;  ///< the first rows are +-[1 | A], in world axes, of which J and Y store only A (RowLayout)
   bool hub = false;
-  std::size_t J = 0, Y = 0;  ///< offsets; packed: J in the row table
+  std::size_t J = 0, Y = 0;  ///< offsets; J in the row table
 };
 
 /// Block of the factor below a pivot: rows of node `node`, columns of the pivot.
@@ -50,7 +44,7 @@ struct Node {
   bool turned = false;  ///< as its sides are
   int n_turned = 0;     ///< rows that R turns
   int first_row = 0;    ///< of a link, among the table's
-  std::size_t R = 0;    ///< packed: offset of R in the row table
+  std::size_t R = 0;    ///< offset of R in the row table
   int first_side = 0, n_sides = 0;
   std::size_t x = 0;  ///< of its unknowns in the vectors
   std::size_t D = 0;  ///< of its own block in Numbers::A
@@ -70,7 +64,6 @@ struct LOCKSTEP_API Plan {
   std::vector<int> hubs;             ///< nodes that are hubs
   std::size_t size_x = 0, size_A = 0, size_Y = 0;
   int n_slots = 0, n_rows = 0;
-  Storage storage = Storage::packed;
   bool planar = false;  ///< three velocities per slot
   bool tree = false;    ///< no closed loop, the ground being one body: rows cannot be redundant by topology
 
@@ -91,6 +84,6 @@ struct LOCKSTEP_API Plan {
   static std::size_t size(int n) { return static_cast<std::size_t>(n); }
 };
 
-LOCKSTEP_API Plan make_plan(const RowTable& rows, int n_slots, bool planar, Storage storage = Storage::packed);
+LOCKSTEP_API Plan make_plan(const RowTable& rows, int n_slots, bool planar);
 
 }  // namespace lockstep::schur

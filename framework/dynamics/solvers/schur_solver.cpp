@@ -6,7 +6,6 @@
 #include <lockstep/body.h>
 #include <lockstep/memory.h>
 #include "framework/dynamics/solvers/conjugate.h"
-#include "framework/dynamics/solvers/schur_floors.h"
 #include "framework/dynamics/solvers/schur_passes.h"
 #include "framework/dynamics/solvers/stop_rule.h"
 
@@ -16,7 +15,18 @@ namespace {
 
 constexpr std::size_t kPad = 8;  // numbers after an array, since a pack may read beyond its end
 
-using K = schur::PackedBlocks;
+/// Out = B v of one slot, with B its masses or their inverses; returns v . B v.
+template <class X>
+LOCKSTEP_INLINE double slot_mass_times(const double* B, const double* v, double* out) {
+  double sum = 0;
+  for (int i = 0; i < X::nv; ++i) out[i] = B[0] * v[i];
+  for (int i = 0; i < X::nw; ++i) {
+    double& t = out[X::nv + i] = B[X::I[i][0]] * v[X::nv];
+    for (int k = 1; k < X::nw; ++k) t += B[X::I[i][k]] * v[X::nv + k];
+  }
+  for (int i = 0; i < X::n; ++i) sum += v[i] * out[i];
+  return sum;
+}
 
 }  // namespace
 
@@ -38,12 +48,17 @@ class SchurFactorization final : public Factorization {
   void correct();
   template <class Measure>
   bool conjugate(int& corrections, Measure&& measure);
+  template <class X>
   void raise_floors();
+  std::array<double, 3> pivot_floors() const;
+  std::array<double, 3> largest_of(const Aligned<double>& values) const;
   void find_worst();
   void unload(VecX& a_out, VecX& lambda_out) const;
-  template <class Visit>
-  void for_each_row(Visit&& visit) const;
 
+  struct Row {
+    int row;               // number in the table
+    std::size_t at, kind;  // place in x, RowKind
+  };
   schur::Plan plan_;
   Plane plane_;
   std::array<int, 6> velocity_{};  // of a slot's six, of each unknown
@@ -57,8 +72,8 @@ class SchurFactorization final : public Factorization {
   std::array<double, 3> largest_{}, floors_{};  // scale and residual floor by kind
   PivotWatch watch_;
   ConjugateGradients gradients_;
-  std::vector<std::size_t> places_;  // of the rows in x
-  double worst_ = 0, before_ = 0;    // relative residual, and that before the last correction
+  std::vector<Row> order_;         // in the order of elimination
+  double worst_ = 0, before_ = 0;  // relative residual, and that before the last correction
   int worst_row_ = -1;
 };
 
@@ -67,14 +82,6 @@ TypeInfo SchurSolver::info() {
 }
 std::unique_ptr<LinearSolver> SchurSolver::make(const Params&) { return std::make_unique<SchurSolver>(); }
 
-// visit(number of the row in the table, its place in x, kind)
-template <class Visit>
-void SchurFactorization::for_each_row(Visit&& visit) const {
-  for (const schur::Node& node : plan_.nodes)
-    if (node.link >= 0)
-      for (int k = 0; k < node.m; ++k) visit(node.first_row + k, node.x + k, static_cast<int>(node.kinds.of(k)));
-}
-
 SchurFactorization::SchurFactorization(const KktPattern& pattern)
     : plan_(schur::make_plan(*pattern.rows, pattern.n_slots(), bool(pattern.plane))),
       plane_(pattern.plane),
@@ -82,7 +89,6 @@ SchurFactorization::SchurFactorization(const KktPattern& pattern)
   size(pattern);
   watch_.begin(pattern.m);
   gradients_.size(pattern.m);
-  for_each_row([&](int, std::size_t at, int) { places_.push_back(at); });
 }
 
 void SchurFactorization::size(const KktPattern& pattern) {
@@ -96,8 +102,11 @@ void SchurFactorization::size(const KktPattern& pattern) {
   given_.assign(plan_.n_rows + kPad, 0.0);
   kinds_.assign(3 * plan_.size_x + kPad, 0.0);
   for (const schur::Node& node : plan_.nodes)
-    for (int k = 0; node.link >= 0 && k < node.m; ++k)
-      kinds_[3 * node.x + node.ld() * static_cast<int>(node.kinds.of(k)) + k] = 1.0;
+    for (int k = 0; node.link >= 0 && k < node.m; ++k) {
+      const auto kind = static_cast<std::size_t>(node.kinds.of(k));
+      order_.push_back({node.first_row + k, node.x + k, kind});
+      kinds_[3 * node.x + node.ld() * kind + k] = 1.0;
+    }
   z_.A = A_.data(), z_.Y = Y_.data(), z_.x = x_.data(), z_.c = c_.data(), z_.scale = scale_.data();
   z_.diagonal = diagonal_.data(), z_.p = p_.data(), z_.E = E_.data(), z_.r = r_.data(), z_.a = a_.data();
   z_.inverse = inverse_.data(), z_.mass = mass_.data(), z_.kind = kinds_.data(), z_.floors = floors_.data();
@@ -133,14 +142,26 @@ void SchurFactorization::compute(const Kkt& kkt) {
 
 void SchurFactorization::see_pivots() {
   const auto each = [&](auto&& row) {
-    for_each_row(
-        [&](int, std::size_t at, int kind) { row(1.0 / p_[at], diagonal_[at], static_cast<std::size_t>(kind)); });
+    for (const Row& r : order_) row(1.0 / p_[r.at], diagonal_[r.at], r.kind);
   };
-  watch_.see(redundant_, each, [&] {
-    if (plan_.tree) return std::array<double, 3>{};
-    return schur::measure_pivot_floors(
-        plan_, [&](std::size_t i) { return E_[i]; }, [&](std::size_t i) { return z_.rows[i]; });
-  });
+  watch_.see(redundant_, each, [&] { return plan_.tree ? std::array<double, 3>{} : pivot_floors(); });
+}
+
+/// What E leaves of the pivots of rows, were they redundant, by kind.
+std::array<double, 3> SchurFactorization::pivot_floors() const {
+  PivotFloors floors;
+  for (const Row& r : order_) floors.add(static_cast<RowKind>(r.kind), E_[r.at]);
+  const int nv = plane_ ? 2 : 3, nw = plane_ ? 1 : 3;
+  for (const schur::Node& node : plan_.nodes)
+    for (const schur::Side& side : plan_.sides_of(node))
+      for (int k = 0; k < node.m; ++k) {
+        if (node.kinds.of(k) != RowKind::translation) continue;
+        const double* arm = z_.rows + side.J + (side.turned ? 0 : nv) * node.ld() + k;
+        double arm2 = 0;
+        for (int c = 0; c < nw; ++c) arm2 += arm[c * node.ld()] * arm[c * node.ld()];
+        floors.arm2 = std::max(floors.arm2, arm2);
+      }
+  return floors.by_kind();
 }
 
 /// Adds the residual of the last solution, and what the pivots say.
@@ -159,27 +180,33 @@ void SchurFactorization::free_motion(const VecX& f) {
   for (int s = 0; s < plan_.n_slots; ++s) {
     double F[X::n];
     for (int i = 0; i < X::n; ++i) F[i] = f[6 * s + (X::n == 6 ? i : velocity_[i])];
-    double* a = &a_[X::a * s];
-    schur::mass_times<K, X>(&inverse_[X::mass * s], F, a);
-    energy_f_ = std::max(energy_f_, schur::power<K, X>(a, F));
+    energy_f_ = std::max(energy_f_, slot_mass_times<X>(&inverse_[X::mass * s], F, &a_[X::a * s]));
   }
 }
 
 void SchurFactorization::find_worst() {
   worst_ = 0, worst_row_ = -1;
-  for_each_row([&](int row, std::size_t at, int kind) {
-    const double r = std::abs(r_[at]), q = r == 0 ? 0.0 : r / std::max(scale_[at], floors_[kind]);
-    if (worst_row_ >= 0 && (q <= worst_ || std::isnan(worst_))) return;
-    worst_ = q, worst_row_ = row;
-  });
+  for (const Row& row : order_) {
+    const double r = std::abs(r_[row.at]), q = r == 0 ? 0.0 : r / std::max(scale_[row.at], floors_[row.kind]);
+    if (worst_row_ >= 0 && (q <= worst_ || std::isnan(worst_))) continue;
+    worst_ = q, worst_row_ = row.row;
+  }
 }
 
+/// The largest value of the rows of each kind.
+std::array<double, 3> SchurFactorization::largest_of(const Aligned<double>& values) const {
+  std::array<double, 3> largest{};
+  for (const Row& r : order_) largest[r.kind] = std::max(largest[r.kind], values[r.at]);
+  return largest;
+}
+
+template <class X>
 void SchurFactorization::raise_floors() {
-  const double energy = energy_f_ + (plane_ ? schur::largest_energy<K, schur::Planar>(plan_, z_, a_.data())
-                                            : schur::largest_energy<K, schur::Spatial>(plan_, z_, a_.data()));
-  std::array<double, 3> S{};
-  schur::largest_by_kind<K>(plan_, diagonal_.data(), S.data());
-  for (std::size_t k = 0; k < 3; ++k) floors_[k] = residual_floor(largest_[k], S[k], energy);
+  double energy = 0, force[X::n];
+  for (int s = 0; s < plan_.n_slots; ++s)
+    energy = std::max(energy, slot_mass_times<X>(&mass_[X::mass * s], &a_[X::a * s], force));
+  const std::array<double, 3> S = largest_of(diagonal_);
+  for (std::size_t k = 0; k < 3; ++k) floors_[k] = residual_floor(largest_[k], S[k], energy_f_ + energy);
 }
 
 void SchurFactorization::unload(VecX& a_out, VecX& lambda_out) const {
@@ -213,7 +240,7 @@ void SchurFactorization::start(const VecX& f, const VecX& c) {
     const schur::Node& node = plan_.nodes[h];
     for (int i = 0; i < node.m; ++i) x_[node.x + i] = -f[6 * node.hub_slot + velocity_[i]];
   }
-  schur::largest_by_kind<K>(plan_, scale_.data(), largest_.data());
+  largest_ = largest_of(scale_);
   for (std::size_t k = 0; k < 3; ++k) floors_[k] = residual_floor(largest_[k]);
 }
 
@@ -228,10 +255,10 @@ template <class Measure>
 bool SchurFactorization::conjugate(int& corrections, Measure&& measure) {
   const auto spread = [&](const VecX& v, double factor) {
     std::ranges::fill(x_, 0.0);
-    for (std::size_t k = 0; k < places_.size(); ++k) x_[places_[k]] = factor * v[static_cast<Eigen::Index>(k)];
+    for (std::size_t k = 0; k < order_.size(); ++k) x_[order_[k].at] = factor * v[static_cast<Eigen::Index>(k)];
   };
   const auto gather = [&](const Aligned<double>& from, VecX& v) {
-    for (std::size_t k = 0; k < places_.size(); ++k) v[static_cast<Eigen::Index>(k)] = from[places_[k]];
+    for (std::size_t k = 0; k < order_.size(); ++k) v[static_cast<Eigen::Index>(k)] = from[order_[k].at];
   };
   const auto solve = [&](const VecX& r, VecX& z) {
     spread(r, 1.0);
@@ -241,7 +268,7 @@ bool SchurFactorization::conjugate(int& corrections, Measure&& measure) {
   const auto step = [&](const VecX& p, double length) {
     spread(p, length);
     schur::apply(plan_, x_.data(), z_);
-    for (const std::size_t at : places_) lambda_[at] += x_[at];
+    for (const Row& r : order_) lambda_[r.at] += x_[r.at];
     measure();
   };
   const auto worst = [&] { return find_worst(), worst_ / kRowTolerance; };
@@ -275,7 +302,7 @@ SolveReport SchurFactorization::solve_with(const Kkt& kkt) {
   const auto within = [&] { return schur::rows_met(plan_, kRowTolerance, z_); };
   const auto raise = [&] {
     if (raised) return false;
-    raise_floors();
+    plane_ ? raise_floors<schur::Planar>() : raise_floors<schur::Spatial>();
     return raised = true;
   };
   const auto corrected = [&] {
