@@ -1,5 +1,5 @@
 // What eight copies in lanes cost, against the same evaluations one by one: chains of hinged rods and rows of four-bars,
-// in one run. With arguments, files of scenes: what each costs in both formulations, and the counts by which one of them is
+// in one run. With arguments, files of scenes: what each costs in both formulations, and the operations by which one of them is
 // chosen.
 #include <spdlog/fmt/fmt.h>
 
@@ -12,6 +12,7 @@
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
 #include "framework/description/scene/system_of.h"
+#include "framework/dynamics/tree/joint_cost.h"
 #include "framework/dynamics/tree/tree_layout.h"
 #include "framework/tools/batch/batch.h"
 #include "framework/tools/precision/work_precision.h"
@@ -83,15 +84,13 @@ void table(const char* what, std::initializer_list<int> sizes, Make&& make) {
   }
 }
 
-/// Rows that close loops and all rows; the squares of the numbers of rows at a node, for each row of all.
-void print_counts(const System& system) {
-  const TreeLayout layout = lay_out_tree(system, system.start().modes, Taken::all);
-  if (!layout.tree) return fmt::print("{:>9} {:>6}\n", "-", "-");
-  RowTable all;
-  system.lay_out(system.start().modes, all);
-  double squares = 0;
-  for (const ClosureFront& front : layout.fronts.all) squares += double(front.n) * front.n;
-  fmt::print("{:>9} {:6.1f}\n", fmt::format("{}/{}", layout.fronts.sources.size(), all.n_rows), squares / all.n_rows);
+/// The operations that are predicted for one mechanism, joint against omega.
+void print_operations(const System& system) {
+  const std::vector<bool>& modes = system.start().modes;
+  const TreeLayout layout = lay_out_tree(system, modes, Taken::all);
+  if (!layout.tree || !layout.tree->has_rows()) return fmt::print("{:>9}\n", "-");
+  fmt::print("{:9.2f}\n", count_operations(*layout.tree, layout.fronts, layout.closures).total() /
+                              count_in_omega(system, modes, layout.closures).total());
 }
 
 void scene_row(const std::string& file) try {
@@ -105,7 +104,7 @@ void scene_row(const std::string& file) try {
   fmt::print("{:32.32} | {:7.1f} | {:7.1f} {:8.1f} | ", file.substr(file.rfind('/') + 1),
              one_by_one(family, states, Formulation::omega), one_by_one(family, states, Formulation::joint),
              in_lanes(family, states, Instructions::best));
-  print_counts(*family.systems[0]);
+  print_operations(*family.systems[0]);
 } catch (const Error& error) {
   fmt::print("{}: {}\n", file, error.what());
 }
@@ -115,7 +114,7 @@ void scene_row(const std::string& file) try {
 int main(int n_arguments, char** arguments) {
   fmt::print("CPU ns a body, copy and evaluation: one mechanism, and eight in lanes\n");
   if (n_arguments > 1) {
-    fmt::print("{:32} | {:>7} | {:>7} {:>8} | {:>9} {:>6}\n", "scene", "omega", "joint", "in lanes", "rows", "sq.");
+    fmt::print("{:32} | {:>7} | {:>7} {:>8} | {:>9}\n", "scene", "omega", "joint", "in lanes", "predicted");
     for (int i = 1; i < n_arguments; ++i) scene_row(arguments[i]);
     return 0;
   }

@@ -40,6 +40,8 @@ class Counted {
   friend Counted cos(const Counted& a) { return std::cos(a.value_); }
   friend bool operator==(const Counted& a, const Counted& b) { return a.value_ == b.value_; }
   friend bool operator<(const Counted& a, const Counted& b) { return a.value_ < b.value_; }
+  friend bool operator>(const Counted& a, const Counted& b) { return a.value_ > b.value_; }
+  explicit operator int() const { return static_cast<int>(value_); }
 
  private:
   double value_ = 0;

@@ -3,11 +3,18 @@
 #include <array>
 #include <cmath>
 
-#include "framework/mechanism/lock/dispatch.h"
+#include <lockstep/registry.h>
 #include <lockstep/relative.h>
+#include <lockstep/scene.h>
+#include "framework/description/scene/system_of.h"
+#include "framework/dynamics/tree/joint_cost.h"
+#include "framework/dynamics/tree/tree_layout.h"
+#include "framework/mechanism/lock/dispatch.h"
 #include "tests/support/catch.h"
 #include "tests/support/counted.h"
+#include "tests/support/counted_blocks.h"
 #include "tests/support/lock_inputs.h"
+#include "tests/support/paths.h"
 
 namespace operations_test {
 
@@ -160,6 +167,82 @@ TEST_CASE("relative_kinematics leaves out the half that is not needed", "[unit][
   };
   CHECK(price(Reads::translation) > 0);
   CHECK(price(Reads::translation) + price(Reads::rotation) == price(Reads::both));
+}
+
+namespace {
+
+std::string scene_of(const std::string& name) {
+  return std::string(paths::kSource) + "/samples/scenes/" + name + ".json";
+}
+Mechanism built(const std::string& name, Formulation formulation) {
+  Scene scene = read_scene(scene_of(name));
+  scene.run.formulation = formulation;
+  return build_mechanism(scene, builtin_registry());
+}
+
+/// A multiply-add is two of what is counted.
+double multiply_adds(const Operations& done) { return 0.5 * static_cast<double>(done.mul + done.add); }
+constexpr double kNear = 0.2;
+
+}  // namespace
+
+TEST_CASE("a plan of the block elimination says how many operations it takes", "[unit][solver]") {
+  for (const char* name :
+       {"nfourbar_2", "andrews_ivp", "slider_crank", "spatial_slider_crank", "stewart", "hooke_double",
+        "spatial_chain_10_tilted", "overconstrained/bennett", "overconstrained/delta"}) {
+    Mechanism m = built(name, Formulation::omega);
+    System& system = system_of(m);
+    RowTable all;
+    system.lay_out(system.start().modes, all);
+    const bool planar(system.plane());
+    const schur::Plan plan = schur::make_plan(all, system.n_slots(), planar);
+    const double counted = oracle::elimination(plan), predicted = schur::count_operations(plan).multiply_adds;
+    CAPTURE(name, counted, predicted);
+    CHECK(std::abs(predicted - counted) < kNear * counted);
+  }
+}
+
+// Columns of three numbers, counted one by one; what the joint itself takes is no part of the difference.
+TEST_CASE("the fronts of closures say how many operations their rows take along a tree", "[unit][joint]") {
+  for (const char* name : {"spatial_slider_crank", "stewart", "hooke_double", "overconstrained/bennett",
+                           "overconstrained/sarrus_three", "overconstrained/spherical_five_bar"}) {
+    Mechanism m = built(name, Formulation::joint);
+    const System& system = system_of(m);
+    const TreeLayout layout = lay_out_tree(system, system.start().modes, Taken::all);
+    REQUIRE(layout.tree);
+    const ClosureFronts none(*layout.tree, system, {});
+    const auto counted_with = [&](const ClosureFronts& fronts) {
+      return multiply_adds(oracle::recursion(*layout.tree, fronts)) / 3;
+    };
+    const auto predicted_with = [&](const ClosureFronts& fronts) {
+      return count_operations(*layout.tree, fronts, {}).multiply_adds;
+    };
+    const double counted = counted_with(layout.fronts) - counted_with(none),
+                 predicted = predicted_with(layout.fronts) - predicted_with(none);
+    CAPTURE(name, counted, predicted);
+    CHECK(std::abs(predicted - counted) < kNear * counted);
+  }
+}
+
+TEST_CASE("the cheaper formulation follows from the operations of both", "[unit][joint]") {
+  const auto taken = [](const std::string& name) {
+    Mechanism m = built(name, Formulation::automatic);
+    const System& system = system_of(m);
+    return lay_out_tree(system, system.start().modes, Taken::where_cheaper).tree ? "joint" : "omega";
+  };
+  for (const char* name :
+       {"four_bar", "nfourbar_2", "nfourbar_40", "slider_crank", "peaucellier", "andrews_ivp", "oldham", "belt",
+        "gear_train", "homokinetic", "hooke_single", "spatial_slider_crank", "overconstrained/bennett",
+        "overconstrained/bricard", "overconstrained/sarrus", "overconstrained/scissor_lift_20",
+        "overconstrained/jansen", "overconstrained/spherical_four_bar"}) {
+    CAPTURE(name);
+    CHECK(taken(name) == std::string("joint"));
+  }
+  for (const char* name : {"stewart", "hooke_double", "screw", "rack", "overconstrained/three_balls",
+                           "overconstrained/door_two_balls", "overconstrained/hooke_two_bearings"}) {
+    CAPTURE(name);
+    CHECK(taken(name) == std::string("omega"));
+  }
 }
 
 }  // namespace operations_test

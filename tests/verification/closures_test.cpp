@@ -112,7 +112,8 @@ TEST_CASE("scenes with loops accelerate in joint coordinates as in omega", "[ver
       if (m.run.assemble) assemble(dynamics, start, m.start_speeds, m.assembly);
       dynamics.to_formulation(start);
       REQUIRE(start.coordinates);
-      if (!start.coordinates->has_rows() || !start.coordinates->followed().empty() || flat != bool(m.system.plane())) continue;
+      if (!start.coordinates->has_rows() || !start.coordinates->followed().empty() || flat != bool(m.system.plane()))
+        continue;
       Draw draw(7);
       for (int n = 0; n < 4; ++n) {
         CAPTURE(n);
@@ -271,8 +272,8 @@ TEST_CASE("auto takes loops along joints where counts say that it costs less", "
   const std::string delta = std::string(paths::kSource) + "/samples/scenes/overconstrained/delta.json";
   CHECK(why(scene_path("four_bar"), false).empty());
   CHECK(why(scene_path("nfourbar_40"), false).empty());
-  testing::check_words(why(scene_path("stewart"), false), {"6 of 6", "cost more along joints"});
-  testing::check_words(why(delta, false), {"many loops pass through one body"});
+  testing::check_words(why(scene_path("stewart"), false), {"operations along joints", "in omega"});
+  testing::check_words(why(delta, false), {"operations along joints", "in omega"});
   testing::check_words(why(scene_path("four_bar"), true), {"reader", "read accelerations or reactions"});
 }
 

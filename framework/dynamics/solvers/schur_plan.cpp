@@ -191,6 +191,27 @@ void Layout::lay_out(const std::vector<MinimumDegree::Pivot>& order) {
 
 }  // namespace
 
+// Of each node its own block, T and p, and its part of the solutions; of each side Y, J Y^T, J a of the start and the residual,
+// and Y^T x; of each later node its terms, L, and the products with those before it.
+Operations count_operations(const Plan& plan) {
+  const int nv = plan.planar ? 2 : 3, nw = plan.planar ? 1 : 3, solutions = plan.tree ? 1 : 2;
+  Operations sum;
+  sum.add((nv + nw) * (nv + nw) * plan.n_slots, plan.n_slots);
+  for (const Node& node : plan.nodes) {
+    const int m = node.m, columns = node.turned ? nw : nv + nw;
+    const int side = nw * nw + columns * (3 + m + solutions * m);
+    sum.add(m * (m + 2 + 2 * solutions) + node.n_sides * side, 1 + 2 * m + node.n_sides);
+    int rows = 0, visits = 1;
+    for (const Later& later : plan.later_of(node)) {
+      const bool on_hub = node.link < 0 || plan.nodes[static_cast<std::size_t>(later.node)].link < 0;  // a jacobian
+      const int numbers = m * (on_hub ? later.m : node.turned && later.m == m ? columns : columns * later.m);
+      rows += later.m;
+      sum.add(later.n_terms * numbers + m * (m + solutions * (1 + later.m) + rows), ++visits);
+    }
+  }
+  return sum;
+}
+
 Plan make_plan(const RowTable& rows, int n_slots, bool planar) {
   const Graph graph(rows, n_slots);
   Plan plan;

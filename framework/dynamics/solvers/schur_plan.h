@@ -10,6 +10,7 @@
 
 #include <lockstep/export.h>
 #include <lockstep/rows.h>
+#include "framework/dynamics/solvers/operations.h"
 #include "framework/dynamics/solvers/scales.h"
 
 namespace lockstep::schur {
@@ -85,5 +86,7 @@ struct LOCKSTEP_API Plan {
 };
 
 LOCKSTEP_API Plan make_plan(const RowTable& rows, int n_slots, bool planar);
+/// Of a factorisation and its solutions, in packs: two where rows may be redundant; rows are written.
+LOCKSTEP_API Operations count_operations(const Plan&);
 
 }  // namespace lockstep::schur

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "framework/dynamics/tree/absent_rows.h"
-#include "framework/dynamics/tree/closure_cost.h"
+#include "framework/dynamics/tree/joint_cost.h"
 #include "framework/dynamics/tree/rows_in_plane.h"
 #include "framework/dynamics/tree/slender_bodies.h"
 
@@ -58,7 +58,7 @@ TreeLayout lay_out_tree(const System& system, const std::vector<bool>& modes, Ta
     const bool in_plane = tree->planar() && (system.plane() || leave_out_normal_rows(*tree, system, closures));
     ClosureFronts fronts(*tree, system, closures);
     fronts.in_plane = in_plane;
-    if (taken == Taken::where_cheaper) out.why_not = why_dearer(*tree, fronts, system, modes);
+    if (taken == Taken::where_cheaper) out.why_not = why_dearer(*tree, fronts, closures, system, modes);
     if (!out.why_not.empty()) return out;
     out.closures = std::move(closures), out.fronts = std::move(fronts);
   }
