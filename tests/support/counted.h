@@ -7,6 +7,8 @@
 
 #include <Eigen/Core>
 
+#include "framework/dynamics/tree/spaces.h"
+
 namespace lockstep::oracle {
 
 struct Operations {
@@ -73,3 +75,7 @@ struct Eigen::NumTraits<lockstep::oracle::Counted> : Eigen::GenericNumTraits<dou
     MulCost = 1
   };
 };
+
+// Pivots are taken as they are: what they are compared with is no operation.
+template <>
+inline constexpr bool lockstep::bodies::kUncompared<lockstep::oracle::Counted> = true;

@@ -220,7 +220,8 @@ constexpr double kRalstonB[2] = {0.25, 0.75};
 constexpr EmbeddedScheme kRalston{"ralston", {2, 2, 2, 1, kRalstonA[0], kRalstonB, kRalstonC}};
 
 struct Ralston final : Integrator {
-  IntegratorInfo info() const override { return {"ralston", 2, false, false, 2, true}; }
+  explicit Ralston(bool takes_joint_coordinates = true) : joint(takes_joint_coordinates) {}
+  IntegratorInfo info() const override { return {"ralston", 2, false, false, 2, joint}; }
   const EmbeddedScheme* scheme() const override { return &kRalston; }
   void begin(Dynamics&, const State& state) override { stages.begin(kRalston.tableau, state), end = state; }
   StepReport step(Dynamics& dynamics, State& state, double h) override {
@@ -232,6 +233,7 @@ struct Ralston final : Integrator {
   }
   Stages stages;
   State end;
+  bool joint;
 };
 
 }  // namespace
@@ -264,6 +266,11 @@ TEST_CASE("an explicit method of a registry's own runs in lanes as it runs alone
   CopiesOptions unknown;
   unknown.integrator = "ralston";
   check_words(message_of<ModelError>([&] { Copies(family.pointers(), unknown); }), {"ralston", "no lanes"});
+  Registry others = builtin_registry();
+  others.integrators.add({"ralston", "order 2", {}}, [](const Params&) { return std::make_unique<Ralston>(false); });
+  unknown.step = 0.01, unknown.registry = &others;
+  check_words(message_of<ModelError>([&] { Copies(family.pointers(), unknown); }),
+              {"ralston", "does not take joint coordinates"});
 }
 
 TEST_CASE("copies refuse by name what has no lanes", "[unit][copies]") {

@@ -220,6 +220,27 @@ TEST_CASE("a copy whose loops contradict is told by name, the others go on", "[u
   check_words(ends.reports[2].error, {"the start", "foot"});
 }
 
+TEST_CASE("pivots of loops in lanes are those of any plane", "[unit][copies]") {
+  std::vector<double> smallest;
+  for (const Vec3& axis : {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 0, 1)}) {  // the normal is y, z, x
+    const Quat turn = axis.isZero() ? Quat() : axis_angle(axis, kPi / 2);
+    Family family(8, [&](int k) { return ladder(2, k, turn); });
+    const auto batch = batch_of(family);
+    batch->watch_pivots();
+    Aligned<double> y(batch->n_numbers()), rate(batch->n_numbers());
+    for (int k = 0; k < 8; ++k) {
+      State state = family.assembled()[static_cast<std::size_t>(k)];
+      batch->to_batch(k, state);
+      batch->put(k, state, y.data());
+    }
+    batch->evaluate(y.data(), {}, rate.data());
+    for (std::size_t k = 0; k < 8; ++k) smallest.push_back(batch->smallest_pivot(k));
+  }
+  for (std::size_t k = 0; k < 8; ++k)
+    for (const std::size_t other : {8 + k, 16 + k}) CHECK(smallest[other] == Approx(smallest[k]).epsilon(1e-9));
+  CHECK(smallest[0] < 1);
+}
+
 TEST_CASE("loops that are not laid out alike are refused", "[unit][copies]") {
   Family family(2, [](int k) { return k == 0 ? ladder(1, 0) : askew_ladder(1, 0); });
   CopiesOptions options;

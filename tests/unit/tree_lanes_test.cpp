@@ -151,6 +151,13 @@ TEST_CASE("in lanes a tree accelerates as alone: in a planar mechanism", "[unit]
   CHECK(difference(family, 0.4) < 1e-12);
 }
 
+TEST_CASE("in lanes a tree accelerates as alone: one copy in a plane, the others askew", "[unit][copies]") {
+  Family askew(8, [](int k) { return chain(3, k, 0.2 * k); });
+  CHECK(difference(askew, 0.4) < 1e-12);
+  Family one_turned(8, [](int k) { return chain(3, k, k == 1 ? 0.3 : 0.0); });
+  CHECK(difference(one_turned, 0.4) < 1e-12);
+}
+
 TEST_CASE("in lanes a tree accelerates as alone: laws, drives, forces", "[unit][copies]") {
   SECTION("imposed laws and drives, either way round") {
     Family family = random_family(5, [](inputs::RandomMechanism& m) {

@@ -39,8 +39,6 @@ using Varied = Jet<0, Recorded>;
 
 // Pivots are taken as they are, so that all numbers make the same operations.
 template <>
-inline constexpr bool lockstep::bodies::kUncompared<lockstep::oracle::Counted> = true;
-template <>
 inline constexpr bool lockstep::bodies::kUncompared<lockstep::Jet<0, lockstep::oracle::Recorded>> = true;
 
 namespace lockstep {
@@ -235,12 +233,12 @@ TEST_CASE("an evaluation recorded at one state gives the same bits at a hundred 
   CHECK(program.count({Op::divide}) <= counted.div);
 }
 
+// Rows that a link's own code writes, as those of the Stewart platform, are inputs.
 TEST_CASE("recorded derivatives are those of the accelerations and multipliers") {
-  const std::string name = GENERATE(from_range(kSamples));
+  const std::string name = GENERATE("four_bar", "slider_crank", "six-joint arm");
   INFO(name);
   OneCopy sample(name);
   sample.move_to(1);
-  if (name == std::string("stewart")) return;  // its own code writes its rows: inputs of the recording
   const std::size_t n = sample.batch().data().plan.n_q + sample.batch().data().plan.n_v;
   Recording recording;
   const Program program = record(sample, recording, n);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include <lockstep/export.h>
 #include <lockstep/rows.h>
 #include "framework/dynamics/tree/joint_tree.h"
 
@@ -29,7 +30,7 @@ struct ClosureSource {
 };
 
 /// A row is open from the nodes of its slots to where their paths meet, and ends there; at the ground if it touches that.
-struct ClosureFronts {
+struct LOCKSTEP_API ClosureFronts {
   ClosureFronts() = default;
   /// Of a tree of this system, and the rows of its closures.
   ClosureFronts(const JointTree&, const System&, const RowTable&);

@@ -38,7 +38,7 @@ Operations count_operations(const JointTree& tree, const ClosureFronts& fronts, 
     for (int j = open; j < front.n; ++j) sum.add(one.end + j * one.other + 0.5 * j * (j + 1), 2);
     more[k] += front.n - open;
     if (moves && front.n > open && open > 0 && more[k] > 0) visits = 2;
-    more[std::min(fronts.parents[k], fronts.n_nodes)] += more[k] - n_v;
+    if (moves && fronts.parents[k] < fronts.n_nodes) more[fronts.parents[k]] += more[k] - n_v;
   }
   for (const RowEntry& e : closures.entries) sum.add(e.m * e.slots.n * there.side, e.m);
   sum.visits *= visits;

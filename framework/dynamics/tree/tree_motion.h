@@ -22,7 +22,6 @@ void laws_at(const TreeNode& n, double t, const VecX& s, Imposed& now);
 
 /// A node and its laws, for JointMotion.
 struct NodeJoint {
-  using V3 = Vec3;
   using L = Vec3;
   using W = Vec3;
   static constexpr bool kBalls = true;

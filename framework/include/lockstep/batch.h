@@ -29,10 +29,10 @@ enum class Instructions {
 struct CopiesOptions {
   std::string integrator = "dop853";  ///< dop853, dopri5 (error control), rk4 (fixed step), or any with a scheme()
   Tolerance tolerance;                ///< where there is error control
-  double step = 0;                    ///< fixed step: the step, s; else the first one, 0: the method's own guess
-  double max_step = 0;                ///< s; 0: no limit
-  long max_steps = 0;                 ///< steps of one copy, after which it fails; 0: no limit but that of StepLoop
-  Stabilization stabilization;        ///< project or none
+  double step = 0;              ///< fixed step: the step, s; else the first one in lanes, 0: the method's own guess
+  double max_step = 0;          ///< s; 0: no limit
+  long max_steps = 0;           ///< steps of one copy, after which it fails; 0: no limit but that of StepLoop
+  Stabilization stabilization;  ///< project or none
   /// Lanes run in joint coordinates. automatic: but for mechanisms that lose digits there (slender bodies), which have no
   /// lanes; joint: those, too.
   Formulation formulation = Formulation::automatic;

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include <lockstep/dynamics.h>
-#include "framework/dynamics/evaluate/projection_rule.h"
 #include "framework/dynamics/integrate/body_error.h"
 #include "framework/tools/batch/tree_closures.h"
 
@@ -34,6 +33,8 @@ class LOCKSTEP_API Batch {
 
   /// `first`: the number of the first of them, for messages. Throws ModelError if trees_of() has none.
   Batch(std::span<System* const> systems, int first, const CopiesOptions&);
+  Batch(const Batch&) = delete;
+  Batch& operator=(const Batch&) = delete;
 
   int size() const { return n_; }
   int first() const { return first_; }

@@ -121,7 +121,7 @@ std::string unsuited(std::span<System* const> systems, Formulation formulation) 
     if (std::string why = lanes::unsuited(*system); !why.empty()) return why;
   }
   if (formulation != Formulation::joint && formulation != Formulation::automatic)
-    return "lanes run in joint coordinates; take the formulation automatic or joint";
+    return "lanes run in joint coordinates; take the formulation auto or joint";
   std::string why;
   lanes::Batch::trees_of(systems, formulation, why);
   return why;

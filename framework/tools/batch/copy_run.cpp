@@ -93,12 +93,19 @@ namespace {
 class Follower final : public Observer {
  public:
   Follower(int copy, Dynamics& dynamics, const RunTask& task, CopyReport& report)
-      : copy_(copy), dynamics_(dynamics), task_(task), report_(report) {}
+      : copy_(copy), dynamics_(dynamics), task_(task), report_(report) {
+    last_.begin(report.t);
+  }
   void step(const Sample& sample) override {
     ++report_.steps, report_.rejected += sample.report.rejected;
     report_.t = sample.state.t, report_.unmet.count(sample.report, report_.t);
+    last_.add(report_.t);
     tell(sample.state, false);
-    guarded([&] { task_.go_on_from(report_.t); });
+    if (report_.t < task_.times.back())
+      guarded([&] {
+        task_.go_on_from(report_.t);
+        check_length(last_, task_, task_.times.back(), report_.t, report_.steps);
+      });
   }
   void jumped(const Sample& sample) override { tell(sample.state, true); }
   bool threw() const { return threw_ != nullptr; }
@@ -125,6 +132,7 @@ class Follower final : public Observer {
   Dynamics& dynamics_;
   const RunTask& task_;
   CopyReport& report_;
+  LastSteps last_;
   std::exception_ptr threw_;
 };
 
@@ -139,14 +147,19 @@ void run_alone(System& system, int copy, State state, std::size_t next, double s
   StepLoopOptions options;
   options.step = task.scheme.error ? task.options.max_step : task.options.step;
   options.tolerance = task.options.tolerance, options.start_limit = start_limit;
-  if (task.options.max_steps > 0) options.max_steps = std::max(1L, task.options.max_steps - report.steps);
   StepLoop loop(dynamics, task.make_integrator(), options);
   Follower follower(copy, dynamics, task, report);
   loop.add_observer(follower);
   loop.set_state(std::move(state));
   loop.progress = [&](const State&) { return !follower.threw(); };
+  task.go_on_from(report.t);
   for (; next < task.times.size(); ++next) {
-    loop.run_until(task.times[next]);
+    try {
+      loop.run_until(task.times[next]);
+    } catch (const Error&) {
+      follower.rethrow();  // comes first
+      throw;
+    }
     follower.rethrow();
     task.tell(copy, next, follower.in_slots(loop.state()));
   }

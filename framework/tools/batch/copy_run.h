@@ -2,7 +2,6 @@
 #pragma once
 
 #include <exception>
-#include <limits>
 #include <vector>
 
 #include <lockstep/batch.h>

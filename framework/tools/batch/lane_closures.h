@@ -151,9 +151,9 @@ struct LaneClosures {
       }
     }
   }
-  // What of a row lies in the plane with this normal, of mechanisms in it that move as in space.
+  // What of a row lies in the plane with this normal.
   LOCKSTEP_LANE static void keep_in_plane(int normal, const Array& K) {
-    if constexpr (G::kFlat) return;
+    if constexpr (G::kFlat) normal = 2;  // in the order of its axes
     for (int i = 0; i < 3; ++i) K[i == normal ? i : 3 + i] = T{};
   }
   // The jacobians in world axes, and J M^-1 J' of each row.

@@ -1,6 +1,5 @@
 #include "framework/tools/batch/lane_plan.h"
 
-#include <algorithm>
 #include <typeinfo>
 
 #include <lockstep/joints.h>

@@ -7,6 +7,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/solvers.h>
+#include <lockstep/step_loop.h>
 
 namespace lockstep::lanes {
 
@@ -224,7 +225,10 @@ void LaneRun::leave(int lane) {
   } catch (const Error& error) {
     return fail(lane, error);
   }
-  run_alone(batch_.system(lane), batch_.first() + lane, std::move(state), lanes_[l].schedule.next(), HUGE_VAL, task_,
+  // Without projection its drift is as large as its errors.
+  const bool projects = task_.options.stabilization.kind == Stabilization::Kind::project;
+  const double limit = projects ? StepLoopOptions().start_limit : HUGE_VAL;
+  run_alone(batch_.system(lane), batch_.first() + lane, std::move(state), lanes_[l].schedule.next(), limit, task_,
             reports_[l]);
 }
 

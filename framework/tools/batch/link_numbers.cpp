@@ -1,6 +1,6 @@
 #include "framework/tools/batch/link_numbers.h"
 
-#include "framework/tools/batch/batch.h"
+#include "framework/tools/batch/packs.h"
 
 namespace lockstep::lanes {
 

@@ -47,6 +47,13 @@ inline void put_matrix(std::span<double> to, std::size_t at, int lane, const Mat
   put_numbers(to, at, lane, Mat3(A.transpose()));
 }
 
+/// A symmetric matrix in this order of the axes.
+inline Mat3 in_order(const std::array<int, 3>& axes, const Mat3& J) {
+  Mat3 out;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) out(i, j) = J(axes[static_cast<std::size_t>(i)], axes[static_cast<std::size_t>(j)]);
+  return out;
+}
 /// xx xy xz yy yz zz
 inline Eigen::Matrix<double, 6, 1> packed(const Mat3& J) {
   return {J(0, 0), J(0, 1), J(0, 2), J(1, 1), J(1, 2), J(2, 2)};

@@ -17,7 +17,7 @@ namespace {
 
 // Why a tree has no lanes; "" if it has.
 std::string why_no_lanes(const TreeLayout& layout, const System& system) {
-  if (layout.tree->n_v() == 0) return "laws alone move it, no coordinate is free; take the formulation auto or omega";
+  if (layout.tree->n_v() == 0) return "laws alone move it, no coordinate is free";
   for (const auto& force : system.forces())
     if (system.plane() && !force->stays_in_plane(system.plane()))
       return "force '" + force->name() + "' does not say that it stays in the plane of the system";
@@ -30,6 +30,16 @@ bool has_equal_joints(const JointTree& a, const JointTree& b) {
            x.turn == y.turn && x.reversed == y.reversed && x.rows == y.rows && !x.imposed == !y.imposed &&
            !x.moving == !y.moving;
   });
+}
+
+// The normal of the plane in which a tree moves with the rows that close its loops, where the axes of its slots lie along it;
+// -1: in space.
+int plane_of(const TreeLayout& layout) {
+  const PlanarJoints* const planar = layout.tree->planar();
+  const bool rows_lie_in = layout.fronts.sources.empty() || layout.fronts.in_plane;
+  if (!planar || !rows_lie_in) return -1;
+  const auto lies_along = [](const PlanarNode& n) { return n.posture < 0; };
+  return std::ranges::all_of(planar->nodes(), lies_along) ? planar->plane().n : -1;
 }
 
 // Writes a translation and its rates, and the turn q with its rates w and a.
@@ -65,7 +75,9 @@ void Batch::lay_out(const Trees& trees) {
     layouts[l] = &trees[l < trees.size() ? l : 0];
     trees_[l] = layouts[l]->tree;
   }
-  data_.plan = make_plan(*trees_[0], layouts[0]->fronts.sources.empty() || layouts[0]->fronts.in_plane);
+  data_.plan = make_plan(*trees_[0], plane_of(*layouts[0]));
+  for (const TreeLayout* layout : layouts)
+    if (plane_of(*layout) != data_.plan.normal) data_.plan.normal = -1;
   axes_ = data_.plan.axes();
   n_q_ = data_.plan.n_q, n_v_ = data_.plan.n_v;
   TreeStore& z = data_.z;
@@ -102,11 +114,7 @@ void Batch::fill_joints() {
       put_axes(z.joint, n.joint + joint::axis, l, axes_, t.axis);
       put_number(z.joint, n.joint + joint::m, l, slot.mass);
       put_number(z.moving, moving::size * (k + 1) + moving::A + 8, l, 1.0);  // in a plane for good
-      Mat3 J;
-      for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j)
-          J(i, j) = slot.J(axes_[static_cast<std::size_t>(i)], axes_[static_cast<std::size_t>(j)]);
-      put_numbers(z.joint, n.joint + joint::J, l, packed(J));
+      put_numbers(z.joint, n.joint + joint::J, l, packed(in_order(axes_, slot.J)));
       if (!n.needs_more()) continue;
       const TreeAxes axes = t.axes ? *t.axes : TreeAxes();
       for (std::size_t i = 0; i < 3; ++i) put_axes(z.more, n.more + more::slide + 3 * i, l, axes_, axes.slide[i]);

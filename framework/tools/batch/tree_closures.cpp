@@ -75,7 +75,7 @@ void TreeClosures::fill_inverses(const Systems& systems, const Layouts& layouts)
         const Posture* posture = tree.planar()->posture(tree.planar()->nodes()[k]);
         normal = posture ? posture->normal : Vec3(Vec3::Unit(data_.loops.normal));
       }
-      const Mat3 J = inverse_inertia(slot, data_.loops.normal >= 0 ? &normal : nullptr);
+      const Mat3 J = in_order(data_.plan.axes(), inverse_inertia(slot, data_.loops.normal >= 0 ? &normal : nullptr));
       const int lane = static_cast<int>(l);
       put_number(data_.c.inverse, 7 * k, lane, 1.0 / slot.mass);
       put_numbers(data_.c.inverse, 7 * k + 1, lane, packed(J));

@@ -1,14 +1,10 @@
 #include "framework/tools/batch/tree_plan.h"
 
-#include <algorithm>
-
 namespace lockstep::lanes {
 
-TreePlan make_plan(const JointTree& tree, bool in_plane) {
+TreePlan make_plan(const JointTree& tree, int normal) {
   TreePlan plan;
-  const auto axes_are_those_of_space = [](const PlanarNode& n) { return n.posture < 0; };
-  if (in_plane && tree.planar() && std::ranges::all_of(tree.planar()->nodes(), axes_are_those_of_space))
-    plan.normal = tree.planar()->plane().n;
+  plan.normal = normal;
   plan.n_q = static_cast<std::size_t>(tree.n_q()), plan.n_v = static_cast<std::size_t>(tree.n_v());
   for (const TreeNode& t : tree.nodes()) {
     LaneNode n;

@@ -119,7 +119,7 @@ struct TreeStore : TreeArrays<std::span<double>> {
   std::span<double> travel, dof, waiting;  ///< those of one round after another
 };
 
-/// The plan of copies of a tree of this shape. in_plane: so are the rows that close its loops, if there are some.
-TreePlan make_plan(const JointTree&, bool in_plane);
+/// The plan of copies of a tree of this shape.
+TreePlan make_plan(const JointTree&, int normal);
 
 }  // namespace lockstep::lanes
