@@ -80,7 +80,7 @@ TEST_CASE("joint coordinates: proposed where scene and method take them, run wit
   CHECK(says(kFourBar, "--planar off", "formulation         joint: 2 unknown velocities, and the rows of"));
   CHECK(says(kFourBar, "--full", "formulation         omega\n"));
   const std::string stewart = std::string(paths::kScenes) + "/stewart.json";
-  CHECK(says(stewart, "", "formulation         omega: the rows of what closes loops, 6 of 6, cost more"));
+  CHECK(says(stewart, "", " operations along joints, "));
   const std::string pendulum = kArm + R"("links": [{)" + kHinge + R"(}], "run": {"until": 0.2, "integrator": ")";
   CHECK(says(scene_file("explicit", pendulum + "dopri5\"}"), "", "formulation         joint: 1 unknown"));
   CHECK(says(scene_file("implicit", pendulum + "radau5\"}"), "--planar off",

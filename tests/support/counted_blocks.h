@@ -1,6 +1,6 @@
 #pragma once
 /// @file What the block elimination and the recursion along joints do, counted: of the first one by one from its equations, of
-/// the second by counted numbers.
+/// the second by columns and numbers that count. A pack that one instruction takes counts as a number.
 
 #include <array>
 #include <vector>
@@ -10,6 +10,33 @@
 #include "tests/support/counted.h"
 
 namespace lockstep::oracle {
+
+/// A column of a block.
+template <int n>
+struct CountedPack {
+  std::array<double, n> v{};
+  double& operator[](int i) { return v[static_cast<std::size_t>(i)]; }
+  double operator[](int i) const { return v[static_cast<std::size_t>(i)]; }
+  CountedPack& operator+=(const CountedPack& b) { return ++Counted::done().add, each(b, 1, 1); }
+  CountedPack& operator-=(const CountedPack& b) { return ++Counted::done().add, each(b, 1, -1); }
+  CountedPack& operator*=(const Counted& x) { return ++Counted::done().mul, each({}, x.value(), 0); }
+  CountedPack& operator*=(const CountedPack& b) {
+    for (int i = 0; i < n; ++i) (*this)[i] *= b[i];
+    return ++Counted::done().mul, *this;
+  }
+  friend CountedPack operator+(CountedPack a, const CountedPack& b) { return a += b; }
+  friend CountedPack operator-(CountedPack a, const CountedPack& b) { return a -= b; }
+  friend CountedPack operator*(CountedPack a, const Counted& x) { return a *= x; }
+  friend CountedPack operator*(CountedPack a, double sign) { return a.each({}, sign, 0); }
+  friend CountedPack operator-(CountedPack a) { return a * -1.0; }
+  friend bool operator<(const CountedPack& a, double b) { return a[0] < b; }
+
+ private:
+  CountedPack& each(const CountedPack& b, double x, double y) {
+    for (int i = 0; i < n; ++i) (*this)[i] = x * (*this)[i] + y * b[i];
+    return *this;
+  }
+};
 
 /// Multiply-adds of the factorisation of a plan, its solutions and residuals, one by one as the equations of elimination.h
 /// have them: a column of a block counts as a number. Without hubs.
@@ -49,9 +76,49 @@ inline double elimination(const schur::Plan& plan) {
   return n;
 }
 
-/// The nodes of a tree in space, standing still.
+using CountedColumn = CountedPack<4>;
+inline CountedColumn operator*(const Counted& x, const CountedColumn& a) { return a * x; }
+inline Counted dot(const CountedColumn& a, const CountedColumn& b) {  // a product, and its numbers one after another
+  ++Counted::done().mul, Counted::done().add += 3;
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+inline CountedColumn cross(const CountedColumn& a, const CountedColumn& b) {
+  return a * Counted(b[0]) + a * Counted(b[1]) + a * Counted(b[2]);
+}
+
+/// InColumns, whose columns and numbers count.
+struct CountedSpace {
+  using Number = Counted;
+  using Linear = CountedColumn;
+  using Wrench = bodies::Wrench<CountedColumn>;
+  using Twist = bodies::Twist<CountedColumn>;
+  struct Inertia {
+    std::array<CountedColumn, 3> M{}, H{}, H_t{}, I{};
+    Wrench p;
+    Wrench operator*(const Twist& s) const {
+      Wrench out;
+      for (int k = 0; k < 3; ++k) {
+        const auto c = static_cast<std::size_t>(k);
+        out.f += M[c] * Counted(s.a[k]), out.f += H[c] * Counted(s.al[k]);
+        out.t += H_t[c] * Counted(s.a[k]), out.t += I[c] * Counted(s.al[k]);
+      }
+      return out;
+    }
+    void subtract(const Wrench& V, const Wrench& U) {
+      for (int k = 0; k < 3; ++k) {
+        const auto c = static_cast<std::size_t>(k);
+        M[c] -= V.f * Counted(U.f[k]), H[c] -= V.f * Counted(U.t[k]);
+        H_t[c] -= V.t * Counted(U.f[k]), I[c] -= V.t * Counted(U.t[k]);
+      }
+    }
+    void add(const Inertia&) {}
+    void move(const CountedColumn&) {}
+  };
+};
+
+/// The nodes of a tree in space, standing still; without what a node passes on itself.
 struct CountedSlots {
-  using Space = bodies::InSpace<Counted>;
+  using Space = CountedSpace;
   using Twist = Space::Twist;
   struct Largest {
     void add(const Counted&, const Counted&) {}
@@ -82,7 +149,7 @@ struct CountedSlots {
   Twist c{};
 };
 
-/// The recursion in space, with the elimination of the rows.
+/// The recursion in space, with the elimination of the rows: what these take is the difference to one without.
 inline Operations recursion(const JointTree& tree, const ClosureFronts& fronts) {
   using Space = CountedSlots::Space;
   CountedSlots slots(tree);
