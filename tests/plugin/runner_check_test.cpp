@@ -46,7 +46,8 @@ TEST_CASE("check names what keeps a scene in space that moves in a plane", "[run
   };
   const std::string proposal =
       "\"planar\": \"z\" gives 9 unknown velocities instead of 18, if nothing leaves that plane: force 'pull': "
-      "'template_force' does not say that it stays in the plane with normal z; let its stays_in_plane()";
+      "'template_force' does not say that it stays in the plane with normal z; let its stays_in_plane() say "
+      "so: \"bool stays_in_plane(lockstep::Plane) const override { return true; }\"";
   const std::string in_space = "formulation         joint: 2 unknown velocities, and the rows of what closes loops: D";
   CHECK(contains(checked(""), in_space));
   CHECK(contains(checked(""), proposal));

@@ -1,6 +1,7 @@
 #include <lockstep/forces.h>
 
 #include <lockstep/text.h>
+#include "framework/mechanism/forces/heights.h"
 
 namespace lockstep {
 
@@ -26,24 +27,20 @@ void Applied::setup() {
   body_axes_ = rotation(p().body->in_slot.q);
 }
 
-// Laws may be zero wherever the system evaluates it, so their directions and lever arms are looked at here.
 bool Applied::stays_in_plane(Plane plane) const {
   const bool force = effort_ == Effort::force;
-  if (!markers_stay_in(plane, force)) return false;
+  if (!markers_stay_in(plane, false) || (force && !has_no_arms(*this, P_, S_, plane))) return false;
   const Vec3 n = vector_.axes == AppliedAxes::world  ? Vec3(Vec3::Unit(plane.n))
                  : vector_.axes == AppliedAxes::body ? Vec3(body_axes_.row(plane.n))
                                                      : Vec3(P_.A0.row(plane.n));
   const auto fits = [&](const Vec3& direction) {
-    return force ? are_perpendicular(direction, n) : are_parallel(direction, n);
+    const double tolerance = kParallel * direction.norm();
+    return force ? are_perpendicular(direction, n, tolerance) : are_parallel(direction, n, tolerance);
   };
-  if (vector_.law && !fits(vector_.direction)) return false;
-  bool laws = vector_.law != nullptr;
+  if (!fits(vector_.value) || (vector_.law && !fits(vector_.direction))) return false;
   for (int k = 0; k < 3; ++k)
-    if (vector_.laws[static_cast<std::size_t>(k)]) {
-      laws = true;
-      if (!fits(Vec3::Unit(k))) return false;
-    }
-  return !(laws && force && S_.slot != kGround);  // its lever arm on S's body is not known
+    if (vector_.laws[static_cast<std::size_t>(k)] && !fits(Vec3::Unit(k))) return false;
+  return true;
 }
 
 std::vector<Quantity> Applied::quantities() const {

@@ -28,6 +28,7 @@ class LOCKSTEP_API CoordinateForce final : public FormulaForce<CoordinateForce> 
   std::string_view type() const override { return info().name; }
   std::vector<Quantity> quantities() const override;  ///< coordinate, rate, force (torque), power
   void setup() override;
+  bool stays_in_plane(Plane) const override;
   void breakpoints(double t0, double t1, std::vector<double>& out) const override;
   template <class T, class Load>
   void act(const Ends<T>&, Load&) const;

@@ -2,8 +2,9 @@
 
 #include <cmath>
 
-#include <lockstep/text.h>
 #include <lockstep/body.h>
+#include <lockstep/text.h>
+#include "framework/mechanism/forces/heights.h"
 
 namespace lockstep {
 
@@ -30,12 +31,10 @@ std::vector<const Marker*> MarkerForce::markers() const {
 }
 
 bool MarkerForce::markers_stay_in(Plane plane, bool pushes) const {
-  const auto stays = [&](const MarkerFrame& frame) {
-    const bool arm =
-        pushes && frame.slot != kGround && std::abs(frame.u0[plane.n]) > kParallel * frame.u0.norm() + 1e-15;
-    return !arm && frame.stays_in_plane(plane);
-  };
-  return stays(P_) && (!s_ || stays(S_));
+  if (!P_.stays_in_plane(plane) || !S_.stays_in_plane(plane)) return false;
+  if (!pushes || !s_) return !pushes || has_no_arms(*this, P_, S_, plane);
+  const Heights P(*p_, P_, plane), S(*s_, S_, plane);
+  return has_no_arms(*this, P_, S_, plane) && std::abs(P.marker - S.marker) <= P.rounding + S.rounding;
 }
 
 void MarkerForce::breakpoints(double t0, double t1, std::vector<double>& out) const {

@@ -1,5 +1,7 @@
 #include <lockstep/forces.h>
 
+#include "framework/mechanism/forces/heights.h"
+
 namespace lockstep {
 
 Motor::Motor(std::string name, Marker& p, Marker& s, Effort effort, LawPtr<MotionLaw> law)
@@ -15,11 +17,10 @@ void Motor::setup() {
   MarkerForce::setup();
 }
 
-// The law may be zero wherever the system evaluates it, so direction and lever arms are looked at here.
 bool Motor::stays_in_plane(Plane plane) const {
   const bool torque = effort_ == Effort::torque;
-  return markers_stay_in(plane, !torque) && axis_stays_in_plane(torque ? Axis::rz : Axis::z, S_.A0.row(plane.n)) &&
-         (torque || S_.slot == kGround);
+  return markers_stay_in(plane, false) && axis_stays_in_plane(torque ? Axis::rz : Axis::z, S_.A0.row(plane.n)) &&
+         (torque || has_no_arms(*this, P_, S_, plane));
 }
 
 std::vector<Quantity> Motor::quantities() const {

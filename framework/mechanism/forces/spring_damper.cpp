@@ -31,10 +31,7 @@ std::unique_ptr<Force> SpringDamper::make(const Attachment& attachment, const Pa
   return std::make_unique<SpringDamper>(attachment.name, p_of(attachment, k), s_of(attachment, k), std::move(o));
 }
 
-// A force by its law alone may be zero wherever the system evaluates it, and with it what leaves the plane.
-bool SpringDamper::stays_in_plane(Plane plane) const {
-  return markers_stay_in(plane) && (!options_.force || options_.stiffness != 0 || options_.preload != 0);
-}
+bool SpringDamper::stays_in_plane(Plane plane) const { return markers_stay_in(plane); }
 
 void SpringDamper::setup() {
   MarkerForce::setup();

@@ -52,6 +52,20 @@ class FormulaLink final : public PhiLock<Phi> {
  public:
   using PhiLock<Phi>::PhiLock;
   std::string_view type() const override { return "function"; }
+  // In a plane only translations along it and turns about its normal change; all other derivatives must be zero.
+  bool stays_in_plane(Plane plane) const override {
+    const Vec3 P = MarkerFrame(this->p()).A0.row(plane.n), S = MarkerFrame(this->s()).A0.row(plane.n);
+    const auto stays = [&](int k) {
+      if (k < kTime) return axis_stays_in_plane(Axis(k), S);
+      if (k == kTime) return true;
+      const int axis = k == kTurn ? 3 : k - kRotation;  // 0: none, the scalar part
+      return (P - S).norm() <= kParallel && (axis == 0 || axis_stays_in_plane(Axis(2 + axis), S));
+    };
+    for (int k = 0; k <= kTurn; ++k)
+      for (const FormulaFunction& f : this->phi().formulas)
+        if (f.reads(k) && !stays(k)) return false;
+    return this->laws_stay_in_plane(plane);
+  }
 };
 
 template <int n, Reads reads, bool counts>

@@ -1,70 +1,65 @@
-// Planar mechanisms: which rows lie in the plane, and what leaves it. Found by evaluating links and forces in planar
-// poses and motions around the start, so that no table of types is needed; what these do not show - laws, functions -
-// links and forces answer for themselves.
+// Planar mechanisms: which rows lie in the plane, and what leaves it. What types say of themselves decides
+// (stays_in_plane, turns_about, kStaysInPlane); what lies where is read at the start.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <new>
 #include <optional>
+#include <utility>
 
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
 #include <Eigen/SparseQR>
 
 #include <lockstep/error.h>
-#include <lockstep/text.h>
 #include <lockstep/system.h>
+#include <lockstep/text.h>
 #include "framework/foundation/math/limits.h"
+#include "framework/mechanism/forces/heights.h"
 #include "framework/mechanism/system/diagnose.h"
+#include "framework/mechanism/system/rows_at_start.h"
 
 namespace lockstep {
-namespace {
 
-constexpr double kTolerance = 1e-10;  // relative to the largest number of its kind
-constexpr int kPoses = 4;
-
-// A planar pose and motion near the start, different for every k; k = 0 is the start itself, moving.
-State planar_state(const System& system, const State& start, int k) {
-  const Plane plane = system.plane();
-  State s = start;
-  s.t = start.t + 0.37 * k;
-  for (int i = 0; i < system.n_slots(); ++i) {
-    const auto wave = [&](double phase) { return std::sin(1.0 + 2.3 * i + 1.7 * k + phase); };
-    const double turn = k == 0 ? 0.0 : 0.4 * wave(0.0), move = k == 0 ? 0.0 : 0.2 * system.length();
-    Pose pose = s.slot_pose(i);
-    pose.x[plane.i()] += move * wave(1.0);
-    pose.x[plane.j()] += move * wave(2.0);
-    pose.q = pose.q * axis_angle(Vec3(Vec3::Unit(plane.n)), turn);
-    s.set_slot_pose(i, pose);
-    Twist twist;
-    twist.v[plane.i()] = wave(3.0) * system.length();
-    twist.v[plane.j()] = wave(4.0) * system.length();
-    twist.w[plane.n] = wave(5.0);
-    s.set_slot_twist(i, twist);
-  }
-  return s;
+RowsAtStart::RowsAtStart(const System& system, Plane plane, State start)
+    : system_(system), plane_(plane), start_(std::move(start)) {
+  start_.v.setZero();
+  system.motions(start_, motions_);
+  in_.t = start_.t, in_.motions = motions_;
+  in_.s = {start_.s.data(), static_cast<std::size_t>(start_.s.size())};
+  in_.z = {start_.z.data(), static_cast<std::size_t>(start_.z.size())};
 }
+
+std::span<const RowAtStart> RowsAtStart::of(const Lock& link) {
+  const Lock* const one = &link;
+  const RowShape shape = link.shape();
+  named(link, in_.t, [&] { link.gather(Group(&one, 1), in_, table_.spatial_span(shape)); });
+  const RowBlock block = table_.spatial(shape);
+  rows_.assign(static_cast<std::size_t>(shape.m), {});
+  for (int row = 0; row < shape.m; ++row) {
+    RowAtStart& r = rows_[static_cast<std::size_t>(row)];
+    r.demand = std::max({std::abs(block.C(row)), std::abs(block.Ct(row)), std::abs(block.Qhat(row))});
+    for (int i = 0; i < shape.n; ++i) {
+      const std::array<double, 6> J = block.J(i, row);
+      const Vec3 f(J[0], J[1], J[2]), m = in_.slot(link.slots()[i]).A * Vec3(J[3], J[4], J[5]) / system_.length();
+      const Vec3 normal(f[plane_.n], m[plane_.i()], m[plane_.j()]);
+      r.normal[static_cast<std::size_t>(i)] = normal;
+      r.in = std::max({r.in, std::abs(f[plane_.i()]), std::abs(f[plane_.j()]), std::abs(m[plane_.n])});
+      r.along = std::max(r.along, std::abs(normal[0]));
+      r.about = std::max({r.about, std::abs(normal[1]), std::abs(normal[2])});
+      r.push = std::max(r.push, f.norm());
+    }
+  }
+  return rows_;
+}
+
+namespace {
 
 const char* axis_name(Plane plane) { return plane.n == 0 ? "x" : plane.n == 1 ? "y" : "z"; }
 
 std::string in_plane_words(Plane plane) { return fmt::format("the scene is planar with normal {}", axis_name(plane)); }
-
-/// Largest numbers of a row or force: in the plane, along its normal, moments about axes in the plane; of C, Ct, Qhat.
-struct Shares {
-  double in = 0, out = 0, arm = 0, free = 0;
-  void add(int velocity, double x, Plane plane, double length) {
-    const bool inside = velocity == plane.i() || velocity == plane.j() || velocity == 3 + plane.n;
-    const double size = std::abs(x) / (velocity < 3 ? 1.0 : length);
-    double& share = inside ? in : velocity < 3 ? out : arm;
-    share = std::max(share, size);
-  }
-  bool lies_in() const { return in > kTolerance * std::max(out, arm); }
-  bool leaves() const { return out > kTolerance * in; }
-  bool has_arm() const { return arm > kTolerance * in; }
-};
 
 using Refusal = std::optional<ModelError>;  // empty: all lies in the plane
 
@@ -78,16 +73,16 @@ Refusal check_body(const Body& b, const Slot& s, Plane plane, double length) {
   const std::string what = in_plane_words(plane) + ", and ";
   const Mat3 A = rotation(b.home.q);
   const Vec3 v = b.start.v + A * cross(b.start.w, b.mass.center), w = A * b.start.w;
-  if (std::abs(v[plane.n]) > kTolerance * v.norm() + kRoundOff * length)
+  if (std::abs(v[plane.n]) > kNegligible * v.norm() + kRoundOff * length)
     return refusal_of(body, what + "it starts with " + text::brief(v[plane.n]) +
                                 " m/s along the normal; set \"planar\" to \"off\", or start in the plane");
-  if (std::max(std::abs(w[plane.i()]), std::abs(w[plane.j()])) > kTolerance * w.norm() + kRoundOff)
+  if (std::max(std::abs(w[plane.i()]), std::abs(w[plane.j()])) > kNegligible * w.norm() + kRoundOff)
     return refusal_of(
         body,
         what + "it starts turning about an axis in the plane; set \"planar\" to \"off\", or turn about the normal");
   if (s.freedoms == Freedoms::particle || s.bodies.size() > 1) return {};
   const double J = s.J.trace();
-  if (std::abs(s.J(plane.n, plane.i())) > kTolerance * J || std::abs(s.J(plane.n, plane.j())) > kTolerance * J)
+  if (std::abs(s.J(plane.n, plane.i())) > kNegligible * J || std::abs(s.J(plane.n, plane.j())) > kNegligible * J)
     return refusal_of(
         body,
         what + "the normal is not a principal axis of its inertia (products " + text::brief(s.J(plane.n, plane.i())) +
@@ -96,104 +91,110 @@ Refusal check_body(const Body& b, const Slot& s, Plane plane, double length) {
   return {};
 }
 
-// What a row has at the start on one slot of the motions out of the plane: along the normal, about i, about j.
-struct OutOfPlane {
-  int slot;
-  std::array<double, 3> J;
-};
-
 // Whether the mass centres of a slot's bodies lie beside the plane of their common one.
 bool has_products(const Slot& s, Plane plane) {
-  return std::abs(s.J(plane.n, plane.i())) + std::abs(s.J(plane.n, plane.j())) > kTolerance * s.J.trace();
+  return std::abs(s.J(plane.n, plane.i())) + std::abs(s.J(plane.n, plane.j())) > kNegligible * s.J.trace();
 }
 
-// The shares found in the sampled poses, by link and row and by force.
-struct Look {
-  std::vector<std::vector<Shares>> rows;
-  std::vector<std::vector<std::vector<OutOfPlane>>> out;  // by link and row
-  std::vector<Shares> forces;
+// What a type that does not say that it stays in the plane lacks: the line to add, where it is not built in.
+std::string silence(const std::string& type, const std::string& origin, Plane plane, const std::string& line) {
+  if (origin == "built in") return fmt::format("{} may leave the plane with normal {}", type, axis_name(plane));
+  return fmt::format("{} does not say that it stays in the plane with normal {}; let its {}", type, axis_name(plane),
+                     line);
+}
+
+// The same of the first of two laws that does not say so; "" for none. `normal`: in the axes in which they are imposed.
+std::string silence_of(const LawPtr<TranslationLaw>& move, const LawPtr<RotationLaw>& turn, Plane plane,
+                       const Vec3& normal) {
+  const bool moves = move && !move->stays_in_plane(normal);
+  if (!moves && (!turn || turn->turns_about(normal))) return "";
+  const LawLabel* label = moves ? label_of(move) : label_of(turn);
+  return silence(label != nullptr ? "its law '" + label->type + "'" : "its law", label != nullptr ? label->origin : "",
+                 plane,
+                 moves ? "class say so: \"bool stays_in_plane(const lockstep::Vec3& normal) const override\""
+                       : "class say so: \"bool turns_about(const lockstep::Vec3& axis) const override\"");
+}
+
+// The same of a link or force and its laws. `markers`: of a link, P before S.
+template <class T>
+Refusal refusal_of_silence(const char* kind, const T& thing, const std::vector<const Marker*>& markers,
+                           const Jointed* joint, Plane plane) {
+  const auto normal = [&](const Marker* m) { return Vec3(MarkerFrame(*m).A0.row(plane.n)); };
+  std::string words;
+  if (joint != nullptr) words = silence_of(joint->imposed().move, joint->imposed().turn, plane, normal(markers[1]));
+  for (const Marker* m : markers)
+    if (words.empty()) words = silence_of(m->translation_law, m->rotation_law, plane, normal(m));
+  if (words.empty())
+    words =
+        silence(fmt::format("'{}'", thing.type()), thing.origin(), plane,
+                "stays_in_plane() say so: \"bool stays_in_plane(lockstep::Plane) const override { return true; }\", or "
+                "its function: \"static constexpr bool kStaysInPlane = true;\"");
+  return refusal_of({.kind = kind, .name = thing.name()}, words);
+}
+
+Refusal check_declared(const System& system) {
+  const Plane plane = system.plane();
+  for (const auto& link : system.links()) {
+    if (system.merged(*link) || link->stays_in_plane(plane)) continue;
+    std::vector<const Marker*> markers;
+    for (const auto& [p, s] : link->pairs()) markers.insert(markers.end(), {p, s});
+    return refusal_of_silence("link", *link, markers, link->jointed(), plane);
+  }
+  for (const auto& force : system.forces())
+    if (!force->stays_in_plane(plane)) return refusal_of_silence("force", *force, force->markers(), nullptr, plane);
+  return {};
+}
+
+// What a force that does not say that it stays in the plane does at the start.
+struct Looked {
+  double out = 0;  // along the normal, N; 0: nothing
+  bool has_arm;    // along the normal; also of one that pushes nothing there, by the heights of its markers
 };
 
-void look_at_link(const System& system, const Lock& link, const Inputs& in, std::vector<Shares>& rows,
-                  std::vector<std::vector<OutOfPlane>>* out) {
+// `f`: six numbers a slot, to be overwritten.
+Looked look_at(const Force& force, const System& system, const Inputs& in, VecX& f) {
   const Plane plane = system.plane();
-  RowTable table;
-  const Lock* const one = &link;
-  const RowShape shape = link.shape();
-  link.gather(Group(&one, 1), in, table.spatial_span(shape));
-  const RowBlock block = table.spatial(shape);
-  rows.resize(static_cast<std::size_t>(shape.m));
-  if (out) out->resize(rows.size());
-  for (int row = 0; row < shape.m; ++row) {
-    Shares& s = rows[static_cast<std::size_t>(row)];
-    s.free = std::max({s.free, std::abs(block.C(row)), std::abs(block.Ct(row)), std::abs(block.Qhat(row))});
-    for (int i = 0; i < shape.n; ++i) {
-      const auto J = block.J(i, row);
-      for (std::size_t c = 0; c < 6; ++c) s.add(static_cast<int>(c), J[c], plane, system.length());
-      if (!out) continue;
-      const auto at = [&](int c) { return J[static_cast<std::size_t>(c)]; };
-      (*out)[static_cast<std::size_t>(row)].push_back(
-          {link.slots().slot[i], {at(plane.n), at(3 + plane.i()), at(3 + plane.j())}});
-    }
+  f.resize(6 * system.n_slots());
+  for (const int slot : force.slots()) f.segment<6>(6 * slot).setZero();
+  WrenchSum sum(in.motions, f);
+  named(force, in.t, [&] { force.apply(in, sum); });
+  double inside = 0, out = 0, arm = 0;
+  for (const int slot : force.slots()) {
+    const auto on = f.segment<6>(6 * slot);
+    inside = std::max({inside, std::hypot(on[plane.i()], on[plane.j()]), std::abs(on[3 + plane.n]) / system.length()});
+    out = std::max(out, std::abs(on[plane.n]));
+    arm = std::max(arm, std::hypot(on[3 + plane.i()], on[3 + plane.j()]) / system.length());
   }
-}
-
-// `later`: at different times, which laws may not cover.
-Look look_in_plane(const System& system, bool later) {
-  Look look;
-  look.rows.resize(system.links().size());
-  look.out.resize(look.rows.size());
-  look.forces.resize(system.forces().size());
-  const State start = system.start();
-  std::vector<Motion> motions;
-  VecX f = VecX::Zero(6 * system.n_slots());
-  for (int k = 0; k < kPoses; ++k) {
-    State state = planar_state(system, start, k);
-    if (!later) state.t = start.t;
-    system.motions(state, motions);
-    Inputs in;
-    in.t = state.t, in.motions = motions;
-    in.s = {state.s.data(), static_cast<std::size_t>(state.s.size())};
-    in.z = {state.z.data(), static_cast<std::size_t>(state.z.size())};
-    for (std::size_t l = 0; l < look.rows.size(); ++l)
-      if (!system.merged(*system.links()[l]))
-        named(*system.links()[l], in.t, [&] {
-          look_at_link(system, *system.links()[l], in, look.rows[l], k == 0 ? &look.out[l] : nullptr);
-        });
-    for (std::size_t l = 0; l < look.forces.size(); ++l) {
-      const Force& force = *system.forces()[l];
-      for (const int slot : force.slots()) f.segment<6>(6 * slot).setZero();
-      WrenchSum sum(in.motions, f);
-      named(force, in.t, [&] { force.apply(in, sum); });
-      for (const int slot : force.slots())
-        for (int i = 0; i < 6; ++i) look.forces[l].add(i, f[6 * slot + i], system.plane(), system.length());
+  bool are_level = true;
+  for (const Marker* p : force.markers())
+    for (const Marker* s : force.markers()) {
+      const MarkerFrame P(*p), S(*s);
+      are_level = are_level && has_no_arm(Heights(*p, P, plane), Heights(*s, S, plane), S);
     }
-  }
-  return look;
+  return {out > kNegligible * inside ? out : 0.0, !are_level || arm > kNegligible * inside};
 }
 
-Refusal check_force(const Force& force, const Shares& s, Plane plane) {
-  if (!s.leaves()) return {};
-  return refusal_of({.kind = "force", .name = force.name()},
-                    in_plane_words(plane) + ", and it pushes out of the plane (" + text::brief(s.out) +
-                        " N); turn it into the plane, or set \"planar\" to \"off\"");
+// Whether a row is one of a mask, which keeps its direction against the markers.
+bool is_of_mask(const Lock& link, int row) {
+  return link.jointed() != nullptr && row < count_rows(link.jointed()->rows());
 }
 
-// A row must lie in the plane or be normal to it, and must not ask for a motion out of it.
-Refusal check_row(const Lock& link, int row, const Shares& s, Plane plane, double length) {
+// A row must lie in the plane or be normal to it, and must not ask for a motion out of it. `is_watched`: while it runs,
+// as a row of a link with others in the plane that was asked for.
+Refusal check_row(const Lock& link, int row, const RowAtStart& r, bool is_watched, const System& system) {
   const auto refuse = [&](const std::string& problem) {
-    return ModelError("link '" + link.name() + "', row " + link.row_name(row) + ": " + in_plane_words(plane) +
+    return ModelError("link '" + link.name() + "', row " + link.row_name(row) + ": " + in_plane_words(system.plane()) +
                           ", and the row " + problem,
                       {.thing = {.kind = "link", .name = link.name()}, .problem = problem});
   };
-  if (s.lies_in() && s.leaves())
+  if (r.in == 0 && r.along == 0 && r.about == 0)
+    return refuse("has no direction at the start; turn the link's markers, or set \"planar\" to \"off\"");
+  if (r.lies_in() ? r.is_tilted() : !is_watched && !is_of_mask(link, row))
     return refuse(
         "holds a direction that is neither in the plane nor normal to it; turn the link's axes into the plane, or set "
         "\"planar\" to \"off\"");
-  if (s.in == 0 && s.out == 0 && s.arm == 0)
-    return refuse("has no direction in any planar pose; turn the link's markers, or set \"planar\" to \"off\"");
-  if (!s.lies_in() && s.free > kTolerance * std::max(1.0, length))
-    return refuse("asks for a motion out of the plane (a law, or markers that do not meet: " + text::brief(s.free) +
+  if (!r.lies_in() && r.demand > kNegligible * std::max(1.0, system.length()))
+    return refuse("asks for a motion out of the plane (a law, or markers that do not meet: " + text::brief(r.demand) +
                   "); set \"planar\" to \"off\", or keep its law in the plane");
   return {};
 }
@@ -204,65 +205,47 @@ struct Tipped {
   Thing thing;
 };
 
-std::vector<Tipped> tipped_slots(const System& system, const Look& look) {
-  std::vector<Tipped> out;
-  for (std::size_t f = 0; f < look.forces.size(); ++f)
-    if (look.forces[f].has_arm())
-      for (const int slot : system.forces()[f]->slots())
-        out.push_back({slot, {.kind = "force", .name = system.forces()[f]->name()}});
-  for (std::size_t l = 0; l < look.rows.size(); ++l) {
-    const Lock& link = *system.links()[l];
-    if (std::ranges::none_of(look.rows[l], [](const Shares& row) { return row.lies_in() && row.has_arm(); })) continue;
-    for (int k = 0; k < link.slots().n; ++k)
-      out.push_back({link.slots().slot[static_cast<std::size_t>(k)], {.kind = "link", .name = link.name()}});
+// A lever arm along the normal gives moments about axes in the plane: links that hold at all times must take both, or
+// the body tips over. Three unknowns a slot: along the normal, about both axes.
+Refusal check_tipping(const System& system, RowsAtStart& at_start, std::vector<Tipped> tipped) {
+  std::vector<Eigen::Triplet<double>> numbers;
+  int m = 0;
+  for (const auto& link : system.links()) {
+    if (system.merged(*link)) continue;
+    const SlotList& slots = link->slots();
+    const bool holds = link->active_at_start() && !link->unilateral();
+    bool has_arm = false;
+    for (const RowAtStart& row : at_start.of(*link)) {
+      has_arm = has_arm || (row.lies_in() && row.has_arm());
+      if (row.lies_in() || !holds) continue;
+      for (int k = 0; k < slots.n; ++k)
+        for (int c = 0; c < 3; ++c)
+          numbers.emplace_back(3 * slots[k] + c, m, row.normal[static_cast<std::size_t>(k)][c]);
+      ++m;
+    }
+    for (int k = 0; has_arm && k < slots.n; ++k) tipped.push_back({slots[k], {.kind = "link", .name = link->name()}});
   }
   for (int k = 0; k < system.n_slots(); ++k)
     if (has_products(system.slot(k), system.plane()))
-      out.push_back({k, {.kind = "body", .name = system.body_of_slot(k).name}});
-  std::erase_if(out, [&](const Tipped& t) { return system.slot(t.slot).freedoms == Freedoms::particle; });
-  return out;
-}
+      tipped.push_back({k, {.kind = "body", .name = system.body_of_slot(k).name}});
+  std::erase_if(tipped, [&](const Tipped& t) { return system.slot(t.slot).freedoms == Freedoms::particle; });
 
-// The rows out of the plane of links that hold at all times, transposed: three unknowns a slot.
-Eigen::SparseMatrix<double> rows_out_of_plane(const System& system, const Look& look) {
-  std::vector<Eigen::Triplet<double>> numbers;
-  int m = 0;
-  for (std::size_t l = 0; l < look.rows.size(); ++l) {
-    const Lock& link = *system.links()[l];
-    if (!link.active_at_start() || link.unilateral()) continue;
-    for (std::size_t row = 0; row < look.out[l].size(); ++row) {
-      if (look.rows[l][row].lies_in()) continue;
-      for (const OutOfPlane& of : look.out[l][row])
-        for (int c = 0; c < 3; ++c)
-          numbers.emplace_back(3 * of.slot + c, m, of.J[static_cast<std::size_t>(c)] / (c == 0 ? 1 : system.length()));
-      ++m;
-    }
-  }
   Eigen::SparseMatrix<double> Jt(3 * system.n_slots(), m);
   Jt.setFromTriplets(numbers.begin(), numbers.end());
   Jt.makeCompressed();
-  return Jt;
-}
-
-// A lever arm along the normal gives moments about axes in the plane: links must take both, or the body tips over.
-Refusal check_tipping(const System& system, const Look& look) {
-  const Eigen::SparseMatrix<double> Jt = rows_out_of_plane(system, look);
   Eigen::SparseQR<Eigen::SparseMatrix<double>, Eigen::COLAMDOrdering<int>> qr;
-  if (Jt.cols() > 0) qr.compute(Jt);
-  for (const Tipped& tipped : tipped_slots(system, look))
+  if (m > 0) qr.compute(Jt);
+  for (const Tipped& t : tipped)
     for (int c = 1; c < 3; ++c) {
       VecX moment = VecX::Zero(Jt.rows());
-      moment[3 * tipped.slot + c] = 1;
-      if (Jt.cols() > 0) {
-        const VecX taken = qr.solve(moment);
-        if ((Jt * taken - moment).norm() < 1e-9) continue;
-      }
-      return refusal_of(tipped.thing,
-                        in_plane_words(system.plane()) +
-                            ", and it has a lever arm along the normal, which tips body '" +
-                            system.body_of_slot(tipped.slot).name +
-                            "' over, as its links do not take the moment; set \"planar\" to \"off\", or put all into "
-                            "one plane");
+      moment[3 * t.slot + c] = 1;
+      if (m > 0 && (Jt * VecX(qr.solve(moment)) - moment).norm() < kNegligible) continue;
+      return refusal_of(t.thing, in_plane_words(system.plane()) +
+                                     ", and it has a lever arm along the normal, or turns about another axis, which "
+                                     "tips body '" +
+                                     system.body_of_slot(t.slot).name +
+                                     "' over, as its links do not take the moment; set \"planar\" to \"off\", or put "
+                                     "all into one plane");
     }
   return {};
 }
@@ -284,22 +267,6 @@ Refusal check_reads(const Force& force, const System& system, const std::vector<
   return {};
 }
 
-// What does not say of itself that it stays in the plane.
-Refusal check_declared(const System& system) {
-  const auto refuse = [&](const char* kind, const std::string& name, std::string_view type) {
-    return refusal_of({.kind = kind, .name = name},
-                      fmt::format("'{}' does not say that it stays in the plane with normal {}; let its "
-                                  "stays_in_plane(), or kStaysInPlane of a function, say so",
-                                  type, axis_name(system.plane())));
-  };
-  for (const auto& link : system.links())
-    if (!system.merged(*link) && !link->stays_in_plane(system.plane()))
-      return refuse("link", link->name(), link->type());
-  for (const auto& force : system.forces())
-    if (!force->stays_in_plane(system.plane())) return refuse("force", force->name(), force->type());
-  return {};
-}
-
 }  // namespace
 
 std::optional<ModelError> System::setup_plane() {
@@ -309,42 +276,36 @@ std::optional<ModelError> System::setup_plane() {
       if (Refusal refusal = check_body(*b, s, plane_, length_)) return refusal;
     offsets_ = offsets_ || has_products(s, plane_);  // welded bodies at different heights
   }
-  if (const double g = options_.gravity[plane_.n]; std::abs(g) > kTolerance * options_.gravity.norm())
+  if (const double g = options_.gravity[plane_.n]; std::abs(g) > kNegligible * options_.gravity.norm())
     return ModelError(in_plane_words(plane_) + ", and gravity has " + text::brief(g) +
                       " m/s^2 along it; set \"planar\" to \"off\"");
   if (plane_is_known_)
     if (Refusal refusal = check_declared(*this)) return refusal;
-  Look look;
-  try {
-    struct Borrowed {  // all but the plane is set up, so start() may be called
-      bool& ready;
-      ~Borrowed() { ready = false; }
-    } borrowed{ready_ = true};
-    try {
-      look = look_in_plane(*this, true);
-    } catch (const Error&) {  // laws of plugins and of the host end, too
-      look = look_in_plane(*this, false);
-    }
-  } catch (const ModelError& error) {  // a link or force that cannot be evaluated in planar poses
-    return error;
-  } catch (const Error& error) {  // the same of a plugin or the host: where nobody asked for a plane, there is none
-    if (!plane_is_known_) throw;
-    return ModelError(error.what());
-  }
-  for (std::size_t l = 0; l < forces_.size(); ++l) {
-    if (Refusal refusal = check_force(*forces_[l], look.forces[l], plane_)) return refusal;
-    offsets_ = offsets_ || look.forces[l].has_arm();
+  RowsAtStart at_start(*this, plane_, start());
+  std::vector<Tipped> tipped;
+  VecX f;
+  for (const auto& force : forces_) {
+    if (force->stays_in_plane(plane_)) continue;
+    const Thing thing{.kind = "force", .name = force->name()};
+    const Looked at = look_at(*force, *this, at_start.inputs(), f);
+    if (at.out > 0)
+      return refusal_of(thing, in_plane_words(plane_) + ", and it pushes out of the plane (" + text::brief(at.out) +
+                                   " N); turn it into the plane, or set \"planar\" to \"off\"");
+    offsets_ = offsets_ || at.has_arm;
+    if (!at.has_arm && dynamic_cast<const MarkerForce*>(force.get()) == nullptr) continue;
+    for (const int slot : force->slots()) tipped.push_back({slot, thing});  // others know no axes that may be tilted
   }
   planar_rows_.assign(links_.size(), {});
   for (std::size_t l = 0; l < links_.size(); ++l) {
     if (merged_[l]) continue;
     PlanarRows& rows = planar_rows_[l];
-    for (int row = 0; row < links_[l]->row_count(); ++row) {
-      const Shares& s = look.rows[l][static_cast<std::size_t>(row)];
-      if (Refusal refusal = check_row(*links_[l], row, s, plane_, length_)) return refusal;
-      if (!s.lies_in()) continue;
-      rows.own[static_cast<std::size_t>(rows.m++)] = row;
-      offsets_ = offsets_ || s.has_arm();
+    const std::span<const RowAtStart> at = at_start.of(*links_[l]);
+    const bool is_watched = !plane_is_known_ && std::ranges::any_of(at, &RowAtStart::lies_in);
+    int row = 0;
+    for (const RowAtStart& r : at) {
+      if (Refusal refusal = check_row(*links_[l], row, r, is_watched, *this)) return refusal;
+      if (r.lies_in()) rows.own[static_cast<std::size_t>(rows.m++)] = row, offsets_ = offsets_ || r.has_arm();
+      ++row;
     }
     Planar* own = links_[l]->planar();
     rows.by_link = own != nullptr && own->setup_plane(plane_);
@@ -352,8 +313,8 @@ std::optional<ModelError> System::setup_plane() {
   if (offsets_ && plane_is_known_)
     return ModelError(in_plane_words(plane_) +
                       ", and there are lever arms along it, whose reactions would be left out");
-  if (offsets_)
-    if (Refusal refusal = check_tipping(*this, look)) return refusal;
+  if (offsets_ || !tipped.empty())
+    if (Refusal refusal = check_tipping(*this, at_start, std::move(tipped))) return refusal;
   for (const auto& force : forces_)
     if (Refusal refusal = check_reads(*force, *this, planar_rows_, offsets_)) return refusal;
   return {};

@@ -376,11 +376,14 @@ std::optional<ModelError> System::try_setup() {
   setup_forces();
   setup_states();
   setup_length();
-  if (plane_)
-    if (std::optional<ModelError> refusal = setup_plane()) return refusal;
-  ready_ = true;
-  ++revision_;
+  ready_ = true;  // what follows evaluates it at its start
   try {
+    if (plane_)
+      if (std::optional<ModelError> refusal = setup_plane()) {
+        ready_ = false;
+        return refusal;
+      }
+    ++revision_;
     check_writes(*this);
   } catch (...) {
     ready_ = false;
