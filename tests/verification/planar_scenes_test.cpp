@@ -54,11 +54,17 @@ std::vector<std::string> lines_of(const std::string& path) {
   return lines;
 }
 
-/// Planes of a crank and rocker with this link or force, in words of a scene.
+/// The plane of a crank and rod with this link or force, in words of a scene. Markers: at both mass centres, and on the
+/// ground 0.4 m from that of the rod, level with it, higher and tilted.
 std::string planes_with(const Registry& registry, const std::string& key, const std::string& thing) {
   const std::string text = R"({"lockstep": 1, "gravity": [0, -9.81, 0],
     "bodies": [{"name": "crank", "rod": {"mass": 1, "from": [0, 0, 0], "to": [0.1, 0, 0]}},
                {"name": "rod", "rod": {"mass": 1, "from": [0.1, 0, 0], "to": [0.4, 0.2, 0]}}],
+    "markers": [{"name": "knee", "body": "crank"}, {"name": "tip", "body": "rod"},
+                {"name": "post", "body": "ground", "at": [0.25, 0.5, 0]},
+                {"name": "high", "body": "ground", "at": [0.25, 0.5, 0.1]},
+                {"name": "tilted", "body": "ground", "at": [0.25, 0.1, 0],
+                 "orientation": [0.98877107793604229, 0.14943813247359922, 0, 0]}],
     "links": [{"name": "A", "type": "revolute", "p": "crank", "s": "ground", "at": [0, 0, 0]},
               {"name": "B", "type": "revolute", "p": "rod", "s": "crank", "at": [0.1, 0, 0]})" +
                            (key == "links" ? ", " + thing + "]" : "], \"" + key + "\": [" + thing + "]") +
@@ -83,6 +89,46 @@ TEST_CASE("every scene that is planar is in the list, and stays planar", "[verif
     }
   std::ranges::sort(found);
   CHECK(found == lines_of(root + "/tests/verification/data/planar_scenes.txt"));
+}
+
+TEST_CASE("forces and formulas say what leaves the plane, also where it is zero at the start",
+          "[verification][plane]") {
+  struct Example {
+    const char *key, *thing;
+    bool planar;
+  };
+  const auto example = GENERATE(
+      Example{"forces", R"("type": "spring_damper", "p": "tip", "s": "post", "stiffness": 9, "free_length": 0.4)",
+              true},
+      Example{"forces", R"("type": "spring_damper", "p": "tip", "s": "high", "stiffness": 9,
+              "free_length": 0.41231056256176607)",
+              false},
+      Example{"forces", R"("type": "spring_damper", "p": "tip", "s": "knee", "force": 0)", true},
+      Example{"forces", R"("type": "bushing", "p": "tip", "s": "post", "stiffness": [1, 2, 3])", true},
+      Example{"forces", R"("type": "bushing", "p": "tip", "s": "tilted", "stiffness": [1, 2, 3])", false},
+      Example{"forces", R"("type": "bushing", "p": "tip", "s": "tilted", "stiffness": [1, 2, 2])", true},
+      Example{"forces", R"("type": "bushing", "p": "tip", "s": "tilted", "torsion_stiffness": [2, 2, 2])", false},
+      Example{"forces", R"("type": "applied_force", "p": "tip", "s": "knee", "force": [1, 2, 0])", true},
+      Example{"forces", R"("type": "applied_force", "p": "tip", "s": "high", "force": [1, 2, 0])", true},
+      Example{"forces", R"("type": "applied_torque", "p": "tip", "torque": [0, 1e-9, 1])", false},
+      Example{"forces", R"("type": "torque_motor", "p": "tip", "s": "knee", "torque": 0)", true},
+      Example{"forces", R"("type": "torque_motor", "p": "tip", "s": "tilted", "torque": 0)", false},
+      Example{"forces", R"("type": "force_motor", "p": "tip", "s": "post", "force": 0)", false},
+      Example{"forces", R"("type": "function_force", "p": "tip", "s": "post", "coordinate": "x", "force": "=-8*q")",
+              true},
+      Example{"forces", R"("type": "function_force", "p": "tip", "s": "post", "coordinate": "z", "force": "=-8*q")",
+              false},
+      Example{"forces", R"("type": "function_force", "p": "tip", "s": "post", "coordinate": "rz", "torque": "=-8*q")",
+              true},
+      Example{"forces", R"("type": "function_force", "p": "tip", "s": "post", "coordinate": "rx", "torque": "=-8*q")",
+              false},
+      Example{"links", R"("type": "function", "p": "tip", "s": "post", "phi": "=x + 2*y + 0.8 m")", true},
+      Example{"links", R"("type": "function", "p": "tip", "s": "post", "phi": "=rz")", true},
+      Example{"links", R"("type": "function", "p": "tip", "s": "post", "phi": "=x + z")", false},
+      Example{"links", R"("type": "function", "p": "tip", "s": "tilted", "phi": "=rz")", false});
+  CAPTURE(example.thing);
+  const std::string thing = std::string(R"({"name": "F", )") + example.thing + "}";
+  CHECK(planes_with(builtin_registry(), example.key, thing) == (example.planar ? "z" : "-"));
 }
 
 TEST_CASE("plugins that say that they stay in the plane leave mechanisms there", "[verification][plane]") {

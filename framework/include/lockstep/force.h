@@ -100,9 +100,9 @@ class LOCKSTEP_API Force {
 
   /// The laws that it reads, for accounts. Default: none.
   virtual std::vector<ForceLaw> laws() const { return {}; }
-  /// Whether a mechanism that moves in this plane stays there under it, at any time and in any position. What
-  /// evaluations in a few positions show is checked besides. After setup. Default: false, unknown, which keeps the
-  /// mechanism in space.
+  /// Whether a mechanism that moves in this plane stays there under it, at any time and in any position: it pushes along
+  /// the plane, without lever arms along the normal, and turns about the normal. After setup. Default: false, unknown,
+  /// which keeps the mechanism in space.
   virtual bool stays_in_plane(Plane) const { return false; }
 
   // -- setup: called when the bodies have their slots
@@ -213,9 +213,11 @@ class LOCKSTEP_API MarkerForce : public Force {
   /// Throws ModelError when the marker is on a particle, which cannot turn; `does` is the verb of the message: "turns".
   void require_turning(const Marker& m, const char* does) const;
 
-  /// Whether the laws of the markers keep a planar mechanism in this plane and, for a force (`pushes`), their origins lie
-  /// in the plane of the mass centres: what stays_in_plane() answers for a force along lines between or through them.
+  /// Whether the laws of the markers keep a planar mechanism in this plane and, for a force (`pushes`), their origins and
+  /// the mass centres are at one height: what stays_in_plane() answers for a force along lines between or through them.
   bool markers_stay_in(Plane, bool pushes = true) const;
+  /// Whether a force at P has no lever arm along the normal of the plane on the bodies of P and S.
+  bool has_no_arms(Plane) const;
   /// For breakpoints(), diagnose() and laws(); null is ignored. `what`: its key; `unit`: of its value.
   void add_law(const LawPtr<MotionLaw>& law, std::string what = "law", std::string unit = {});
   /// Value of a law at time t, s; 0 without a law.

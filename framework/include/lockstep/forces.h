@@ -178,7 +178,7 @@ class LOCKSTEP_API Bushing final : public FormulaForce<Bushing> {
   std::vector<Quantity> quantities() const override;
   /// Throws ModelError when S, or P with torsional numbers, is on a particle.
   void setup() override;
-  bool stays_in_plane(Plane plane) const override { return markers_stay_in(plane); }
+  bool stays_in_plane(Plane) const override;
   /// The formula; see namespace formula.
   template <class T, class Load>
   void act(const Ends<T>&, Load&) const;

@@ -104,8 +104,8 @@ class LOCKSTEP_API Lock {
   virtual const Jointed* jointed() const { return nullptr; }                 ///< a mask, imposed laws and drives
   virtual Jointed* jointed() { return nullptr; }                             ///< a mask, imposed laws and drives
   /// Whether a mechanism that moves in this plane stays there by it: whatever its functions and laws are at any time,
-  /// its rows hold the bodies in the plane or normal to it, never both at once. What evaluations in a few positions
-  /// show is checked besides. After setup. Default: false, unknown, which keeps the mechanism in space.
+  /// its rows hold the bodies in the plane or normal to it, never both at once. Which of the two is read at the start,
+  /// where rows of functions must lie in it. After setup. Default: false, unknown, which keeps the mechanism in space.
   virtual bool stays_in_plane(Plane) const { return false; }
   /// Asks for the angles that it counts, and keeps the references; called by System::setup after its own. Default: none.
   virtual void count_angles(AngleCounter&) {}

@@ -1,7 +1,6 @@
 #include <lockstep/forces.h>
 
 #include <lockstep/text.h>
-#include "framework/mechanism/forces/heights.h"
 
 namespace lockstep {
 
@@ -29,7 +28,7 @@ void Applied::setup() {
 
 bool Applied::stays_in_plane(Plane plane) const {
   const bool force = effort_ == Effort::force;
-  if (!markers_stay_in(plane, false) || (force && !has_no_arms(*this, P_, S_, plane))) return false;
+  if (!markers_stay_in(plane, false) || (force && !has_no_arms(plane))) return false;
   const Vec3 n = vector_.axes == AppliedAxes::world  ? Vec3(Vec3::Unit(plane.n))
                  : vector_.axes == AppliedAxes::body ? Vec3(body_axes_.row(plane.n))
                                                      : Vec3(P_.A0.row(plane.n));

@@ -37,6 +37,17 @@ void Bushing::setup() {
   MarkerForce::setup();
 }
 
+// Each matrix takes the normal to a multiple of it, and P turns about it.
+bool Bushing::stays_in_plane(Plane plane) const {
+  const Vec3 P = P_.A0.row(plane.n), S = S_.A0.row(plane.n);
+  const auto fits = [&](const Vec3& diagonal) {
+    return are_parallel(Vec3(diagonal.cwiseProduct(S)), S, kParallel * diagonal.norm());
+  };
+  return markers_stay_in(plane) && fits(options_.stiffness) && fits(options_.damping) &&
+         fits(options_.torsion_damping) && fits(options_.torsion_stiffness) &&
+         (options_.torsion_stiffness.isZero(0) || (P - S).norm() <= kParallel);
+}
+
 std::vector<Quantity> Bushing::quantities() const {
   std::vector<Quantity> r;
   for (const auto& [stem, unit] : {Quantity{"", "m"}, Quantity{"angle_", "rad"}, Quantity{"force_on_p_link_", "N"},

@@ -6,7 +6,6 @@
 #include <lockstep/error.h>
 #include "framework/mechanism/expression/dimensions.h"
 #include "framework/mechanism/expression/evaluate.h"
-#include "framework/mechanism/forces/heights.h"
 
 namespace lockstep {
 
@@ -65,8 +64,7 @@ void CoordinateForce::setup() {
 
 bool CoordinateForce::stays_in_plane(Plane plane) const {
   const auto fits = [&](const MarkerFrame& frame) { return axis_stays_in_plane(axis_, frame.A0.row(plane.n)); };
-  return markers_stay_in(plane, false) && fits(S_) &&
-         (is_rotation(axis_) ? fits(P_) : has_no_arms(*this, P_, S_, plane));
+  return markers_stay_in(plane, false) && fits(S_) && (is_rotation(axis_) ? fits(P_) : has_no_arms(plane));
 }
 
 void CoordinateForce::count_angles(AngleCounter& counter) {

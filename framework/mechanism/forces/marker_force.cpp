@@ -4,7 +4,6 @@
 
 #include <lockstep/body.h>
 #include <lockstep/text.h>
-#include "framework/mechanism/forces/heights.h"
 
 namespace lockstep {
 
@@ -30,11 +29,32 @@ std::vector<const Marker*> MarkerForce::markers() const {
   return {p_, s_};
 }
 
+namespace {
+
+// Along the normal: of a marker as its law puts it, and of the mass centre of its slot, which has the world's axes.
+struct Height {
+  double marker, center, rounding;
+};
+
+Height height_of(const Marker& m, const MarkerFrame& frame, Plane plane) {
+  const Vec3 x = (m.body->home * m.local).x;
+  const double center = x[plane.n] - frame.u0[plane.n];
+  return {center + frame.at(0).u[plane.n], center, kParallel * x.norm() + 1e-15};
+}
+
+}  // namespace
+
+bool MarkerForce::has_no_arms(Plane plane) const {
+  const Height P = height_of(*p_, P_, plane), S = s_ ? height_of(*s_, S_, plane) : P;
+  const auto is_level = [&](double y) { return std::abs(P.marker - y) <= P.rounding + S.rounding; };
+  return (P_.slot == kGround || is_level(P.center)) && (S_.slot == kGround || is_level(S.center));
+}
+
 bool MarkerForce::markers_stay_in(Plane plane, bool pushes) const {
   if (!P_.stays_in_plane(plane) || !S_.stays_in_plane(plane)) return false;
-  if (!pushes || !s_) return !pushes || has_no_arms(*this, P_, S_, plane);
-  const Heights P(*p_, P_, plane), S(*s_, S_, plane);
-  return has_no_arms(*this, P_, S_, plane) && std::abs(P.marker - S.marker) <= P.rounding + S.rounding;
+  if (!pushes) return true;
+  const Height P = height_of(*p_, P_, plane), S = s_ ? height_of(*s_, S_, plane) : P;
+  return has_no_arms(plane) && std::abs(P.marker - S.marker) <= P.rounding + S.rounding;
 }
 
 void MarkerForce::breakpoints(double t0, double t1, std::vector<double>& out) const {

@@ -1,7 +1,5 @@
 #include <lockstep/forces.h>
 
-#include "framework/mechanism/forces/heights.h"
-
 namespace lockstep {
 
 Motor::Motor(std::string name, Marker& p, Marker& s, Effort effort, LawPtr<MotionLaw> law)
@@ -20,7 +18,7 @@ void Motor::setup() {
 bool Motor::stays_in_plane(Plane plane) const {
   const bool torque = effort_ == Effort::torque;
   return markers_stay_in(plane, false) && axis_stays_in_plane(torque ? Axis::rz : Axis::z, S_.A0.row(plane.n)) &&
-         (torque || has_no_arms(*this, P_, S_, plane));
+         (torque || has_no_arms(plane));
 }
 
 std::vector<Quantity> Motor::quantities() const {

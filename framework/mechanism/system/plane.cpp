@@ -17,7 +17,6 @@
 #include <lockstep/system.h>
 #include <lockstep/text.h>
 #include "framework/foundation/math/limits.h"
-#include "framework/mechanism/forces/heights.h"
 #include "framework/mechanism/system/diagnose.h"
 #include "framework/mechanism/system/rows_at_start.h"
 
@@ -44,12 +43,8 @@ std::span<const RowAtStart> RowsAtStart::of(const Lock& link) {
     for (int i = 0; i < shape.n; ++i) {
       const std::array<double, 6> J = block.J(i, row);
       const Vec3 f(J[0], J[1], J[2]), m = in_.slot(link.slots()[i]).A * Vec3(J[3], J[4], J[5]) / system_.length();
-      const Vec3 normal(f[plane_.n], m[plane_.i()], m[plane_.j()]);
-      r.normal[static_cast<std::size_t>(i)] = normal;
-      r.in = std::max({r.in, std::abs(f[plane_.i()]), std::abs(f[plane_.j()]), std::abs(m[plane_.n])});
-      r.along = std::max(r.along, std::abs(normal[0]));
-      r.about = std::max({r.about, std::abs(normal[1]), std::abs(normal[2])});
-      r.push = std::max(r.push, f.norm());
+      r.normal[static_cast<std::size_t>(i)] = {f[plane_.n], m[plane_.i()], m[plane_.j()]};
+      r.add(f, m, plane_);
     }
   }
   return rows_;
@@ -57,43 +52,38 @@ std::span<const RowAtStart> RowsAtStart::of(const Lock& link) {
 
 namespace {
 
-const char* axis_name(Plane plane) { return plane.n == 0 ? "x" : plane.n == 1 ? "y" : "z"; }
-
-std::string in_plane_words(Plane plane) { return fmt::format("the scene is planar with normal {}", axis_name(plane)); }
-
 using Refusal = std::optional<ModelError>;  // empty: all lies in the plane
 
-Refusal refusal_of(Thing thing, const std::string& problem) {
-  return ModelError({.thing = std::move(thing), .problem = problem});
+const char* axis_name(Plane plane) { return plane.n == 0 ? "x" : plane.n == 1 ? "y" : "z"; }
+
+// `advice`: besides leaving the plane.
+Refusal leaves(Plane plane, Thing thing, const std::string& what, const std::string& advice = {}) {
+  return ModelError({.thing = std::move(thing),
+                     .problem = fmt::format("the scene is planar with normal {}, and {}", axis_name(plane), what),
+                     .advice = "set \"planar\" to \"off\"" + advice});
 }
 
 // `length`: of the mechanism; a velocity of less than a rounding of it a second is none.
 Refusal check_body(const Body& b, const Slot& s, Plane plane, double length) {
   const Thing body{.kind = "body", .name = b.name};
-  const std::string what = in_plane_words(plane) + ", and ";
   const Mat3 A = rotation(b.home.q);
   const Vec3 v = b.start.v + A * cross(b.start.w, b.mass.center), w = A * b.start.w;
   if (std::abs(v[plane.n]) > kNegligible * v.norm() + kRoundOff * length)
-    return refusal_of(body, what + "it starts with " + text::brief(v[plane.n]) +
-                                " m/s along the normal; set \"planar\" to \"off\", or start in the plane");
-  if (std::max(std::abs(w[plane.i()]), std::abs(w[plane.j()])) > kNegligible * w.norm() + kRoundOff)
-    return refusal_of(
-        body,
-        what + "it starts turning about an axis in the plane; set \"planar\" to \"off\", or turn about the normal");
+    return leaves(plane, body, "it starts with " + text::brief(v[plane.n]) + " m/s along the normal",
+                  ", or start in the plane");
+  if (std::hypot(w[plane.i()], w[plane.j()]) > kNegligible * w.norm() + kRoundOff)
+    return leaves(plane, body, "it starts turning about an axis in the plane", ", or turn about the normal");
   if (s.freedoms == Freedoms::particle || s.bodies.size() > 1) return {};
-  const double J = s.J.trace();
-  if (std::abs(s.J(plane.n, plane.i())) > kNegligible * J || std::abs(s.J(plane.n, plane.j())) > kNegligible * J)
-    return refusal_of(
-        body,
-        what + "the normal is not a principal axis of its inertia (products " + text::brief(s.J(plane.n, plane.i())) +
-            " and " + text::brief(s.J(plane.n, plane.j())) +
-            " kg m^2), so it would not stay in the plane without moments from its links; set \"planar\" to \"off\"");
-  return {};
+  const double Ji = s.J(plane.n, plane.i()), Jj = s.J(plane.n, plane.j());
+  if (std::hypot(Ji, Jj) <= kNegligible * s.J.trace()) return {};
+  return leaves(plane, body,
+                "the normal is not a principal axis of its inertia (products " + text::brief(Ji) + " and " +
+                    text::brief(Jj) + " kg m^2), so it would not stay in the plane without moments from its links");
 }
 
 // Whether the mass centres of a slot's bodies lie beside the plane of their common one.
 bool has_products(const Slot& s, Plane plane) {
-  return std::abs(s.J(plane.n, plane.i())) + std::abs(s.J(plane.n, plane.j())) > kNegligible * s.J.trace();
+  return std::hypot(s.J(plane.n, plane.i()), s.J(plane.n, plane.j())) > kNegligible * s.J.trace();
 }
 
 // What a type that does not say that it stays in the plane lacks: the line to add, where it is not built in.
@@ -117,8 +107,8 @@ std::string silence_of(const LawPtr<TranslationLaw>& move, const LawPtr<Rotation
 
 // The same of a link or force and its laws. `markers`: of a link, P before S.
 template <class T>
-Refusal refusal_of_silence(const char* kind, const T& thing, const std::vector<const Marker*>& markers,
-                           const Jointed* joint, Plane plane) {
+Refusal silence_of(const char* kind, const T& thing, const std::vector<const Marker*>& markers, const Jointed* joint,
+                   Plane plane) {
   const auto normal = [&](const Marker* m) { return Vec3(MarkerFrame(*m).A0.row(plane.n)); };
   std::string words;
   if (joint != nullptr) words = silence_of(joint->imposed().move, joint->imposed().turn, plane, normal(markers[1]));
@@ -129,7 +119,7 @@ Refusal refusal_of_silence(const char* kind, const T& thing, const std::vector<c
         silence(fmt::format("'{}'", thing.type()), thing.origin(), plane,
                 "stays_in_plane() say so: \"bool stays_in_plane(lockstep::Plane) const override { return true; }\", or "
                 "its function: \"static constexpr bool kStaysInPlane = true;\"");
-  return refusal_of({.kind = kind, .name = thing.name()}, words);
+  return ModelError({.thing = {.kind = kind, .name = thing.name()}, .problem = words});
 }
 
 Refusal check_declared(const System& system) {
@@ -138,65 +128,30 @@ Refusal check_declared(const System& system) {
     if (system.merged(*link) || link->stays_in_plane(plane)) continue;
     std::vector<const Marker*> markers;
     for (const auto& [p, s] : link->pairs()) markers.insert(markers.end(), {p, s});
-    return refusal_of_silence("link", *link, markers, link->jointed(), plane);
+    return silence_of("link", *link, markers, link->jointed(), plane);
   }
   for (const auto& force : system.forces())
-    if (!force->stays_in_plane(plane)) return refusal_of_silence("force", *force, force->markers(), nullptr, plane);
+    if (!force->stays_in_plane(plane)) return silence_of("force", *force, force->markers(), nullptr, plane);
   return {};
 }
 
-// What a force that does not say that it stays in the plane does at the start.
-struct Looked {
-  double out = 0;  // along the normal, N; 0: nothing
-  bool has_arm;    // along the normal; also of one that pushes nothing there, by the heights of its markers
-};
-
-// `f`: six numbers a slot, to be overwritten.
-Looked look_at(const Force& force, const System& system, const Inputs& in, VecX& f) {
-  const Plane plane = system.plane();
-  f.resize(6 * system.n_slots());
-  for (const int slot : force.slots()) f.segment<6>(6 * slot).setZero();
-  WrenchSum sum(in.motions, f);
-  named(force, in.t, [&] { force.apply(in, sum); });
-  double inside = 0, out = 0, arm = 0;
-  for (const int slot : force.slots()) {
-    const auto on = f.segment<6>(6 * slot);
-    inside = std::max({inside, std::hypot(on[plane.i()], on[plane.j()]), std::abs(on[3 + plane.n]) / system.length()});
-    out = std::max(out, std::abs(on[plane.n]));
-    arm = std::max(arm, std::hypot(on[3 + plane.i()], on[3 + plane.j()]) / system.length());
-  }
-  bool are_level = true;
-  for (const Marker* p : force.markers())
-    for (const Marker* s : force.markers()) {
-      const MarkerFrame P(*p), S(*s);
-      are_level = are_level && has_no_arm(Heights(*p, P, plane), Heights(*s, S, plane), S);
-    }
-  return {out > kNegligible * inside ? out : 0.0, !are_level || arm > kNegligible * inside};
-}
-
-// Whether a row is one of a mask, which keeps its direction against the markers.
-bool is_of_mask(const Lock& link, int row) {
-  return link.jointed() != nullptr && row < count_rows(link.jointed()->rows());
-}
-
-// A row must lie in the plane or be normal to it, and must not ask for a motion out of it. `is_watched`: while it runs,
-// as a row of a link with others in the plane that was asked for.
+// A row must lie in the plane or be normal to it, and must not ask for a motion out of it. Those of a mask keep their
+// directions against the markers. `is_watched`: the row is evaluated while it runs, beside others of its link.
 Refusal check_row(const Lock& link, int row, const RowAtStart& r, bool is_watched, const System& system) {
-  const auto refuse = [&](const std::string& problem) {
-    return ModelError("link '" + link.name() + "', row " + link.row_name(row) + ": " + in_plane_words(system.plane()) +
-                          ", and the row " + problem,
-                      {.thing = {.kind = "link", .name = link.name()}, .problem = problem});
-  };
+  const bool of_mask = link.jointed() != nullptr && row < count_rows(link.jointed()->rows());
+  std::string problem;
   if (r.in == 0 && r.along == 0 && r.about == 0)
-    return refuse("has no direction at the start; turn the link's markers, or set \"planar\" to \"off\"");
-  if (r.lies_in() ? r.is_tilted() : !is_watched && !is_of_mask(link, row))
-    return refuse(
-        "holds a direction that is neither in the plane nor normal to it; turn the link's axes into the plane, or set "
-        "\"planar\" to \"off\"");
-  if (!r.lies_in() && r.demand > kNegligible * std::max(1.0, system.length()))
-    return refuse("asks for a motion out of the plane (a law, or markers that do not meet: " + text::brief(r.demand) +
-                  "); set \"planar\" to \"off\", or keep its law in the plane");
-  return {};
+    problem = "has no direction at the start; turn the link's markers, or";
+  else if (r.lies_in() ? r.is_tilted() : !is_watched && !of_mask)
+    problem = "holds a direction that is neither in the plane nor normal to it; turn the link's axes into it, or";
+  else if (!r.lies_in() && r.demand > kNegligible * std::max(1.0, system.length()))
+    problem = "asks for a motion out of the plane (a law, or markers that do not meet: " + text::brief(r.demand) +
+              "); keep its law in the plane, or";
+  if (problem.empty()) return {};
+  return ModelError(
+      fmt::format("link '{}', row {}: the scene is planar with normal {}, and the row {} set \"planar\" to \"off\"",
+                  link.name(), link.row_name(row), axis_name(system.plane()), problem),
+      {.thing = {.kind = "link", .name = link.name()}, .problem = problem});
 }
 
 // A slot on which something with a lever arm along the normal acts, and what that is.
@@ -213,11 +168,10 @@ Refusal check_tipping(const System& system, RowsAtStart& at_start, std::vector<T
   for (const auto& link : system.links()) {
     if (system.merged(*link)) continue;
     const SlotList& slots = link->slots();
-    const bool holds = link->active_at_start() && !link->unilateral();
     bool has_arm = false;
     for (const RowAtStart& row : at_start.of(*link)) {
       has_arm = has_arm || (row.lies_in() && row.has_arm());
-      if (row.lies_in() || !holds) continue;
+      if (row.lies_in() || !link->active_at_start() || link->unilateral()) continue;
       for (int k = 0; k < slots.n; ++k)
         for (int c = 0; c < 3; ++c)
           numbers.emplace_back(3 * slots[k] + c, m, row.normal[static_cast<std::size_t>(k)][c]);
@@ -228,41 +182,34 @@ Refusal check_tipping(const System& system, RowsAtStart& at_start, std::vector<T
   for (int k = 0; k < system.n_slots(); ++k)
     if (has_products(system.slot(k), system.plane()))
       tipped.push_back({k, {.kind = "body", .name = system.body_of_slot(k).name}});
-  std::erase_if(tipped, [&](const Tipped& t) { return system.slot(t.slot).freedoms == Freedoms::particle; });
-
   Eigen::SparseMatrix<double> Jt(3 * system.n_slots(), m);
   Jt.setFromTriplets(numbers.begin(), numbers.end());
-  Jt.makeCompressed();
   Eigen::SparseQR<Eigen::SparseMatrix<double>, Eigen::COLAMDOrdering<int>> qr;
   if (m > 0) qr.compute(Jt);
   for (const Tipped& t : tipped)
-    for (int c = 1; c < 3; ++c) {
+    for (int c = 1; c < 3 && system.slot(t.slot).freedoms != Freedoms::particle; ++c) {
       VecX moment = VecX::Zero(Jt.rows());
       moment[3 * t.slot + c] = 1;
       if (m > 0 && (Jt * VecX(qr.solve(moment)) - moment).norm() < kNegligible) continue;
-      return refusal_of(t.thing, in_plane_words(system.plane()) +
-                                     ", and it has a lever arm along the normal, or turns about another axis, which "
-                                     "tips body '" +
-                                     system.body_of_slot(t.slot).name +
-                                     "' over, as its links do not take the moment; set \"planar\" to \"off\", or put "
-                                     "all into one plane");
+      return leaves(system.plane(), t.thing,
+                    "it has a lever arm along the normal, or turns about another axis, which tips body '" +
+                        system.body_of_slot(t.slot).name + "' over, as its links do not take the moment",
+                    ", or put all into one plane");
     }
   return {};
 }
 
-// The reactions that a force reads must be complete.
-Refusal check_reads(const Force& force, const System& system, const std::vector<PlanarRows>& rows, bool offsets) {
+// The reactions that a force reads must be complete. `arms`: there may be lever arms along the normal.
+Refusal check_reads(const Force& force, Plane plane, const std::vector<PlanarRows>& rows, bool arms) {
+  const Thing thing{.kind = "force", .name = force.name()};
   if (force.reacting() == nullptr) return {};
   for (const Lock* link : force.reacting()->reads()) {
-    const Thing thing{.kind = "force", .name = force.name()};
-    const std::string what = in_plane_words(system.plane()) + ", and it reads ";
-    if (offsets)
-      return refusal_of(thing, what +
-                                   "reactions, which lack the moments of lever arms along the normal in a planar "
-                                   "scene; set \"planar\" to \"off\", or put links and forces into one plane");
+    if (arms)
+      return leaves(plane, thing,
+                    "it reads reactions, which lack the moments of lever arms along the normal in a planar scene",
+                    ", or put links and forces into one plane");
     if (rows[static_cast<std::size_t>(link->number())].m == 0)
-      return refusal_of(thing,
-                        what + "link '" + link->name() + "', which lies out of the plane; set \"planar\" to \"off\"");
+      return leaves(plane, thing, "it reads link '" + link->name() + "', which lies out of the plane");
   }
   return {};
 }
@@ -277,23 +224,27 @@ std::optional<ModelError> System::setup_plane() {
     offsets_ = offsets_ || has_products(s, plane_);  // welded bodies at different heights
   }
   if (const double g = options_.gravity[plane_.n]; std::abs(g) > kNegligible * options_.gravity.norm())
-    return ModelError(in_plane_words(plane_) + ", and gravity has " + text::brief(g) +
-                      " m/s^2 along it; set \"planar\" to \"off\"");
+    return leaves(plane_, {}, "gravity has " + text::brief(g) + " m/s^2 along it");
   if (plane_is_known_)
     if (Refusal refusal = check_declared(*this)) return refusal;
   RowsAtStart at_start(*this, plane_, start());
+  const Inputs& in = at_start.inputs();
   std::vector<Tipped> tipped;
-  VecX f;
+  VecX f(6 * n_slots());
   for (const auto& force : forces_) {
     if (force->stays_in_plane(plane_)) continue;
     const Thing thing{.kind = "force", .name = force->name()};
-    const Looked at = look_at(*force, *this, at_start.inputs(), f);
-    if (at.out > 0)
-      return refusal_of(thing, in_plane_words(plane_) + ", and it pushes out of the plane (" + text::brief(at.out) +
-                                   " N); turn it into the plane, or set \"planar\" to \"off\"");
-    offsets_ = offsets_ || at.has_arm;
-    if (!at.has_arm && dynamic_cast<const MarkerForce*>(force.get()) == nullptr) continue;
-    for (const int slot : force->slots()) tipped.push_back({slot, thing});  // others know no axes that may be tilted
+    for (const int slot : force->slots()) f.segment<6>(6 * slot).setZero();
+    WrenchSum sum(in.motions, f);
+    named(*force, in.t, [&] { force->apply(in, sum); });
+    PartsInPlane parts;
+    for (const int k : force->slots()) parts.add(f.segment<3>(6 * k), f.segment<3>(6 * k + 3) / length_, plane_);
+    if (parts.leaves())
+      return leaves(plane_, thing, "it pushes out of the plane (" + text::brief(parts.along) + " N)",
+                    ", or turn it into the plane");
+    offsets_ = offsets_ || parts.has_arm();
+    if (parts.has_arm() || dynamic_cast<const MarkerForce*>(force.get()) != nullptr)  // it may have one later
+      for (const int slot : force->slots()) tipped.push_back({slot, thing});
   }
   planar_rows_.assign(links_.size(), {});
   for (std::size_t l = 0; l < links_.size(); ++l) {
@@ -311,12 +262,11 @@ std::optional<ModelError> System::setup_plane() {
     rows.by_link = own != nullptr && own->setup_plane(plane_);
   }
   if (offsets_ && plane_is_known_)
-    return ModelError(in_plane_words(plane_) +
-                      ", and there are lever arms along it, whose reactions would be left out");
-  if (offsets_ || !tipped.empty())
-    if (Refusal refusal = check_tipping(*this, at_start, std::move(tipped))) return refusal;
+    return leaves(plane_, {}, "there are lever arms along it, whose reactions would be left out");
+  const bool arms = offsets_ || !tipped.empty();
+  if (Refusal refusal = arms ? check_tipping(*this, at_start, std::move(tipped)) : Refusal()) return refusal;
   for (const auto& force : forces_)
-    if (Refusal refusal = check_reads(*force, *this, planar_rows_, offsets_)) return refusal;
+    if (Refusal refusal = check_reads(*force, plane_, planar_rows_, arms)) return refusal;
   return {};
 }
 

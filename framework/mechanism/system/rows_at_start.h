@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -17,19 +18,29 @@ namespace lockstep {
 
 class System;
 
-/// The largest parts of a row on any slot. Moments are divided by the length of the mechanism.
-struct RowAtStart {
-  double in = 0,                         ///< along the plane, or about its normal
-      along = 0,                         ///< along the normal
-      about = 0,                         ///< about axes in the plane
-      push = 0,                          ///< along any direction
-      demand = 0;                        ///< C, Ct and Qhat of bodies at rest
-  std::array<Vec3, kMaxSlots> normal{};  ///< by slot of the link: along the normal, about both axes in the plane
+/// The largest parts of a row or force on any slot. Moments are divided by the length of the mechanism.
+struct PartsInPlane {
+  double in = 0,  ///< along the plane, or about its normal
+      along = 0,  ///< along the normal
+      about = 0,  ///< about axes in the plane
+      push = 0;   ///< along any direction
 
+  void add(const Vec3& f, const Vec3& m, Plane plane) {
+    in = std::max({in, std::abs(f[plane.i()]), std::abs(f[plane.j()]), std::abs(m[plane.n])});
+    along = std::max(along, std::abs(f[plane.n]));
+    about = std::max({about, std::abs(m[plane.i()]), std::abs(m[plane.j()])});
+    push = std::max(push, f.norm());
+  }
   bool lies_in() const { return in > kNegligible * std::max(along, about); }
-  bool has_arm() const { return about > kNegligible * in; }  ///< of a row in the plane: a lever arm along the normal
-  /// Of a row in the plane: whether its direction is not in it.
-  bool is_tilted() const { return along > kNegligible * in || (has_arm() && push <= kNegligible * in); }
+  bool leaves() const { return along > kNegligible * in; }
+  bool has_arm() const { return about > kNegligible * in; }  ///< of what lies in it: a lever arm along the normal
+  /// Of what lies in the plane: whether its direction does not.
+  bool is_tilted() const { return leaves() || (has_arm() && push <= kNegligible * in); }
+};
+
+struct RowAtStart : PartsInPlane {
+  double demand = 0;                     ///< C, Ct and Qhat of bodies at rest
+  std::array<Vec3, kMaxSlots> normal{};  ///< by slot of the link: along the normal, about both axes in the plane
 };
 
 /// Evaluates links of a system at its start, in any coordinates, with all bodies at rest.
@@ -37,10 +48,8 @@ class LOCKSTEP_API RowsAtStart {
  public:
   RowsAtStart(const System&, Plane, State start);
   RowsAtStart(const RowsAtStart&) = delete;
-  RowsAtStart& operator=(const RowsAtStart&) = delete;
-  const Inputs& inputs() const { return in_; }  ///< the start
-  /// The rows of a link, in their order; valid until the next call.
-  std::span<const RowAtStart> of(const Lock&);
+  const Inputs& inputs() const { return in_; }
+  std::span<const RowAtStart> of(const Lock&);  ///< in their order; valid until the next call
 
  private:
   const System& system_;
