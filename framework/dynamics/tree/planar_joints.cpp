@@ -12,15 +12,6 @@ constexpr double kUpright = 1e-15;  // sines of angles: what is less is round-of
 
 Vec3 axis_of(const Mat3& A, int row) { return A.row(row); }
 
-// Whether what laws impose keeps the slot in the plane; `normal`: in the axes of S.
-bool stay_in_plane(const ImposedMotion& laws, const Vec3& normal) {
-  if (laws.move && !laws.move->stays_in_plane(normal)) return false;
-  if (laws.turn && !laws.turn->turns_about(normal)) return false;
-  for (const Drive& drive : laws.drives)
-    if (!axis_stays_in_plane(drive.axis, normal)) return false;
-  return true;
-}
-
 }  // namespace
 
 PlanarJoints::Standing PlanarJoints::standing(const Quat& e) const {
@@ -75,7 +66,7 @@ bool PlanarJoints::add(std::span<const TreeNode> tree, std::size_t k, std::vecto
   }
   if (t.imposed) {
     const Vec3 normal_S = rotation(t.reversed ? t.far_q : t.near_q).transpose() * axis_of(carrier, plane_.n);
-    if (!stay_in_plane(*t.imposed, normal_S)) return false;
+    if (!t.imposed->stays_in_plane(normal_S)) return false;
     n.law = static_cast<int>(laws_.size());
     laws_.push_back({axis_of(carrier, plane_.i()), axis_of(carrier, plane_.j()), axis_of(carrier, plane_.n), normal_S});
   }

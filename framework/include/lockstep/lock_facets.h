@@ -72,6 +72,8 @@ struct LOCKSTEP_API ImposedMotion {
   bool hold = false;              ///< P is held where it stood against S at closing; its pose is the link's states
 
   bool empty() const { return !move && !turn && drives.empty() && !hold; }  ///< whether there is none
+  /// Whether all of them say that they stay in the plane with this normal, of length 1, S axes.
+  bool stays_in_plane(const Vec3& normal) const;
   /// p and its rates: by `move` and the drives along axes. `s`: the integrated states of the link.
   ImposedTranslation translation(double t, std::span<const double> s) const;
   /// q_D and its rates: by `turn` and the drive about an axis.

@@ -52,13 +52,14 @@ bool MarkerLock::setup_plane(Plane plane) {
   return true;
 }
 
+bool ImposedMotion::stays_in_plane(const Vec3& normal) const {
+  return (!move || move->stays_in_plane(normal)) && (!turn || turn->turns_about(normal)) &&
+         std::ranges::all_of(drives, [&](const Drive& drive) { return axis_stays_in_plane(drive.axis, normal); });
+}
+
 bool MarkerLock::laws_stay_in_plane(Plane plane) const {
   if (lawful_ && (!lawful_->P.stays_in_plane(plane) || !lawful_->S.stays_in_plane(plane))) return false;
-  const Vec3 normal = S_.A.row(plane.n);
-  const ImposedMotion& laws = imposed();
-  if (laws.move && !laws.move->stays_in_plane(normal)) return false;
-  if (laws.turn && !laws.turn->turns_about(normal)) return false;
-  return std::ranges::all_of(laws.drives, [&](const Drive& drive) { return axis_stays_in_plane(drive.axis, normal); });
+  return imposed().stays_in_plane(S_.A.row(plane.n));
 }
 
 // Throws if a law leaves the plane at this time.
