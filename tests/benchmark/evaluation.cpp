@@ -1,13 +1,21 @@
 // Time of one evaluation of the equations of motion a body: trees, redundant ladders and stars, in space and in their
-// plane, against the articulated-body yardstick in the same run. A table, and evaluation.csv.
+// plane, against the articulated-body yardstick in the same run. A table, and evaluation.csv. Of large ladders also
+// what they hold in memory, and how long it takes to read a scene and to count its freedoms. With the word "large" also
+// its redundant rows, whose count takes half a minute.
 #include <fstream>
+
+#include <malloc.h>
 
 #include <spdlog/fmt/fmt.h>
 
-#include "framework/tools/precision/work_precision.h"
+#include <lockstep/analysis.h>
 #include <lockstep/dynamics.h>
-#include <lockstep/solvers.h>
 #include <lockstep/joints.h>
+#include <lockstep/registry.h>
+#include <lockstep/scene.h>
+#include <lockstep/solvers.h>
+#include "framework/description/scene/system_of.h"
+#include "framework/tools/precision/work_precision.h"
 #include "samples/shared/output.h"
 #include "tests/benchmark/articulated.h"
 
@@ -45,7 +53,8 @@ System ladder(int n) {
   }
   for (int i = 0; i < n; ++i) {
     Body& bar = add_rod(s, "bar" + std::to_string(i), Vec3(i + 0.5, 0, 0) + up);
-    s.add<Revolute>("left" + std::to_string(i), bar, *uprights[static_cast<std::size_t>(i)], pose_at(Vec3(i, 0, 0) + up));
+    s.add<Revolute>("left" + std::to_string(i), bar, *uprights[static_cast<std::size_t>(i)],
+                    pose_at(Vec3(i, 0, 0) + up));
     s.add<Revolute>("right" + std::to_string(i), bar, *uprights[static_cast<std::size_t>(i + 1)],
                     pose_at(Vec3(i + 1, 0, 0) + up));
   }
@@ -65,6 +74,9 @@ System star(int n) {
   }
   return s;
 }
+
+constexpr int kLargest = 50000,  // bays of a ladder
+    kAll = 20000;                // bodies; of more only joint coordinates are taken
 
 /// Nanoseconds of one call a body: the least of nine rounds of 20 ms.
 template <class F>
@@ -104,19 +116,22 @@ double time_of(System& s, bool turning, std::unique_ptr<LinearSolver> solver, in
   return time;
 }
 
-Line measure(const std::string& name, const std::function<System()>& make, bool planar) {
+Line measure(const std::string& name, const std::function<System()>& make, bool planar, bool in_space = true) {
   Line line;
   line.mechanism = name;
   System s = make();
-  line.schur = time_of(s, true, std::make_unique<SchurSolver>(), &line.corrections);
+  s.setup();
   line.bodies = s.n_slots();
+  const bool all = line.bodies <= kAll;
+  if (all) line.schur = time_of(s, true, std::make_unique<SchurSolver>(), &line.corrections);
   if (line.bodies <= 1000) line.sparse = time_of(s, true, std::make_unique<SparseSolver>());
-  if (Dynamics(s, std::make_unique<SchurSolver>(), {Formulation::joint, {}}).why_not_joint(s.start().modes).empty())
+  if (in_space &&
+      Dynamics(s, std::make_unique<SchurSolver>(), {Formulation::joint, {}}).why_not_joint(s.start().modes).empty())
     line.joint = time_of(s, true, std::make_unique<SchurSolver>(), nullptr, Formulation::joint);
   if (!planar) return line;
   System flat = make();
   flat.set_planar(find_plane(flat));
-  line.planar = time_of(flat, true, std::make_unique<SchurSolver>());
+  if (all) line.planar = time_of(flat, true, std::make_unique<SchurSolver>());
   line.planar_joint = time_of(flat, true, std::make_unique<SchurSolver>(), nullptr, Formulation::joint);
   return line;
 }
@@ -129,23 +144,72 @@ double articulated(int n, bool spatial) {
   return nanoseconds(n, [&] { c.links[0].q += 1e-13, c.evaluate(); });
 }
 
+double heap() {
+  const struct mallinfo2 m = mallinfo2();
+  return static_cast<double>(m.uordblks) + static_cast<double>(m.hblkhd);
+}
+
+/// What a system and its dynamics hold after an evaluation, bytes a body.
+double memory(const std::function<System()>& make, bool planar, Formulation formulation) {
+  const double before = heap();
+  System s = make();
+  if (planar) s.set_planar(find_plane(s));
+  Dynamics dynamics(s, std::make_unique<SchurSolver>(), {formulation, {}});
+  State state = s.start();
+  StateRate rate;
+  dynamics.to_formulation(state);
+  dynamics.rates(state, rate);
+  return (heap() - before) / s.n_slots();
+}
+
+/// A scene of bodies and hinges.
+std::string scene_of(const System& s) {
+  const auto list = [](const auto& x) { return fmt::format("[{}, {}, {}]", x[0], x[1], x[2]); };
+  std::string bodies, links;
+  for (const Body& b : s.bodies())
+    if (!b.fixed)
+      bodies += fmt::format(
+          R"({}{{"name": "{}", "mass": {}, "inertia": {}, "position": {}, "orientation": [{}, {}, {}, {}]}})",
+          bodies.empty() ? "" : ",\n", b.name, b.mass.mass, list(b.mass.J.diagonal()), list(b.home.x), b.home.q.w,
+          b.home.q.x, b.home.q.y, b.home.q.z);
+  for (const auto& link : s.links()) {
+    const auto [p, q] = link->pairs().front();
+    links += fmt::format(R"({}{{"name": "{}", "type": "revolute", "p": "{}", "s": "{}", "at": {}}})",
+                         links.empty() ? "" : ",\n", link->name(), p->body->name, q->body->name,
+                         list((p->body->home * p->local).x));
+  }
+  return fmt::format(R"({{"lockstep": 1, "gravity": [0, -9.81, 0], "bodies": [{}], "links": [{}]}})", bodies, links);
+}
+
+/// Seconds from the text of a scene to the freedoms of its mechanism.
+double load(const System& of, int& freedoms) {
+  const std::string text = scene_of(of);
+  const Registry registry = builtin_registry();
+  const double begin = thread_seconds();
+  Mechanism m = build_mechanism(scene_from_text(text, "ladder"), registry);
+  Dynamics dynamics(system_of(m), std::make_unique<SchurSolver>());
+  freedoms = mobility(dynamics, m.system.start()).freedoms;
+  return thread_seconds() - begin;
+}
+
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
+  const bool large = argc > 1 && std::string_view(argv[1]) == "large";
   std::vector<Line> lines;
-  for (const int n : {1, 2, 4, 10, 100, 1000, 10000}) {
+  for (const int n : {1, 2, 4, 10, 100, 1000, 10000, 100000}) {
     lines.push_back(measure(
         "chain in space", [n] { return chain(n, true); }, false));
     lines.back().articulated = articulated(n, true);
   }
-  for (const int n : {1, 10, 100, 1000}) {
+  for (const int n : {1, 10, 100, 1000, 100000}) {
     lines.push_back(measure(
         "planar chain", [n] { return chain(n, false); }, true));
     lines.back().articulated = articulated(n, false);
   }
-  for (const int n : {2, 40, 500})
+  for (const int n : {2, 40, 50, 500, kLargest})
     lines.push_back(measure(
-        "ladder", [n] { return ladder(n); }, true));
+        "ladder", [n] { return ladder(n); }, true, large || n < kLargest));
   for (const int n : {10, 50})
     lines.push_back(measure(
         "star", [n] { return star(n); }, false));
@@ -164,5 +228,13 @@ int main() {
                l.corrections, shown(l.sparse), shown(l.joint), shown(l.planar), shown(l.planar_joint),
                shown(l.articulated));
   }
+  const auto tenth = [] { return ladder(kLargest / 10); };
+  fmt::print("ladder of {} bodies: {:.0f} B a body in space, {:.0f} in the plane, along joints {:.0f} and {:.0f}\n",
+             kLargest / 5 + 1, memory(tenth, false, Formulation::omega), memory(tenth, true, Formulation::omega),
+             memory(tenth, false, Formulation::joint), memory(tenth, true, Formulation::joint));
+  int freedoms = 0;
+  const double seconds = load(ladder(kLargest), freedoms);
+  fmt::print("ladder of {} bodies, read from its scene, and its freedoms counted ({}): {:.1f} s\n", 2 * kLargest + 1,
+             freedoms, seconds);
   fmt::print("{}\n", file);
 }
