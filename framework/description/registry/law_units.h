@@ -26,4 +26,7 @@ LOCKSTEP_API void check_law_units(const Value& law, Form form, LawDimension, con
 /// second^`per_second`.
 LOCKSTEP_API void check_unit(const Params&, const std::string& key, Unit unit, int per_second = 0);
 
+/// Checked parameters with the laws among them made, as by checked_params().
+LOCKSTEP_API Params with_laws(Params, const Registry* laws);
+
 }  // namespace lockstep

@@ -36,26 +36,29 @@ LawPtr<L> law_from(const Shelf<LawPtr<L>>& shelf, const Value& v, const Registry
 
 }  // namespace
 
-Params checked_params(const Params& params, const TypeInfo& info, const std::string& owner, const Registry* laws) {
-  Params all = params.checked(info, owner);
-  for (const Key& key : info.keys) {
-    const Value v = holds_law(key.form) ? all.given_or_default(key) : Value();
-    if (v.is_null() || (laws == nullptr && !all.has(key.name))) continue;
-    if (laws == nullptr) all.refuse(key.name, "it holds a law, but nothing here can make laws; pass a registry");
-    const std::string place = part_of(owner, key.name);
-    if (key.form == Form::law) all.put_law(key.name, laws->scalar_law(v, place));
-    if (key.form == Form::translation_law) all.put_law(key.name, laws->translation_law(v, place));
-    if (key.form == Form::rotation_law) all.put_law(key.name, laws->rotation_law(v, place));
+Params with_laws(Params of, const Registry* laws) {
+  for (const Key& key : of.keys()) {
+    const Value v = holds_law(key.form) ? of.given_or_default(key) : Value();
+    if (v.is_null() || (laws == nullptr && !of.has(key.name))) continue;
+    if (laws == nullptr) of.refuse(key.name, "it holds a law, but nothing here can make laws; pass a registry");
+    const std::string place = part_of(of.owner(), key.name);
+    if (key.form == Form::law) of.put_law(key.name, laws->scalar_law(v, place));
+    if (key.form == Form::translation_law) of.put_law(key.name, laws->translation_law(v, place));
+    if (key.form == Form::rotation_law) of.put_law(key.name, laws->rotation_law(v, place));
     if (key.form == Form::laws) {
       std::vector<LawPtr<MotionLaw>> list;
       for (const Value& item : *v.list())
         list.push_back(laws->scalar_law(item, place + "[" + std::to_string(list.size()) + "]"));
-      all.put_law(key.name, std::make_shared<const std::vector<LawPtr<MotionLaw>>>(std::move(list)));
+      of.put_law(key.name, std::make_shared<const std::vector<LawPtr<MotionLaw>>>(std::move(list)));
     }
     if (key.unit != Unit::none && key.unit != Unit::any)  // else it is part of a law, or its user knows
       check_law_units(v, key.form, {key.unit, 0, key.of_time}, *laws, place);
   }
-  return all;
+  return of;
+}
+
+Params checked_params(const Params& params, const TypeInfo& info, const std::string& owner, const Registry* laws) {
+  return with_laws(params.checked(info, owner), laws);
 }
 
 template <class Product, class... Args>
@@ -75,8 +78,8 @@ void Shelf<Product, Args...>::add(TypeInfo info, Maker make) {
 }
 
 template <class Product, class... Args>
-Product Shelf<Product, Args...>::make(const std::string& name, Args... args, const Params& params,
-                                      const Registry* laws, const std::string& owner) const {
+Product Shelf<Product, Args...>::make(const std::string& name, Args... args, const Params& params, const Registry* laws,
+                                      const std::string& owner) const {
   const Entry* entry = find(name);
   if (entry == nullptr)
     refuse(params.where(), owner, "unknown " + kind_ + " \"" + name + "\"" + text::suggestion(name, names()));

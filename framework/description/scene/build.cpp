@@ -4,6 +4,7 @@
 #include <lockstep/integrator.h>
 #include <lockstep/loader.h>
 #include <lockstep/text.h>
+#include "framework/description/registry/law_units.h"
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/resolve.h"
 #include "framework/dynamics/simulate/along_laws.h"
@@ -20,8 +21,11 @@ std::string owner_of(const std::string& kind, const Value& object, const std::st
 }
 
 Params params_of(const Value& object, const std::string& table, const std::string& owner, const Registry* laws) {
-  return placed(object.where,
-                [&] { return checked_params(Params::unchecked(object), scene_table(table).info, owner, laws); });
+  const SceneTable& of = scene_table(table);
+  return placed(object.where, [&] {
+    check_members(object, of.info.name, {&of.info.keys}, owner);
+    return with_laws(Params::part({std::shared_ptr<const void>(), &object}, of.keys(), owner), laws);
+  });
 }
 
 const Value::List& objects_of(const Params& parent, const std::string& key) {
@@ -98,20 +102,22 @@ bool SceneErrors::is_own(const Value& read, const SceneError& error) const {
 }
 
 bool Builder::is_taken(const std::string& kind, const std::string& name) const {
-  const auto found = taken_.find(kind);
-  return found != taken_.end() && found->second.contains(name);
+  const Names& taken = taken_[kind == "event"];
+  const auto found = taken.find(name);
+  return found != taken.end() && found->second.first == kind;
 }
 
 std::vector<std::string> Builder::names(const std::string& kind) const {
   std::vector<std::string> all;
-  if (const auto found = taken_.find(kind); found != taken_.end())
-    for (const auto& [name, where] : found->second) all.push_back(name);
+  for (const auto& [name, by] : taken_[kind == "event"])
+    if (by.first == kind) all.push_back(name);
+  std::ranges::sort(all);
   return all;
 }
 
 std::string Builder::claim(const Value& name, const std::string& kind) {
   if (!errors_.attempt(Value(), [&] { check_name(*name.text(), name.where, kind); })) return unnamed();
-  taken_[kind][*name.text()] = name.where;
+  taken_[kind == "event"][*name.text()] = {kind, name.where};
   return *name.text();
 }
 
@@ -128,14 +134,11 @@ void Builder::check_name(const std::string& name, const Where& where, const std:
   static const std::vector<std::string> kReserved = {"ground", "energy", "momentum", "angular_momentum", "solver"};
   if (std::find(kReserved.begin(), kReserved.end(), name) != kReserved.end())
     refuse(where, owner, "the name \"" + name + "\" is reserved; choose another");
-  for (const char* other : {"body", "marker", "link", "force", "event"}) {
-    const bool shared =
-        other == kind || (kind != "event" && std::string(other) != "event");  // a channel's name is unambiguous
-    if (shared && is_taken(other, name))
-      refuse(where, owner,
-             "the name is already taken by a " + std::string(other) + " at " + taken_.at(other).at(name).text() +
-                 "; rename one of the two");
-  }
+  const Names& taken = taken_[kind == "event"];
+  if (const auto found = taken.find(name); found != taken.end())
+    refuse(where, owner,
+           "the name is already taken by a " + found->second.first + " at " + found->second.second.text() +
+               "; rename one of the two");
 }
 
 void Builder::build() {
@@ -241,9 +244,8 @@ void Builder::set_up(const Params& root) {
                                    text::brief(out->value) + (is_rotation(out->axis) ? " rad/s" : " m/s") +
                                    " out of the plane; set \"planar\" to \"off\", or start in the plane"});
   } catch (const ModelError& error) {
-    const auto& things = taken_[error.thing.kind];
-    const auto found = things.find(error.thing.name);
-    refuse(found != things.end() ? found->second : scene_.root.where, "", error.what(),
+    const bool known = is_taken(error.thing.kind, error.thing.name);  // no event
+    refuse(known ? taken_[0].at(error.thing.name).second : scene_.root.where, "", error.what(),
            static_cast<const ErrorData&>(error));
   }
 }

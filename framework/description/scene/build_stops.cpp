@@ -61,7 +61,7 @@ void Builder::brought_along(const Params& link, const Attachment& attachment, Lo
   placed(keys.where, [&] {
     system_.add(registry_.forces.make_checked("joint_friction", where, friction));
   });
-  taken_["force"][name] = keys.where;
+  taken_[0][name] = {"force", keys.where};
 }
 
 // One or both ends of one coordinate.
@@ -103,7 +103,7 @@ void Builder::stops(const Value& object, const std::string& owner, const Attachm
       stop->set_unilateral(options);
       system_.add(std::move(stop));
     });
-    taken_["link"][attachment.name] = object.where;
+    taken_[0][attachment.name] = {"link", object.where};
   }
 }
 

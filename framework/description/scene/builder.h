@@ -1,11 +1,12 @@
 // Builder: builds a mechanism from a scene. Private to this room.
 #pragma once
 
+#include <array>
 #include <functional>
-#include <map>
 #include <memory>
 #include <set>
 #include <string>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -25,8 +26,9 @@ LOCKSTEP_API std::string owner_of(const std::string& kind, const std::string& na
 /// The same for an object of a list, whose name may be missing or not a text: then "links[2]".
 std::string owner_of(const std::string& kind, const Value& object, const std::string& list, std::size_t index);
 
-/// An object of a table without a shelf, checked, its laws made.
+/// An object of a table without a shelf, checked, its laws made. The object outlives them.
 Params params_of(const Value& object, const std::string& table, const std::string& owner, const Registry* laws);
+Params params_of(Value&&, const std::string&, const std::string&, const Registry*) = delete;
 
 /// The objects under a key of Holds::objects; none when it is absent. Throws when it holds something else.
 const Value::List& objects_of(const Params& parent, const std::string& key);
@@ -172,8 +174,9 @@ class Builder {
   Mechanism& out_;
   System& system_;  // of out_
   const AlsoWrong& also_;
-  std::map<std::string, std::map<std::string, Where>> taken_;  // kind -> name -> place
-  int n_unnamed_ = 0;                                          // things whose names were refused
+  using Names = std::unordered_map<std::string, std::pair<std::string, Where>>;  // with their kinds and places
+  std::array<Names, 2> taken_;  // of bodies, markers, links and forces; of events, which may have the same
+  int n_unnamed_ = 0;           // things whose names were refused
   SceneErrors errors_;
 };
 

@@ -232,7 +232,8 @@ void expand_includes(Value& root, SceneReading& reading, Formulas& formulas) {
   for (std::size_t i = 0; i < includes.list()->size(); ++i) {
     const Value& include = (*includes.list())[i];
     const std::string owner = item("include", i);
-    const Params p = params_of(settled(include, owner, definitions, formulas), "include", owner, nullptr);
+    const Value object = settled(include, owner, definitions, formulas);
+    const Params p = params_of(object, "include", owner, nullptr);
     parts.push_back(read_included(p, definitions, reading, formulas));
     definitions.add(parts.back());  // formulas of those behind it read what it brings
   }

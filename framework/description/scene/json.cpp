@@ -1,9 +1,9 @@
 #include "framework/description/scene/json.h"
 
+#include <algorithm>
 #include <charconv>
 #include <iterator>
 #include <nlohmann/json.hpp>
-#include <unordered_map>
 
 #include <lockstep/error.h>
 #include "framework/mechanism/params/read.h"
@@ -70,14 +70,7 @@ class TreeBuilder {
   bool end_array() { return close(); }
 
   bool key(std::string& name) {
-    const Where where = here();
-    const auto [first, fresh] = open_.back().keys.try_emplace(name, where);
-    if (!fresh) {
-      refuse(where, "",
-             "key \"" + name + "\" is given twice in this object, first at " + first->second.text() +
-                 "; remove one of the two");
-    }
-    open_.back().key = {name, Value(), where};
+    open_.back().key = {std::move(name), Value(), here()};
     return done(Last::key);
   }
 
@@ -96,7 +89,6 @@ class TreeBuilder {
   struct Level {
     Value value;
     Value::Member key;
-    std::unordered_map<std::string, Where> keys;
   };
 
   // Line and column of a byte, which is at or after the last one asked for.
@@ -131,8 +123,8 @@ class TreeBuilder {
     end_ = static_cast<std::size_t>(end - text_.data());
     return true;
   }
-  bool put(Value v, const Where& where) {
-    v.where = where;
+  bool put(Value v, Where where) {
+    v.where = std::move(where);
     if (open_.empty()) {
       root_ = std::move(v);
     } else if (Value::List* items = open_.back().value.list()) {
@@ -149,14 +141,25 @@ class TreeBuilder {
       refuse(v.where, "",
              "objects and lists are nested deeper than " + std::to_string(kMostDepth) +
                  "; the limit keeps readers safe: flatten this one");
-    open_.push_back({std::move(v), {}, {}});
+    open_.push_back({std::move(v), {}});
     return done(Last::opening);
   }
   bool close() {
     Value whole = std::move(open_.back().value);
     open_.pop_back();
-    const Where where = whole.where;
-    return put(std::move(whole), where);
+    if (whole.object() != nullptr) check_keys(*whole.object());
+    Where where = whole.where;
+    return put(std::move(whole), std::move(where));
+  }
+  static void check_keys(const Value::Object& members) {
+    std::vector<std::pair<std::string_view, const Value::Member*>> sorted;
+    for (const Value::Member& m : members) sorted.emplace_back(m.key, &m);
+    std::ranges::sort(sorted);
+    const auto twice = std::ranges::adjacent_find(sorted, {}, [](const auto& m) { return m.first; });
+    if (twice == sorted.end()) return;
+    refuse(twice[1].second->where, "",
+           "key \"" + twice[1].second->key + "\" is given twice in this object, first at " +
+               twice->second->where.text() + "; remove one of the two");
   }
 
   std::size_t behind_spaces(std::size_t byte) const {

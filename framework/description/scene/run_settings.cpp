@@ -147,7 +147,7 @@ Value sound_settings(const Value& v, Refusals& wrong) {
   Value::Object sound;
   for (const Value::Member& m : v.object() != nullptr ? *v.object() : Value::Object{}) {
     Refusals alone;
-    alone.attempt([&] { params_of(Value(Value::Object{m}), "run", "run", nullptr); });
+    alone.attempt([&] { check_members(Value::Object{m}, "run", {&scene_table("run").info.keys}, "run"); });
     const bool again = std::ranges::any_of(sound, [&](const Value::Member& other) { return other.key == m.key; });
     if (alone.empty() && !again) sound.push_back(m);
   }

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <algorithm>
-#include <iterator>
 #include <string>
 #include <vector>
 
 #include <lockstep/registry.h>
 #include <lockstep/text.h>
+#include "framework/description/registry/law_units.h"
 #include "framework/description/scene/tables.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/refusals.h"
@@ -16,25 +16,18 @@ namespace lockstep {
 
 struct Split {
   std::string type;
-  Params common, own;
+  Params own, common;
 };
 
 inline bool contains_key(const Keys& keys, const std::string& name) {
   return std::any_of(keys.begin(), keys.end(), [&](const Key& key) { return key.name == name; });
 }
 
-inline Keys without(const Keys& keys, const Keys& others) {
-  Keys rest;
-  std::copy_if(keys.begin(), keys.end(), std::back_inserter(rest),
-               [&](const Key& key) { return !contains_key(others, key.name); });
-  return rest;
-}
-
 /// The keys of the kind, then those of the type; where both have a key of one name, the type's.
 inline Keys keys_together(const Keys& common, const Keys& own) {
   Keys keys;
-  std::copy_if(common.begin(), common.end(), std::back_inserter(keys),
-               [&](const Key& key) { return !contains_key(own, key.name); });
+  for (const Key& key : common)
+    if (!contains_key(own, key.name)) keys.push_back(key);
   keys.insert(keys.end(), own.begin(), own.end());
   return keys;
 }
@@ -71,13 +64,19 @@ Split split(const Value& object, const SceneTable& table, const Shelf& shelf, co
     }
     wrong.raise();
   }
-  const Keys own_keys = entry != nullptr ? entry->info.keys : Keys{};
+  if (entry == nullptr)  // refuses a missing type
+    check_members(without_own(object, table.info.keys), table.info.name, {&table.info.keys}, owner);
+  const auto own_keys = std::make_shared<const Keys>(entry->info.keys);
   // messages list the type's own keys first
-  const TypeInfo both{table.info.name, table.info.help, keys_together(own_keys, without(table.info.keys, own_keys))};
-  // refuses a missing type, unknown keys and wrong forms
-  const Params all = checked_params(Params::unchecked(entry != nullptr ? object : without_own(object, table.info.keys)),
-                                    both, owner, &laws);
-  return {all.text("type"), all.only(without(table.info.keys, own_keys)), all.only(own_keys)};
+  check_members(object, table.info.name, {own_keys.get(), &table.info.keys}, owner);
+  const auto part = [&](bool own, std::shared_ptr<const Keys> keys) {
+    Value members(Value::Object{});
+    members.where = object.where;
+    for (const Value::Member& m : *object.object())
+      if (contains_key(*own_keys, m.key) == own) members.object()->push_back(m);
+    return with_laws(Params::part(std::make_shared<const Value>(std::move(members)), std::move(keys), owner), &laws);
+  };
+  return {*type->text(), part(true, own_keys), part(false, table.keys())};
 }
 
 }  // namespace lockstep

@@ -120,10 +120,14 @@ std::vector<Part> mass_parts() {
           {"sphere", Holds::object, "sphere"}};
 }
 
+Keys joined(Keys all, const Keys& more) {
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
 SceneTable body() {
   SceneTable t{{"body", "a rigid body, a particle or a fixed frame", {name_key("its name, unique in the scene")}},
                mass_parts()};
-  for (Key& key : mass_keys()) t.info.keys.push_back(std::move(key));
   const Keys more = {
       any("compound", "several parts, rigidly joined, each placed in the body's frame"),
       {"particle", Form::number, Unit::mass, kOptional, "mass of a particle, which has no rotation"},
@@ -141,7 +145,7 @@ SceneTable body() {
        {"approximate", "exact", "free"}},
       {"start_weight", Form::number, Unit::none, 1, "how much its start pose counts against those of others"},
       any("visual", "what it looks like in reports")};
-  t.info.keys.insert(t.info.keys.end(), more.begin(), more.end());
+  t.info.keys = joined(joined(std::move(t.info.keys), mass_keys()), more);
   t.parts.push_back({"compound", Holds::objects, "part"});
   t.parts.push_back({"visual", Holds::object, "visual"});
   return t;
@@ -257,7 +261,6 @@ SceneTable link() {
                 {"stops", Holds::objects, "travel"},
                 {"friction", Holds::object, "friction"}},
                "links"};
-  for (Key& key : attachment_keys(kOptional)) t.info.keys.push_back(std::move(key));
   const Keys more = {
       any("pairs", "in place of p and s: links whose markers it couples, by name, or {\"p\":, \"s\":, ...} each"),
       any("drive", "laws on coordinates that the link leaves free"),
@@ -271,24 +274,22 @@ SceneTable link() {
       any("unilateral", "its one row may push but not pull: C >= 0 instead of C = 0"),
       any("stops", "ends of the travel of its free coordinates; links named \"A.stop_rz_low\", ..."),
       any("friction", "friction from its own reaction; a force named \"A.friction\"")};
-  t.info.keys.insert(t.info.keys.end(), more.begin(), more.end());
+  t.info.keys = joined(joined(std::move(t.info.keys), attachment_keys(kOptional)), more);
   return t;
 }
 
 SceneTable pair() {
-  SceneTable t{{"pair", "two markers whose relative motion is coupled", {}}};
-  for (Key& key : attachment_keys(kOptional)) t.info.keys.push_back(std::move(key));
-  return t;
+  return {{"pair", "two markers whose relative motion is coupled", attachment_keys(kOptional)}};
 }
 
 SceneTable force() {
   SceneTable t{{"force",
                 "an applied force: it pushes or pulls, but does not hold",
-                {name_key("its name, unique in the scene"),
-                 {"type", Form::text, Unit::none, kRequired, "what it is: see `lockstep list forces`"}}},
+                joined({name_key("its name, unique in the scene"),
+                        {"type", Form::text, Unit::none, kRequired, "what it is: see `lockstep list forces`"}},
+                       attachment_keys(kOptional))},
                {},
                "forces"};
-  for (Key& key : attachment_keys(kOptional)) t.info.keys.push_back(std::move(key));
   t.info.keys.push_back({"link", Form::text, Unit::none, kOptional, "the link in which it acts, for friction"});
   t.info.keys.push_back({"active", Form::boolean, Unit::none, true, "whether it acts from the start"});
   return t;
@@ -320,17 +321,13 @@ std::vector<SceneTable> unilateral_parts() {
 
 std::vector<SceneTable> link_parts() {
   SceneTable velocity{{"start_velocity", "speeds of P against S at the start, S axes", {}}};
-  for (const char* axis : {"x", "y", "z"})
-    velocity.info.keys.push_back({axis, Form::number, Unit::speed, kOptional, std::string("along ") + axis + " of S"});
-  for (const char* axis : {"rx", "ry", "rz"})
-    velocity.info.keys.push_back(
-        {axis, Form::number, Unit::angular_speed, kOptional, std::string("about ") + axis[1] + " of S"});
   SceneTable position{{"start_position", "coordinates of P against S at the start, S axes", {}}};
-  for (const char* axis : {"x", "y", "z"})
-    position.info.keys.push_back({axis, Form::number, Unit::length, kOptional, std::string("along ") + axis + " of S"});
-  for (const char* axis : {"rx", "ry", "rz"})
-    position.info.keys.push_back(
-        {axis, Form::number, Unit::angle, kOptional, std::string("about ") + axis[1] + " of S"});
+  for (const std::string axis : {"x", "y", "z", "rx", "ry", "rz"}) {
+    const bool turns = axis.size() > 1;
+    const std::string help = (turns ? "about " : "along ") + axis.substr(turns) + " of S";
+    velocity.info.keys.push_back({axis, Form::number, turns ? Unit::angular_speed : Unit::speed, kOptional, help});
+    position.info.keys.push_back({axis, Form::number, turns ? Unit::angle : Unit::length, kOptional, help});
+  }
   return {{{"drive",
             "a law on one free coordinate of a link; adds exactly one row",
             {{"axis",

@@ -1,11 +1,12 @@
 // The objects of a scene file, one table of keys each, for parser, schema and `describe` alike.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
-#include <lockstep/params.h>
 #include <lockstep/export.h>
+#include <lockstep/params.h>
 
 namespace lockstep {
 
@@ -39,6 +40,9 @@ struct SceneTable {
   TypeInfo info;
   std::vector<Part> parts{};
   std::string shelf{};
+
+  /// Of one of scene_tables(), which stay as long as the program.
+  std::shared_ptr<const Keys> keys() const { return {std::shared_ptr<const void>(), &info.keys}; }
 };
 
 /// All of them, the scene itself first.

@@ -48,7 +48,7 @@ class Support {
 LinkGraph links_of(const BlockGraph& graph, const Neighbours& home) {
   LinkGraph links;
   links.n_slots = graph.n_slots;
-  links.slots.assign(home.begin() + graph.n_slots, home.end());
+  for (auto at = home.begin() + graph.n_slots; at != home.end(); ++at) links.slots.emplace_back(at->begin(), at->end());
   return links;
 }
 

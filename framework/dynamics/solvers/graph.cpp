@@ -1,7 +1,6 @@
 #include "framework/dynamics/solvers/graph.h"
 
 #include <algorithm>
-#include <map>
 #include <numeric>
 
 #include <boost/graph/adjacency_list.hpp>
@@ -48,7 +47,7 @@ std::vector<std::vector<int>> LinkGraph::links_of_slots() const {
 bool LinkGraph::is_tree() const {
   const int ground = n_slots;
   Parts parts(n_slots + 1);
-  return std::all_of(slots.begin(), slots.end(), [&](const std::vector<int>& ends) {
+  return std::all_of(slots.begin(), slots.end(), [&](const auto& ends) {
     return ends.size() == 1 || ends.size() == 2 ? parts.join(ends.size() < 2 ? ground : ends[1], ends[0]) : false;
   });
 }
@@ -81,16 +80,18 @@ std::vector<std::size_t> loop_groups(int n_slots, const std::vector<std::pair<in
   using Graph = boost::adjacency_list<boost::vecS, boost::vecS, boost::undirectedS, boost::no_property,
                                       boost::property<boost::edge_index_t, std::size_t>>;
   // Parallel edges are one: boost gives each of them a group of its own.
-  std::map<std::pair<int, int>, std::size_t> distinct;
-  for (const auto& [a, b] : edges) distinct.emplace(std::minmax(a, b), 0);
+  std::vector<std::pair<int, int>> distinct;
+  const auto sorted = [](std::pair<int, int> edge) { return std::pair<int, int>(std::minmax(edge.first, edge.second)); };
+  for (const auto& edge : edges) distinct.push_back(sorted(edge));
+  std::ranges::sort(distinct);
+  distinct.erase(std::ranges::unique(distinct).begin(), distinct.end());
   Graph graph(static_cast<std::size_t>(n_slots + 1));  // the ground first
   std::size_t n = 0;
-  for (auto& [ends, number] : distinct)
-    boost::add_edge(static_cast<std::size_t>(ends.first + 1), static_cast<std::size_t>(ends.second + 1), number = n++,
-                    graph);
+  for (const auto& [a, b] : distinct) boost::add_edge(a + 1, b + 1, n++, graph);
   std::vector<std::size_t> group(n), of_edge;
   boost::biconnected_components(graph, boost::make_iterator_property_map(group.begin(), get(boost::edge_index, graph)));
-  for (const auto& [a, b] : edges) of_edge.push_back(group[distinct.at(std::minmax(a, b))]);
+  for (const auto& edge : edges)
+    of_edge.push_back(group[std::ranges::lower_bound(distinct, sorted(edge)) - distinct.begin()]);
   return of_edge;
 }
 

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include <boost/container/small_vector.hpp>
+
 #include <lockstep/export.h>
 #include <lockstep/system.h>
 
@@ -34,7 +36,7 @@ class Parts {
 /// Which slots each link touches; the ground is not a slot.
 struct LinkGraph {
   int n_slots = 0;
-  std::vector<std::vector<int>> slots;  ///< of each link
+  std::vector<boost::container::small_vector<int, 4>> slots;  ///< of each link
 
   std::vector<std::vector<int>> links_of_slots() const;
   /// No closed loop, the ground being one body: rows of different links cannot depend on one another by topology.

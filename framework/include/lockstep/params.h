@@ -186,12 +186,12 @@ using Default = std::variant<Unset, Value>;
 
 /// One key of a type: its form, unit, default and help.
 struct Key {
-  std::string name;                    ///< as written in scenes
-  Form form = Form::number;            ///< what it holds
-  Unit unit = Unit::none;              ///< dimension of its numbers
-  Default fallback{};                  ///< 0.5, "words", Value::List{0, 0, 1}, kRequired or kOptional
-  std::string help;                    ///< one line; names the frame where there is one
-  std::vector<std::string> choices{};  ///< the texts that are accepted, for Form::choice
+  std::string name;                         ///< as written in scenes
+  Form form = Form::number;                 ///< what it holds
+  Unit unit = Unit::none;                   ///< dimension of its numbers
+  Default fallback{};                       ///< 0.5, "words", Value::List{0, 0, 1}, kRequired or kOptional
+  std::string help;                         ///< one line; names the frame where there is one
+  std::vector<std::string> choices{};       ///< the texts that are accepted, for Form::choice
   LawQuantity of_law = LawQuantity::other;  ///< in the table of a law, of keys without a unit of their own
   bool of_time = true;                      ///< of a key that holds a law: whether its argument is the time, s
 
@@ -231,15 +231,15 @@ class LOCKSTEP_API Params {
 
   /// These parameters checked against the keys of `info`; laws are not made. Throws SceneError.
   Params checked(const TypeInfo& info, std::string owner) const;
-  /// The part of checked parameters that `keys` list, with the laws that were made for them. Checks nothing again.
-  Params only(Keys keys) const;
+  /// Members of an object that was checked already, null: none, and the table of their keys. Checks nothing again.
+  static Params part(std::shared_ptr<const Value> object, std::shared_ptr<const Keys> keys, std::string owner);
   /// Sets the law that was made from the value of a key.
   void put_law(const std::string& key, MadeLaw law) { laws_[key] = std::move(law); }
 
-  bool has(std::string_view key) const;          ///< whether it is given; a default does not count
-  double number(std::string_view key) const;     ///< in SI units
-  int integer(std::string_view key) const;       ///< a whole number
-  bool boolean(std::string_view key) const;      ///< true or false
+  bool has(std::string_view key) const;       ///< whether it is given; a default does not count
+  double number(std::string_view key) const;  ///< in SI units
+  int integer(std::string_view key) const;    ///< a whole number
+  bool boolean(std::string_view key) const;   ///< true or false
   /// Of Form::text and Form::choice. Of a key named "file": a path, from the folder of the file in which it stands on.
   std::string text(std::string_view key) const;
   Vec3 vector3(std::string_view key) const;      ///< of Form::vector3, in SI units, and of Form::axis, length 1
@@ -252,25 +252,23 @@ class LOCKSTEP_API Params {
   LawPtr<RotationLaw> rotation_law(std::string_view key) const;        ///< likewise
   std::vector<LawPtr<MotionLaw>> laws(std::string_view key) const;     ///< likewise, of Form::laws
   const Value& value(std::string_view key) const;                      ///< as written; null when it is not given
-  const Keys& keys() const { return keys_; }  ///< the table that they were checked against; empty before
+  const Keys& keys() const { return *keys_; }  ///< the table that they were checked against; empty before
   /// The value as written, else the default; null when there is neither.
   Value given_or_default(const Key&) const;
 
-  const std::string& owner() const { return owner_; }   ///< the name of the thing in messages
-  const Where& where() const { return object_.where; }  ///< where the object was written
+  const std::string& owner() const { return owner_; }    ///< the name of the thing in messages
+  const Where& where() const { return object_->where; }  ///< where the object was written
   /// Throws SceneError with the place of `key`, owner, key and `problem` (value, limit, advice).
   [[noreturn]] void refuse(std::string_view key, const std::string& problem) const;
 
  private:
   const Key& key_of(std::string_view key) const;
-  Value needed(const Key&) const;                    // given_or_default, but missing is refused
+  const Value& needed(const Key&) const;             // given or default; missing is refused
   std::string place_of(std::string_view key) const;  // "link 'A', law.slope"
   template <class L>
   L made(std::string_view key) const;
-  void check_known() const;
-  void check_form(const Key&) const;
-  Value object_;
-  Keys keys_;
+  std::shared_ptr<const Value> object_;
+  std::shared_ptr<const Keys> keys_ = std::make_shared<const Keys>();
   std::string owner_;
   std::map<std::string, MadeLaw> laws_;
 };

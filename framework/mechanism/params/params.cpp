@@ -16,12 +16,6 @@
 namespace lockstep {
 namespace {
 
-std::vector<std::string> names_of(const Keys& keys) {
-  std::vector<std::string> names;
-  for (const Key& key : keys) names.push_back(key.name);
-  return names;
-}
-
 // Says that a quaternion, read as q, is not of length one but for rounding: three digits of each of its numbers leave
 // |length - 1| <= 5e-4 (|w| + |x| + |y| + |z|) <= 1e-3.
 void warn_of_length(const Value& v, const Quat& q, const std::string& context) {
@@ -64,40 +58,29 @@ const Value::List& law_list(const Value& v, const std::string& context) {
 void check_value(const Value& v, const Key& key, const std::string& context) {
   switch (key.form) {
     case Form::number:
-      read_number(v, key.unit, context);
-      break;
+      return void(read_number(v, key.unit, context));
     case Form::integer:
-      read_integer(v, context);
-      break;
+      return void(read_integer(v, context));
     case Form::boolean:
-      read_boolean(v, context);
-      break;
+      return void(read_boolean(v, context));
     case Form::text:
-      read_text(v, context);
-      break;
+      return void(read_text(v, context));
     case Form::choice:
-      read_choice(v, key.choices, context);
-      break;
+      return void(read_choice(v, key.choices, context));
     case Form::vector3:
-      read_vector3(v, key.unit, context);
-      break;
+      return void(read_vector3(v, key.unit, context));
     case Form::axis:
-      read_axis(v, context);
-      break;
+      return void(read_axis(v, context));
     case Form::orientation:
-      read_orientation(v, context);
-      break;
+      return void(read_orientation(v, context));
     case Form::numbers:
-      read_numbers(v, key.unit, context);
-      break;
+      return void(read_numbers(v, key.unit, context));
     case Form::points:
-      read_points(v, key.unit, context);
-      break;
+      return void(read_points(v, key.unit, context));
     case Form::law:
     case Form::translation_law:
     case Form::rotation_law:
-      check_law_form(v, key.form, context);
-      break;
+      return check_law_form(v, key.form, context);
     case Form::laws: {
       const Value::List& items = law_list(v, context);
       for (std::size_t i = 0; i < items.size(); ++i) check_law_form(items[i], Form::law, item(context, i));
@@ -114,6 +97,10 @@ std::string description(const Key& key) {
       key.form == Form::number && key.unit != Unit::none ? article_name_of(key.unit) : name_of(key.form);
   if (!si_unit(key.unit).empty()) words += " in " + si_unit(key.unit);
   return " (" + words + (key.help.empty() ? "" : ": " + key.help) + ")";
+}
+
+[[noreturn]] void refuse_missing(const Where& where, const Key& key, const std::string& owner) {
+  lockstep::refuse(where, owner, "missing key \"" + key.name + "\"" + description(key) + "; add it");
 }
 
 // One line of UTF-8 without control characters: it goes to terminals and into JSON as it is.
@@ -140,7 +127,53 @@ void check_plain(const std::string& text, const std::string& what) {
     throw ModelError(what + " is not a plain line of text: it has control characters, or is not UTF-8; rewrite it");
 }
 
+// Of several tables the first that lists the name.
+const Key* key_in(KeyTables tables, std::string_view name) {
+  for (const Keys* keys : tables)
+    for (const Key& key : *keys)
+      if (key.name == name) return &key;
+  return nullptr;
+}
+
+void check_known(const Value::Object& members, KeyTables tables, const std::string& owner) {
+  Refusals wrong;
+  for (auto member = members.begin(); member != members.end() && !wrong.full(); ++member) {
+    const auto same = [&](const auto& other) { return other.key == member->key; };
+    wrong.attempt([&] {
+      if (std::find_if(members.begin(), member, same) != member)
+        refuse(member->where, owner, "key \"" + member->key + "\" is given twice; remove one of the two");
+      if (key_in(tables, member->key) != nullptr) return;
+      std::vector<std::string> names;
+      for (const Keys* keys : tables)
+        for (const Key& key : *keys) names.push_back(key.name);
+      refuse(member->where, owner,
+             "unknown key \"" + member->key + "\"" +
+                 (names.empty() ? "; it takes no keys" : text::suggestion(member->key, names)));
+    });
+  }
+  wrong.raise();
+}
+
 }  // namespace
+
+void check_members(const Value& object, const std::string& type, KeyTables tables, const std::string& owner) {
+  const Value::Object none, *members = object.is_null() ? &none : object.object();
+  if (members == nullptr)
+    refuse(object.where, owner, "expected an object with keys of '" + type + "', got " + shown(object));
+  Refusals wrong;
+  wrong.attempt([&] { check_known(*members, tables, owner); });
+  const bool unknown = !wrong.empty();  // it may be meant for a key that is missing
+  for (const Keys* keys : tables)
+    for (const Key& key : *keys) {
+      if (key_in(tables, key.name) != &key) continue;
+      const Value* given = object.find(key.name);
+      wrong.attempt([&] {
+        if (given != nullptr) check_value(*given, key, part_of(owner, key.name));
+        if (given == nullptr && !unknown && key.required()) refuse_missing(object.where, key, owner);
+      });
+    }
+  wrong.raise();
+}
 
 Quat read_orientation_told(const Value& v, const std::string& context) {
   const Quat q = read_orientation(v, context);
@@ -190,98 +223,49 @@ void check_type_info(const TypeInfo& info) {
   }
 }
 
-Params::Params(std::initializer_list<std::pair<const char*, Value>> members) : object_(Value::object(members)) {}
+Params::Params(std::initializer_list<std::pair<const char*, Value>> members)
+    : object_(std::make_shared<const Value>(Value::object(members))) {}
 
 Params Params::unchecked(Value object) {
-  Params params;
-  params.object_ = std::move(object);
-  return params;
+  return part(std::make_shared<const Value>(std::move(object)), std::make_shared<const Keys>(), {});
 }
 
-Params::Params(Value object, const TypeInfo& info, std::string owner)
-    : object_(std::move(object)), keys_(info.keys), owner_(std::move(owner)) {
-  if (object_.is_null()) {
-    const Where where = object_.where;
-    object_ = Value(Value::Object{});
-    object_.where = where;
-  }
-  if (object_.object() == nullptr)
-    lockstep::refuse(object_.where, owner_,
-                     "expected an object with keys of '" + info.name + "', got " + shown(object_));
-  Refusals wrong;
-  wrong.attempt([&] { check_known(); });
-  const bool unknown = !wrong.empty();  // it may be meant for a key that is missing
-  for (const Key& key : keys_)
-    if (!unknown || object_.find(key.name) != nullptr) wrong.attempt([&] { check_form(key); });
-  wrong.raise();
-}
-
-Params Params::checked(const TypeInfo& info, std::string owner) const {
-  return Params(object_, info, std::move(owner));
-}
-
-Params Params::only(Keys keys) const {
+Params Params::part(std::shared_ptr<const Value> object, std::shared_ptr<const Keys> keys, std::string owner) {
   Params part;
-  part.object_.where = object_.where;
-  part.owner_ = owner_;
-  for (const Key& key : keys) {
-    const auto& members = *object_.object();
-    const auto given = std::find_if(members.begin(), members.end(), [&](const auto& m) { return m.key == key.name; });
-    if (given != members.end()) part.object_.object()->push_back(*given);
-    if (const auto law = laws_.find(key.name); law != laws_.end()) part.laws_.insert(*law);
-  }
-  part.keys_ = std::move(keys);
+  part.object_ = std::move(object), part.keys_ = std::move(keys), part.owner_ = std::move(owner);
   return part;
 }
 
-void Params::check_known() const {
-  const Value::Object& members = *object_.object();
-  Refusals wrong;
-  for (auto member = members.begin(); member != members.end() && !wrong.full(); ++member) {
-    const auto same = [&](const auto& other) { return other.key == member->key; };
-    const auto named = [&](const Key& key) { return key.name == member->key; };
-    wrong.attempt([&] {
-      if (std::find_if(members.begin(), member, same) != member)
-        lockstep::refuse(member->where, owner_, "key \"" + member->key + "\" is given twice; remove one of the two");
-      if (std::none_of(keys_.begin(), keys_.end(), named))
-        lockstep::refuse(member->where, owner_,
-                         "unknown key \"" + member->key + "\"" +
-                             (keys_.empty() ? "; it takes no keys" : text::suggestion(member->key, names_of(keys_))));
-    });
-  }
-  wrong.raise();
+Params::Params(Value object, const TypeInfo& info, std::string owner)
+    : Params(part(std::make_shared<const Value>(std::move(object)), std::make_shared<const Keys>(info.keys),
+                  std::move(owner))) {
+  check_members(*object_, info.name, {keys_.get()}, owner_);
 }
 
-void Params::check_form(const Key& key) const {
-  const Value* given = object_.find(key.name);
-  if (given == nullptr) {
-    if (key.required())
-      lockstep::refuse(object_.where, owner_, "missing key \"" + key.name + "\"" + description(key) + "; add it");
-    return;
-  }
-  check_value(*given, key, place_of(key.name));
+Params Params::checked(const TypeInfo& info, std::string owner) const {
+  return Params(*object_, info, std::move(owner));
 }
 
 const Key& Params::key_of(std::string_view name) const {
-  for (const Key& key : keys_)
+  for (const Key& key : keys())
     if (key.name == name) return key;
-  lockstep::refuse(object_.where, owner_,
+  lockstep::refuse(object_->where, owner_,
                    "its maker asks for key \"" + std::string(name) + "\", which " +
-                       (keys_.empty() ? "has not been checked yet; call checked() first"
-                                      : "its table does not list; add it to the type's keys"));
+                       (keys().empty() ? "has not been checked yet; call checked() first"
+                                       : "its table does not list; add it to the type's keys"));
 }
 
 Value Params::given_or_default(const Key& key) const {
-  if (const Value* given = object_.find(key.name)) return *given;
+  if (const Value* given = object_->find(key.name)) return *given;
   Value v = key.default_value() != nullptr ? *key.default_value() : Value();
-  v.where = object_.where;
+  v.where = object_->where;
   return v;
 }
 
-Value Params::needed(const Key& key) const {
-  if (object_.find(key.name) == nullptr && key.default_value() == nullptr)
-    lockstep::refuse(object_.where, owner_, "missing key \"" + key.name + "\"" + description(key) + "; add it");
-  return given_or_default(key);
+const Value& Params::needed(const Key& key) const {
+  if (const Value* given = object_->find(key.name)) return *given;
+  if (const Value* v = key.default_value()) return *v;
+  refuse_missing(object_->where, key, owner_);
 }
 
 std::string Params::place_of(std::string_view key) const { return part_of(owner_, key); }
@@ -300,7 +284,7 @@ L Params::made(std::string_view name) const {
   return *law;
 }
 
-bool Params::has(std::string_view key) const { return object_.find(key) != nullptr; }
+bool Params::has(std::string_view key) const { return object_->find(key) != nullptr; }
 
 double Params::number(std::string_view name) const {
   const Key& key = key_of(name);
@@ -318,7 +302,7 @@ std::string Params::text(std::string_view name) const {
 
 Vec3 Params::vector3(std::string_view name) const {
   const Key& key = key_of(name);
-  const Value v = needed(key);
+  const Value& v = needed(key);
   return key.form == Form::axis ? read_axis(v, place_of(name)) : read_vector3(v, key.unit, place_of(name));
 }
 
@@ -346,13 +330,13 @@ std::vector<LawPtr<MotionLaw>> Params::laws(std::string_view key) const { return
 
 const Value& Params::value(std::string_view key) const {
   static const Value kAbsent;
-  const Value* given = object_.find(key);
+  const Value* given = object_->find(key);
   return given != nullptr ? *given : kAbsent;
 }
 
 void Params::refuse(std::string_view key, const std::string& problem) const {
-  const Value* given = object_.find(key);
-  lockstep::refuse(given != nullptr ? given->where : object_.where, place_of(key), problem, {.key = std::string(key)});
+  const Value* given = object_->find(key);
+  lockstep::refuse(given != nullptr ? given->where : object_->where, place_of(key), problem, {.key = std::string(key)});
 }
 
 }  // namespace lockstep

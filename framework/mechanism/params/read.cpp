@@ -5,10 +5,10 @@
 #include <cmath>
 #include <limits>
 
-#include <lockstep/params.h>
-#include "framework/mechanism/params/units.h"
 #include <lockstep/error.h>
+#include <lockstep/params.h>
 #include <lockstep/text.h>
+#include "framework/mechanism/params/units.h"
 
 namespace lockstep {
 namespace {
@@ -35,6 +35,12 @@ const Value::List& read_list(const Value& v, std::size_t n, const std::string& c
   const Value::List* items = v.list();
   if (items == nullptr || (n > 0 && items->size() != n)) refuse_form(v, context, expected);
   return *items;
+}
+
+// Its context costs more than the number: it is made where that is not plain.
+double read_item(const Value::List& items, std::size_t i, Unit unit, const std::string& context) {
+  const double* x = items[i].number();
+  return x != nullptr && std::isfinite(*x) ? *x : read_number(items[i], unit, item(context, i));
 }
 
 std::string nine_digits(double x) {
@@ -201,7 +207,7 @@ std::string read_choice(const Value& v, std::span<const std::string> choices, co
 Vec3 read_vector3(const Value& v, Unit unit, const std::string& context) {
   const Value::List& items = read_list(v, 3, context, "a list of 3 numbers");
   Vec3 x;
-  for (std::size_t i = 0; i < 3; ++i) x[static_cast<int>(i)] = read_number(items[i], unit, item(context, i));
+  for (std::size_t i = 0; i < 3; ++i) x[static_cast<int>(i)] = read_item(items, i, unit, context);
   return x;
 }
 
@@ -209,7 +215,7 @@ std::vector<double> read_numbers(const Value& v, Unit unit, const std::string& c
   const Value::List& items = read_list(v, 0, context, "a list of numbers");
   std::vector<double> numbers;
   numbers.reserve(items.size());
-  for (std::size_t i = 0; i < items.size(); ++i) numbers.push_back(read_number(items[i], unit, item(context, i)));
+  for (std::size_t i = 0; i < items.size(); ++i) numbers.push_back(read_item(items, i, unit, context));
   return numbers;
 }
 

@@ -1,14 +1,15 @@
 // Readers of one Value by its form, with errors that say where it was written. Params and the scene builder use them.
 #pragma once
 
+#include <initializer_list>
 #include <span>
 #include <string>
 #include <vector>
 
-#include <lockstep/math.h>
-#include <lockstep/params.h>
 #include <lockstep/error.h>
 #include <lockstep/export.h>
+#include <lockstep/math.h>
+#include <lockstep/params.h>
 
 namespace lockstep {
 
@@ -21,6 +22,11 @@ LOCKSTEP_API std::string shown(const Value&);
 
 /// The context of one item of a list: "link 'A', points[2]".
 inline std::string item(const std::string& context, std::size_t i) { return context + "[" + std::to_string(i) + "]"; }
+
+/// Tables of keys; of two keys of one name the first counts.
+using KeyTables = std::initializer_list<const Keys*>;
+/// Checks an object of this type against its keys, as Params does.
+LOCKSTEP_API void check_members(const Value& object, const std::string& type, KeyTables, const std::string& owner);
 
 // All throw SceneError by `refuse`; `context` names what is read: "link 'A', law.slope".
 // Numbers are finite and in SI; with a unit other than Unit::none a number may be a text such as "12 mm".

@@ -7,6 +7,7 @@
 #include <lockstep/step_loop.h>
 #include "framework/dynamics/simulate/consistency.h"
 #include "framework/tools/analysis/motion_words.h"
+#include "framework/tools/analysis/unknowns.h"
 #include "framework/tools/program/check_dependencies.h"
 
 namespace lockstep {
@@ -44,15 +45,16 @@ nlohmann::ordered_json position_json(const MobilityFindings& found) {
 MobilityFindings mobility_of(Dynamics& dynamics, Mechanism& m, const State& typed) {
   MobilityFindings found;
   const State counted = counted_start(dynamics, m, typed, found);
-  found.mobility = mobility(dynamics, counted);
-  found.reactions = uniqueness(dynamics, counted);
+  const MobilityReport& r = found.mobility = mobility(dynamics, counted);
+  if (r.redundant > 0 || !found.near.all.empty()) found.reactions = uniqueness(dynamics, counted);
   found.position = branch_point(dynamics, counted);
   State at = counted;
   dynamics.to_slots(at);
   for (const VecX& tangent : found.position.tangents)
     found.branches.push_back(motion_words(dynamics.system(), dynamics.inputs(at), tangent));
   found.position_words = found.position.text(dynamics, counted);
-  if (const int n = found.mobility.freedoms; n > 0 && n <= kMostMotions) found.moves = driven_by(dynamics, counted);
+  if (r.freedoms > 0 && r.freedoms <= kMostMotions && r.unknowns <= kDenseUnknowns)
+    found.moves = driven_by(dynamics, counted);
   return found;
 }
 
