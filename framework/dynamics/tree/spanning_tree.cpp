@@ -46,8 +46,6 @@ class Growth {
     return taken_;
   }
 
-  const std::vector<bool>& taken() const { return taken_; }
-
   // The squares of the lengths of the paths that the other links close, but no more than `most`.
   double cost(double most) const {
     double sum = 0;
@@ -81,16 +79,16 @@ class Growth {
   // Slots on the shortest way from a slot back to the tree, by another link than this.
   std::size_t loop(std::size_t from, std::size_t by) {
     ++look_;
-    std::vector<std::pair<std::size_t, std::size_t>> queue{{from, 1}};
+    queue_.assign(1, {from, 1});
     seen_[from] = look_;
-    for (std::size_t next = 0; next < queue.size() && queue.size() < kLookAround; ++next) {
-      const auto [slot, length] = queue[next];
+    for (std::size_t next = 0; next < queue_.size() && queue_.size() < kLookAround; ++next) {
+      const auto [slot, length] = queue_[next];
       for (const std::size_t link : at_[slot]) {
         const std::size_t to = other(link, slot);
         if (link == by || seen_[to] == look_) continue;
         if (reached_[to] >= 0) return length;
         seen_[to] = look_;
-        queue.emplace_back(to, length + 1);
+        queue_.emplace_back(to, length + 1);
       }
     }
     return kLookAround;
@@ -104,6 +102,7 @@ class Growth {
   std::vector<std::size_t> parent_;           // of each slot
   std::vector<bool> taken_;
   std::set<std::tuple<int, int, std::size_t, std::size_t>> open_;  // -rows, -reached, loop, link
+  std::vector<std::pair<std::size_t, std::size_t>> queue_;              // of a look around: slots, and how far they are
   int count_ = 0, look_ = -1;
 };
 
@@ -116,7 +115,7 @@ std::vector<bool> spanning_tree(const std::vector<GraphLink>& links, int n_slots
   last.tree();
   double limit = 64;  // the time goes with the smaller of both
   while (first.cost(limit) >= limit && last.cost(limit) >= limit) limit *= 4;
-  return first.cost(limit) < last.cost(limit) ? first.taken() : last.taken();
+  return first.cost(limit) < last.cost(limit) ? first.tree() : last.tree();
 }
 
 }  // namespace lockstep

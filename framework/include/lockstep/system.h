@@ -88,9 +88,9 @@ LOCKSTEP_API Pose pose_at(const Vec3& x, const Vec3& z);
 
 /// The rows of a link that lie in the plane of a planar mechanism.
 struct PlanarRows {
-  int m = 0;                        ///< how many
-  std::array<int, kMaxRows> own{};  ///< their numbers among the rows of the link
-  bool by_link = false;             ///< the link gathers them itself; see Planar
+  signed char m = 0;                        ///< how many
+  std::array<signed char, kMaxRows> own{};  ///< their numbers among the rows of the link
+  bool by_link = false;                     ///< the link gathers them itself; see Planar
 };
 
 /// What becomes of rows that depend on others but for a singular value below 1e-3, of rows of length 1 with rotations as

@@ -82,7 +82,7 @@ void System::lay_out(const std::vector<bool>& modes, RowTable& table, bool all) 
     if (plane_) {
       const PlanarRows& rows = planar_rows_[static_cast<std::size_t>(link.number())];
       if (rows.m == 0) continue;  // all its rows lie outside the plane
-      e.m = rows.m, e.own = rows.own, e.plane = plane_;
+      e.m = rows.m, e.plane = plane_, std::ranges::copy(rows.own, e.own.begin());
       in_plane = rows.by_link;
       e.layout = in_plane ? link.planar()->planar_layout() : RowLayout::planar;
     }
