@@ -231,7 +231,7 @@ void System::check_plane(const Inputs& in, const VecX& f) const {
                        slot(k).mass * options_.gravity.norm()});
     outside = std::max(outside, std::abs(f[6 * k + plane_.n]));
   }
-  if (!(outside > 1e-9 * inside)) return;
+  if (!(outside > kNegligible * inside)) return;
   VecX one(f.size());
   for (const auto& force : forces_) {
     if (!force->acts(in)) continue;
@@ -239,7 +239,7 @@ void System::check_plane(const Inputs& in, const VecX& f) const {
     WrenchSum sum(in.motions, one);
     named(*force, in.t, [&] { force->apply(in, sum); });
     for (int k = 0; k < n_slots(); ++k)
-      if (const double out = std::abs(one[6 * k + plane_.n]); out > 0.5e-9 * inside)
+      if (const double out = std::abs(one[6 * k + plane_.n]); out > 0.5 * kNegligible * inside)
         throw ModelError("force '" + force->name() + "' pushes out of the plane with " + text::brief(out) +
                              " N at t = " + text::number(in.t) +
                              " s, and the scene is planar; set \"planar\" to \"off\"",
