@@ -137,14 +137,19 @@ TEST_CASE("copies of which one has a link that is not in force are none", "[muta
 TEST_CASE("a run in lanes that drifts beyond the scene's limit is wrong", "[mutants]") {
   const Registry registry = builtin_registry();
   for (const bool narrow : {true, false}) {
-    const Scene scene = scene_from_text(std::string(R"({"lockstep": 1, "gravity": [0, -9.81, 0],
-          "bodies": [{"name": "rod", "rod": {"mass": 1, "from": [0, 0, 0], "to": [1, 0, 0]}}],
-          "links": [{"name": "A", "type": "revolute", "p": "rod", "s": "ground", "at": [0, 0, 0]}],
-          "run": {"until": 3, "output": 0.1, "integrator": "dopri5", "tolerance": 1e-3, "formulation": "omega",
+    const Scene scene = scene_from_text(std::string(R"({"lockstep": 1, "gravity": [5, -9.81, 0],
+          "bodies": [{"name": "left", "rod": {"mass": 1, "from": [0, 0, 0], "to": [0, -1, 0]}},
+                     {"name": "right", "rod": {"mass": 1, "from": [1, 0, 0], "to": [1.2, -1, 0]}},
+                     {"name": "bar", "rod": {"mass": 1, "from": [0, -1, 0], "to": [1.2, -1, 0]}}],
+          "links": [{"name": "A", "type": "revolute", "p": "left", "s": "ground", "at": [0, 0, 0]},
+                    {"name": "B", "type": "revolute", "p": "bar", "s": "left", "at": [0, -1, 0]},
+                    {"name": "C", "type": "revolute", "p": "bar", "s": "right", "at": [1.2, -1, 0]},
+                    {"name": "D", "type": "revolute", "p": "right", "s": "ground", "at": [1, 0, 0]}],
+          "run": {"until": 3, "output": 0.1, "integrator": "dopri5", "tolerance": 1e-3,
                   "stabilization": "none", "violation_limit": )") +
-                                            (narrow ? "1e-12" : "10") + R"(, "record": ["rod.x"]}})",
+                                            (narrow ? "1e-12" : "10") + R"(, "record": ["bar.x"]}})",
                                         "scene.json");
-    const std::vector<Variable> variables = read_variables({"bodies.rod.rod.mass=1:4:4"}, scene, registry);
+    const std::vector<Variable> variables = read_variables({"bodies.bar.rod.mass=1:4:4"}, scene, registry);
     std::vector<Scene> scenes;
     for (std::size_t k = 0; k < 4; ++k) scenes.push_back(vary_scene(scene, variables, {k}, registry));
     const std::vector<SweepRun> runs = sweep_lanes(scenes, registry, recorded_columns(scene, registry), {}, nullptr);

@@ -46,6 +46,11 @@ inline double elimination(const schur::Plan& plan) {
   const auto times = [&](int i, int j = 1) {  // so many columns, or numbers
     for (int k = 0; k < i * j; ++k) ++n;
   };
+  for (int k = 0; k < plan.n_slots; ++k) {  // accelerations without rows: J w, w x J w, J^-1, 1/m
+    times(nv);
+    if (!plan.planar) times(nw, nw), times(2 * nw);
+    times(nw, nw);
+  }
   for (const schur::Node& node : plan.nodes) {
     const int m = node.m;
     for (const schur::Side& side : plan.sides_of(node)) {
@@ -56,7 +61,8 @@ inline double elimination(const schur::Plan& plan) {
       for (int solution = 0; solution < (plan.tree ? 1 : 2); ++solution) times(columns, m);  // Y^T x
       times(columns);                                                                        // J a - c
     }
-    for (int k = 0; k < m; ++k) times(m);                                                   // T
+    times(2);                              // of the rows: c of the start, its scale |J a| + |c|, and c of the residual
+    for (int k = 0; k < m; ++k) times(m);  // T
     for (int solution = 0; solution < (plan.tree ? 1 : 2); ++solution) times(m), times(m);  // T^T p T x
     int s = 0;
     for (const schur::Later& later : plan.later_of(node)) {
