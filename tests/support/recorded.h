@@ -45,8 +45,11 @@ class Recording {
   const Operation& operator[](int i) const { return steps_[static_cast<std::size_t>(i)]; }
   std::span<const Operation> steps() const { return steps_; }
 
-  /// The one that numbers of this thread are written to.
+  /// The one that numbers of this thread are written to: the last that began.
   static inline thread_local Recording* now = nullptr;
+  Recording() { now = this; }
+  Recording(const Recording&) = delete;
+  ~Recording() { now = nullptr; }
 
  private:
   std::vector<Operation> steps_;

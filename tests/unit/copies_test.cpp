@@ -95,6 +95,21 @@ TEST_CASE("a copy near a singular position finishes alone", "[unit][copies]") {
   }
 }
 
+TEST_CASE("a copy that left the lanes is ended by its number of steps", "[unit][copies]") {
+  Family family(1, [](int k) { return ladder(1, k); });  // falls through its flat position
+  CopiesOptions options;
+  options.integrator = "dopri5", options.tolerance = {1e-9, 1e-11};
+  const CopyReport free = told(family, family.assembled(), {0.5, 2.0}, options).reports[0];
+  REQUIRE(free.alone);
+  REQUIRE(free.finished);
+  options.max_steps = free.steps - 5;
+  const CopyReport ended = told(family, family.assembled(), {0.5, 2.0}, options).reports[0];
+  CHECK(ended.alone);
+  CHECK_FALSE(ended.finished);
+  CHECK(ended.steps == options.max_steps);
+  check_words(ended.error, {std::to_string(options.max_steps) + " steps"});
+}
+
 TEST_CASE("forces in lanes count their turns", "[unit][copies]") {
   Family family(3, [](int k) {
     auto sys = chain(1, k);

@@ -184,7 +184,6 @@ class OneCopy {
 };
 
 Program record(const OneCopy& sample, Recording& recording, std::size_t n_directions) {
-  Recording::now = &recording;
   const std::size_t n = inputs_now(sample.batch()).size();
   std::vector<Recorded> inputs, results;
   for (std::size_t i = 0; i < n; ++i) inputs.push_back(Recorded::input(static_cast<int>(i)));
@@ -267,8 +266,7 @@ TEST_CASE("recorded derivatives are those of the accelerations and multipliers")
 }
 
 TEST_CASE("a recorded number cannot be compared") {
-  Recording recording;
-  Recording::now = &recording;
+  const Recording recording;
   const Recorded x = Recorded::input(0);
   CHECK_THROWS_AS(x < 1.0, std::logic_error);
   CHECK_THROWS_AS(x == 1.0, std::logic_error);

@@ -157,7 +157,7 @@ void run_alone(System& system, int copy, State state, std::size_t next, double s
     try {
       loop.run_until(task.times[next]);
     } catch (const Error&) {
-      follower.rethrow();  // comes first
+      follower.rethrow();  // what the caller threw is the cause
       throw;
     }
     follower.rethrow();

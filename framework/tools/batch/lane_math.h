@@ -6,7 +6,6 @@
 #pragma once
 
 #include <lockstep/jet.h>
-#include "framework/dynamics/tree/spaces.h"
 #include "framework/tools/batch/lane_plan.h"
 #include "framework/tools/batch/number_arrays.h"
 
@@ -14,7 +13,6 @@ namespace lockstep::lanes::LOCKSTEP_SET {
 
 inline constexpr int kWide = LOCKSTEP_WIDE;  ///< lanes in one register
 using V = Pack<kWide>;                       ///< of the eight that are stored side by side
-
 
 /// An array of eight lanes: [i] is its pack i, + i what begins there.
 struct LaneArray {
