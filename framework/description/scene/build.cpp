@@ -9,6 +9,7 @@
 #include "framework/description/scene/resolve.h"
 #include "framework/dynamics/simulate/along_laws.h"
 #include "framework/dynamics/tree/tree_layout.h"
+#include "framework/mechanism/system/rows_at_start.h"
 
 namespace lockstep {
 
@@ -191,14 +192,15 @@ void Builder::set_merge(const std::string& how) {
   system_.set_merge(true, std::move(keep));
 }
 
-// The tree of joint coordinates, if the run may take them, of the mechanism as it is set now; else null.
+// The tree of joint coordinates that decides of the plane, of the mechanism as it is set now; null: the run takes none, or by
+// itself only in the plane.
 std::shared_ptr<const JointTree> Builder::tree() const {
   const Formulation formulation = out_.run.formulation;
   if (formulation != Formulation::joint && formulation != Formulation::automatic) return nullptr;
   const std::unique_ptr<Integrator> method = make_integrator(out_.run, registry_);
   if (!method->info().joint) return nullptr;
   system_.setup();
-  const Taken taken = formulation == Formulation::joint ? Taken::all : Taken::where_cheaper;
+  const Taken taken = formulation == Formulation::joint ? Taken::all : Taken::trees;
   std::shared_ptr<const JointTree> tree = lay_out_tree(system_, system_.start().modes, taken).tree;
   return takes(*method, method->info(), tree.get()) ? tree : nullptr;
 }
@@ -219,12 +221,9 @@ void Builder::choose_plane(bool asked) {
   if (!asked && out_.run.formulation == Formulation::quaternion) return;
   const std::shared_ptr<const JointTree> in_space = asked ? nullptr : tree();
   if (in_space && in_space->planar() && !in_space->has_rows()) return;  // coordinates are as few as in a plane
-  const Plane found = find_plane(system, [&](Plane plane) { return start_out_of(plane) == nullptr; });
-  system.set_planar(found, bool(found));
-  if (!found || !in_space) return;
-  // Joint coordinates in space are kept rather than a plane without them; not where `auto` took loops into them.
-  const bool kept = out_.run.formulation == Formulation::joint || !in_space->has_rows();
-  if (kept && !tree()) system.set_planar({});
+  const Plane found = settle_in_plane(system, [&](Plane plane) { return start_out_of(plane) == nullptr; });
+  // Joint coordinates in space are kept rather than a plane without them.
+  if (found && in_space && !tree()) system.set_planar({});
 }
 
 // Refusals of the System name a body, link or force: its place in the file is put before them.

@@ -49,8 +49,8 @@ TreeLayout lay_out_tree(const System& system, const std::vector<bool>& modes, Ta
   TreeLayout out;
   std::shared_ptr<const JointTree> tree = JointTree::of(system, modes, out.why_not);
   if (!tree) return out;
-  if (taken == Taken::where_cheaper) out.why_not = slender_body(*tree, system);
-  if (!out.why_not.empty()) return out;
+  if (taken != Taken::all) out.why_not = slender_body(*tree, system);
+  if (!out.why_not.empty() || (taken == Taken::trees && tree->has_rows())) return out;
   if (tree->has_rows()) {
     RowTable closures = rows_beside(*tree, system, modes.size());
     out.why_not = obstacle_of_rows(system, closures);

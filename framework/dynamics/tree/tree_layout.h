@@ -13,6 +13,7 @@ namespace lockstep {
 
 /// Which mechanisms are taken.
 enum class Taken {
+  trees,          ///< without rows beside their joints
   where_cheaper,  ///< trees, and loops that cost less along the tree than in omega: why_dearer()
   all             ///< that have joint coordinates
 };

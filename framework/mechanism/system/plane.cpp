@@ -4,13 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <new>
-#include <optional>
 #include <utility>
 
-#include <Eigen/OrderingMethods>
-#include <Eigen/SparseCore>
 #include <Eigen/SparseQR>
 
 #include <lockstep/error.h>
@@ -270,13 +266,7 @@ std::optional<ModelError> System::setup_plane() {
   return {};
 }
 
-Plane find_plane(System& system, const std::function<bool(Plane)>& starts_in) {
-  struct Restore {
-    System& system;
-    Plane plane = system.plane();
-    bool known = system.plane_is_known();
-    ~Restore() { system.set_planar(plane, known); }
-  } const restore{system};
+Plane settle_in_plane(System& system, const std::function<bool(Plane)>& starts_in) {
   for (int n = 2; n >= 0; --n) {
     system.set_planar(Plane{n}, true);
     try {
@@ -286,7 +276,18 @@ Plane find_plane(System& system, const std::function<bool(Plane)>& starts_in) {
     } catch (...) {  // code of a user that throws where it is only looked at will say so in the run
     }
   }
+  system.set_planar({});
   return {};
+}
+
+Plane find_plane(System& system, const std::function<bool(Plane)>& starts_in) {
+  struct Restore {
+    System& system;
+    Plane plane = system.plane();
+    bool known = system.plane_is_known();
+    ~Restore() { system.set_planar(plane, known); }
+  } const restore{system};
+  return settle_in_plane(system, starts_in);
 }
 
 }  // namespace lockstep

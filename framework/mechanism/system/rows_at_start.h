@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -60,5 +61,8 @@ class LOCKSTEP_API RowsAtStart {
   RowTable table_;
   std::vector<RowAtStart> rows_;
 };
+
+/// find_plane(), and sets the system up in the plane that it finds; without one the system is in space, to be set up.
+LOCKSTEP_API Plane settle_in_plane(System&, const std::function<bool(Plane)>& starts_in);
 
 }  // namespace lockstep
