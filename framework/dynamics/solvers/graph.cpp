@@ -84,7 +84,7 @@ std::vector<std::size_t> loop_groups(int n_slots, const std::vector<std::pair<in
   const auto sorted = [](std::pair<int, int> edge) { return std::pair<int, int>(std::minmax(edge.first, edge.second)); };
   for (const auto& edge : edges) distinct.push_back(sorted(edge));
   std::ranges::sort(distinct);
-  distinct.erase(std::ranges::unique(distinct).begin(), distinct.end());
+  distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());  // clang 14 takes no ranges::unique of g++ 12
   Graph graph(static_cast<std::size_t>(n_slots + 1));  // the ground first
   std::size_t n = 0;
   for (const auto& [a, b] : distinct) boost::add_edge(a + 1, b + 1, n++, graph);
