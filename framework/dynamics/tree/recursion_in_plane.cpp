@@ -24,7 +24,7 @@ class PlanarSlots {
         n_(3 - i_ - j_) {
     const std::vector<PlanarNode>& nodes = joints_.nodes();
     nodes_.resize(nodes.size() + 1), frames_.resize(nodes_.size());
-    if (std::ranges::any_of(nodes, [](const PlanarNode& n) { return n.n_slides > 0; }))
+    if (std::ranges::any_of(nodes, [](const PlanarNode& n) { return n.n_slides > 0 || !n.turns; }))
       dofs_.resize(static_cast<std::size_t>(tree.n_v()));
     const std::vector<InwardPlace> places = inward_places(nodes, n_waiting_);
     for (std::size_t k = 0; k < nodes.size(); ++k) {
