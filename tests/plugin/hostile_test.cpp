@@ -1,6 +1,5 @@
 // Files that are no plugins, damaged ones, and plugins that register badly: each is refused by a PluginError that says
 // why, and the host goes on.
-#include <elf.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -34,12 +33,6 @@ std::string changed(std::size_t at, const std::string& bytes) {
 }
 
 std::string two_bytes(unsigned value) { return {static_cast<char>(value & 255), static_cast<char>(value >> 8)}; }
-
-std::string eight_bytes(std::uint64_t value) {
-  std::string bytes;
-  for (int k = 0; k < 8; ++k) bytes += static_cast<char>(value >> (8 * k));
-  return bytes;
-}
 
 std::string hostile(const std::string& name, const std::string& bytes) {
   return plugin_file("hostile", name + ".so", bytes);
@@ -131,13 +124,6 @@ TEST_CASE("files that are no plugin for this host are refused, each with its rea
       {"gives up half way", "plugin 'half': the other half is missing", [] { return kModules + "/half.so"; }},
       {"a library that it needs is not there", "libgcc_x.so.1",
        [] { return hostile("orphan", replaced(bytes_of(kProbe), "libgcc_s.so.1", "libgcc_x.so.1")); }},
-      {"versions without their table", "versions that no table names",
-       [] {
-         std::string bytes = bytes_of(kProbe);
-         for (const std::uint64_t tag : {DT_VERNEED, DT_VERNEEDNUM})  // entries that the system's loader passes over
-           bytes = replaced(bytes, eight_bytes(tag), eight_bytes(DT_LOPROC + 5 + (tag - DT_VERNEED)));
-         return hostile("versions", bytes);
-       }},
       {"a file with the name of what is built in", "the name of lockstep's own types",
        [] { return hostile("built in", bytes_of(kProbe)); }},
       {"a folder", "is a folder, not a regular file",

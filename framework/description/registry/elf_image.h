@@ -14,19 +14,16 @@
 
 namespace lockstep {
 
-// Tags of packed relocations, whose entries are words; older <elf.h> do not have them.
-inline constexpr std::int64_t kPackedSize = 35, kPacked = 36, kPackedEntry = 37;
-using PackedRelocation = std::uint64_t;
-
 /// Size and checksum of a file, whatever it holds. Throws PluginError when it is not a regular file or cannot be read.
 PluginStamp stamp_of(const std::string& file);
 
-/// The file of a shared library that this machine's loader can map. Addresses are those in the file: the loader adds
-/// the library's place. Each refusal is a PluginError with the file, what is wrong, its value and the limit.
+/// The file of a shared library for this machine, which may be cut or damaged: views of its bytes are checked. Addresses are
+/// those in the file: the loader adds the library's place. Each refusal is a PluginError with the file, what is wrong, its
+/// value and the limit.
 class ElfImage {
  public:
   /// Throws PluginError when the path is not a plain file, cannot be read, is empty, is larger than 2^30 bytes, or when
-  /// header or segments are not those of a shared library for this machine.
+  /// its header is not that of a shared library for this machine, or a segment is not all in it.
   explicit ElfImage(std::string path);
   ElfImage(const ElfImage&) = delete;
   ElfImage& operator=(const ElfImage&) = delete;
@@ -40,32 +37,20 @@ class ElfImage {
   /// The same from an address on; refuses what is not all in what one mapped segment takes from the file.
   template <class T>
   std::span<const T> at(std::string_view what, std::uint64_t address, std::uint64_t count) const {
-    return in_file<T>(what, offset_of(what, address, count, sizeof(T), 0, &Elf64_Phdr::p_filesz), count);
+    return in_file<T>(what, offset_of(what, address, count * sizeof(T)), count);
   }
-  /// Refuses `size` bytes that are not all in one mapped segment with these flags (PF_W, PF_X; 0: any).
-  void need_mapped(std::string_view what, std::uint64_t address, std::uint64_t size, std::uint32_t flags) const {
-    offset_of(what, address, size, 1, flags, &Elf64_Phdr::p_memsz);
-  }
-  void need_equal(std::string_view what, std::uint64_t value, std::uint64_t expected) const;
-  void need_at_least(std::string_view what, std::uint64_t value, std::uint64_t limit) const;
-  void need_at_most(std::string_view what, std::uint64_t value, std::uint64_t limit) const;
   [[noreturn]] void refuse(std::string_view why) const;
 
-  /// Where its header and the table of segments end, to which nothing in it points.
-  std::uint64_t end_of_headers() const { return sizeof(Elf64_Ehdr) + segments_.size_bytes(); }
   /// The first segment of a type (PT_DYNAMIC, ...), or null.
   const Elf64_Phdr* segment(std::uint32_t type) const;
   PluginStamp stamp() const;
 
  private:
   void read_header();
-  void check_segments() const;
-  void check_mapped(const Elf64_Phdr&, std::uint64_t end_before) const;
-  void check_part(const Elf64_Phdr&) const;
+  void need_equal(std::string_view what, std::uint64_t value, std::uint64_t expected) const;
   void need_in_file(std::string_view what, std::uint64_t offset, std::uint64_t count, std::uint64_t each,
                     std::uint64_t alignment) const;
-  std::uint64_t offset_of(std::string_view what, std::uint64_t address, std::uint64_t count, std::uint64_t each,
-                          std::uint32_t flags, Elf64_Xword Elf64_Phdr::*extent) const;
+  std::uint64_t offset_of(std::string_view what, std::uint64_t address, std::uint64_t size) const;
 
   std::string path_;
   std::vector<char> bytes_;

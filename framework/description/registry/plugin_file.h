@@ -1,4 +1,4 @@
-// A plugin's file, read and checked before anything of it is opened.
+// A plugin's file, read before anything of it is opened.
 #pragma once
 
 #include <optional>
@@ -15,10 +15,9 @@ struct CheckedFile {
   std::optional<std::string> data;  ///< of the symbol; nothing when it exports no such data
 };
 
-/// The bytes of a data symbol that a shared library exports. First, every table
-/// that the system's loader trusts is checked: segments, dynamic table, strings, symbols, hash tables, versions,
-/// relocations and functions that it calls. Code and data are not. Throws PluginError with the file, what is wrong, its
-/// value and the limit.
+/// The bytes of a data symbol that a shared library exports, without opening it. A file that is cut, is none or is made for
+/// another machine is refused: PluginError with the file, what is wrong, its value and the limit. Other damage is not looked
+/// for, as in any library that the system loads.
 CheckedFile exported_data(const std::string& path, std::string_view symbol);
 
 }  // namespace lockstep
