@@ -6,11 +6,11 @@
 #include <random>
 #include <utility>
 
-#include <Eigen/SVD>
 #include <Eigen/SparseCholesky>
 
 #include <lockstep/error.h>
 #include "framework/dynamics/solvers/graph.h"
+#include "framework/foundation/math/decompositions.h"
 
 namespace lockstep {
 
@@ -42,7 +42,7 @@ int RowSpace::rank(double limit) const {
 
 double RowSpace::smallest_singular_value(int rank) const {
   const MatX R = qr_.matrixR().topRows(rank).template triangularView<Eigen::Upper>();
-  return rank > 0 ? R.bdcSvd().singularValues()[rank - 1] : 1.0;
+  return rank > 0 ? singular_values(R).values[rank - 1] : 1.0;
 }
 
 MatX RowSpace::free(double limit) const {

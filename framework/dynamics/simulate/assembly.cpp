@@ -2,7 +2,6 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,6 +13,7 @@
 #include "framework/dynamics/simulate/consistency.h"
 #include "framework/dynamics/simulate/start_positions.h"
 #include "framework/dynamics/simulate/start_rows.h"
+#include "framework/foundation/math/decompositions.h"
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
@@ -60,7 +60,7 @@ void meet(Dynamics& dynamics, State& state, const std::vector<VelocityTarget>& t
       factor.solve(e, rows.row(i).transpose(), none, a, lambda);
       response.col(i) = a;
     }
-    state.v += response * rows.lazyProduct(response).fullPivLu().solve(gap);
+    state.v += response * least_norm(rows.lazyProduct(response), gap);
     dynamics.project_velocity(state);
   }
 }

@@ -2,7 +2,6 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -10,14 +9,10 @@
 #include <lockstep/relative.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/simulate/consistency.h"
+#include "framework/foundation/math/decompositions.h"
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
-namespace {
-
-using Decomposition = Eigen::CompleteOrthogonalDecomposition<MatX>;
-
-}  // namespace
 
 double nearest_branch(double angle, double about) { return angle + kTwoPi * std::round((about - angle) / kTwoPi); }
 
@@ -220,15 +215,13 @@ VecX TargetRows::step() {
   VecX easy(n_);                  // root of how easily each unknown moves
   for (int i = 0; i < n_; ++i)
     easy[i] = std::isinf(weights_[i / 6]) ? 1.0 : 1 / std::sqrt(std::max(weights_[i / 6], kFree));
-  return to_slots(easy.asDiagonal() * Decomposition(E_ * easy.asDiagonal()).solve(-c_));
+  return to_slots(easy.asDiagonal() * least_norm(E_ * easy.asDiagonal(), -c_));
 }
 
 VecX TargetRows::downhill() const {
-  const Decomposition rows(E_);
-  const Eigen::Index free = n_ - rows.rank();
-  if (free == 0) return {};
-  const MatX N = rows.colsPermutation() * MatX(rows.matrixZ().adjoint().rightCols(free));
-  return to_slots(N * Decomposition(S_ * N).solve(-r_));
+  const MatX N = null_space(E_);
+  if (N.cols() == 0) return {};
+  return to_slots(N * least_norm(S_ * N, -r_));
 }
 
 std::string TargetRows::missed(int rounds) const {

@@ -1,14 +1,13 @@
 #include "framework/tools/analysis/spectrum.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include <lockstep/error.h>
+#include "framework/foundation/math/decompositions.h"
 #include "framework/foundation/math/limits.h"
 #include "framework/tools/analysis/minimal_coordinates.h"
 #include "framework/tools/analysis/modal_basis.h"
@@ -56,12 +55,10 @@ class Companion {
   void solve(Visit&& visit) const {
     const Eigen::Index left = T_.rows() - done_;
     if (left == 0) return;
-    const Eigen::EigenSolver<MatX> solver(T_.bottomRightCorner(left, left));
-    if (solver.info() != Eigen::Success) throw SolveError("the eigenvalues of the linear equations did not converge");
-    const MatXc V = solver.eigenvectors();
+    const auto [values, V] = eigenvectors(T_.bottomRightCorner(left, left));
     const MatXc W = V.partialPivLu().inverse();
     for (Eigen::Index k = 0; k < left; ++k) {
-      const Complex l = solver.eigenvalues()[k];
+      const Complex l = values[k];
       if (l.imag() < 0) continue;
       Eigen::VectorXcd x(2 * f_);
       x.tail(left) = V.col(k);
@@ -77,11 +74,11 @@ class Companion {
   bool deflate() {
     const Eigen::Index left = T_.rows() - done_;
     if (left == 0) return false;
-    const Eigen::BDCSVD<MatX> svd(T_.bottomRightCorner(left, left), Eigen::ComputeFullV);
-    const auto n_null = static_cast<Eigen::Index>((svd.singularValues().array() <= zero_).count());
+    const SingularValues of = singular_values(T_.bottomRightCorner(left, left));
+    const auto n_null = static_cast<Eigen::Index>((of.values.array() <= zero_).count());
     if (n_null == 0) return false;
     MatX V(left, left);  // the null space first
-    V << svd.matrixV().rightCols(n_null), svd.matrixV().leftCols(left - n_null);
+    V << of.V.rightCols(n_null), of.V.leftCols(left - n_null);
     T_.rightCols(left) = (T_.rightCols(left) * V).eval();
     T_.bottomRows(left) = (V.transpose() * T_.bottomRows(left)).eval();
     T_.block(done_, done_, left, n_null).setZero();

@@ -6,7 +6,6 @@
 #include <lockstep/linearization.h>
 
 #include <Eigen/LU>
-#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,6 +13,7 @@
 
 #include <lockstep/error.h>
 #include "framework/dynamics/evaluate/row_space.h"
+#include "framework/foundation/math/decompositions.h"
 #include "framework/foundation/math/limits.h"
 #include "framework/tools/analysis/mechanism_matrices.h"
 #include "framework/tools/analysis/minimal_coordinates.h"
@@ -271,10 +271,7 @@ void add_inputs(const LinearInput& input, const Actuator& acts, const LinearMoti
   const bool moves = !C_u.isZero(0);
   if (moves) {
     const MatX J = m.J;
-    Eigen::CompleteOrthogonalDecomposition<MatX> cod;
-    cod.setThreshold(kDependent);
-    cod.compute(J);
-    G = -cod.solve(C_u);
+    G = -least_norm(J, C_u, kDependent);
     if ((J * G + C_u).norm() > 10 * kDependent * C_u.norm())
       throw ModelError("input '" + input.name +
                        "' moves against other rows: the joints leave nothing that could follow it");
