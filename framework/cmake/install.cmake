@@ -4,13 +4,14 @@ include(CMakePackageConfigHelpers)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/lockstep)
 set(data_folder ${CMAKE_INSTALL_DATADIR}/lockstep)
 
-install(TARGETS lockstep_core lockstep_scene lockstep_tools lockstep EXPORT lockstepTargets
+install(TARGETS lockstep_core lockstep_scene lockstep_run lockstep_batch lockstep_tools lockstep EXPORT lockstepTargets
         LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT development)
 # Empty names, or the plugins without which the library has no laws and no integrators.
 install(TARGETS lockstep_motionlaws lockstep_integrators EXPORT lockstepTargets
         LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/lockstep/plugins COMPONENT library)
 if(TARGET lockstep_program)
   install(TARGETS lockstep_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
+  install(TARGETS ${tool_programs} RUNTIME DESTINATION libexec/lockstep COMPONENT program)
 endif()
 
 install(DIRECTORY framework/include/lockstep DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development

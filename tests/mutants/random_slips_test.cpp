@@ -25,7 +25,7 @@
 #include "framework/foundation/support/thrown.h"
 #include "framework/mechanism/expression/dimensions.h"
 #include "framework/mechanism/params/units.h"
-#include "framework/tools/analysis/motion_words.h"
+#include "framework/tools/rank/motion_words.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 #include "tests/support/paths.h"

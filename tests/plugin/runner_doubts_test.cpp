@@ -300,14 +300,4 @@ TEST_CASE("an assembled start that is far from the one given ends with its own c
   CHECK(call(apart + " --within 2").exit == 0);
 }
 
-TEST_CASE("wild starts are counted", "[runner]") {
-  const Called r = call("assemble '" + std::string(paths::kScenes) + "/four_bar.json' --wild 50 --json");
-  INFO(r.text);
-  CHECK(r.exit == 0);
-  const Json j = Json::parse(r.text);
-  CHECK(j["starts"] == 50);
-  CHECK(j["assembled"].get<int>() > 30);
-  CHECK(j["violation"].get<double>() < 1e-10);
-}
-
 }  // namespace runner_doubts_test

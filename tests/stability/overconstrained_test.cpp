@@ -20,7 +20,7 @@
 #include <lockstep/sweep.h>
 #include <lockstep/uniqueness.h>
 #include "framework/description/scene/system_of.h"
-#include "framework/tools/analysis/unknowns.h"
+#include "framework/tools/rank/unknowns.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/worst.h"

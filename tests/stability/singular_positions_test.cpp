@@ -15,9 +15,9 @@
 #include <lockstep/solvers.h>
 #include <lockstep/sweep.h>
 #include "framework/description/scene/system_of.h"
-#include "framework/tools/analysis/branch_point.h"
-#include "framework/tools/analysis/doubts.h"
-#include "framework/tools/analysis/singular_watch.h"
+#include "framework/tools/rank/branch_point.h"
+#include "framework/tools/rank/doubts.h"
+#include "framework/tools/rank/singular_watch.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/run_scene.h"

@@ -15,7 +15,7 @@
 #include <lockstep/laws.h>
 #include <lockstep/recorder.h>
 #include <lockstep/simulation.h>
-#include "framework/tools/analysis/doubts.h"
+#include "framework/tools/rank/doubts.h"
 #include "framework/tools/simulation/checkpoint.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"

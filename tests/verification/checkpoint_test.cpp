@@ -13,7 +13,7 @@
 #include <lockstep/log.h>
 #include <lockstep/registry.h>
 #include <lockstep/sweep.h>
-#include "framework/tools/analysis/singular_watch.h"
+#include "framework/tools/rank/singular_watch.h"
 #include "framework/tools/scene_run/scene_run.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"

@@ -11,7 +11,7 @@
 #include <lockstep/simulation.h>
 #include <lockstep/solvers.h>
 #include "framework/description/scene/system_of.h"
-#include "framework/tools/analysis/branch_point.h"
+#include "framework/tools/rank/branch_point.h"
 #include "tests/support/catch.h"
 #include "tests/support/driven_parallelogram.h"
 #include "tests/support/open_defect.h"

@@ -1,5 +1,5 @@
 // Assembly from starts that have nothing to do with the mechanism: no fewer than the committed table says of each sample
-// (data/wild_starts.csv: of 1000, by `lockstep assemble SCENE --wild 1000 --json`, and of the first 30 of them).
+// (data/wild_starts.csv: of 1000, by the benchmark wild_starts, and of the first 30 of them).
 #include <algorithm>
 #include <fstream>
 #include <sstream>

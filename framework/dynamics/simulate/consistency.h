@@ -41,18 +41,18 @@ void check_links(Dynamics&, const State&, const std::vector<std::string>& links,
                  double limit);
 /// Projects positions onto the constraints if the stabilisation does so (throws AssemblyError if they are off by more
 /// than the limit), and always velocities: an inelastic impact. Then updates the memory.
-void make_consistent(Dynamics&, State&, const std::string& cause, double limit);
+LOCKSTEP_API void make_consistent(Dynamics&, State&, const std::string& cause, double limit);
 
 /// The time before the jump of a law at `jump` at which a step ends, so that no stage sees its far side, s; `span`: of the
 /// run. Wider than the part of its own duration by which a law may count an instant as the jump (motionlaws/side.h), for
 /// laws up to a hundred times as long as the run.
-double before_jump(double jump, double span);
+LOCKSTEP_API double before_jump(double jump, double span);
 /// Crosses what is left to t with the rates now, in the slots' own coordinates. `rate`: scratch.
-void cross_rest(Dynamics&, State&, double t, StateRate& rate);
+LOCKSTEP_API void cross_rest(Dynamics&, State&, double t, StateRate& rate);
 
 /// Whether rows change at an instant at which time crosses the jump of a law, or an input that laws read was set: then the
 /// law jumps in position.
-class PositionJump {
+class LOCKSTEP_API PositionJump {
  public:
   /// Before the jump.
   PositionJump(Dynamics&, const State&);

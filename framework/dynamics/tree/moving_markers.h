@@ -16,7 +16,7 @@ struct JointLaws {
   ImposedRotation D;
 };
 /// Throws NonFiniteError and what the laws throw, with the link's name.
-JointLaws joint_laws_at(const TreeNode&, double t, const VecX& s);
+LOCKSTEP_API JointLaws joint_laws_at(const TreeNode&, double t, const VecX& s);
 
 /// The motion of a node with moving markers from that of its parent, world axes.
 struct MovedNode {

@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include <lockstep/export.h>
+
 namespace lockstep {
 
 class JointTree;
@@ -12,7 +14,7 @@ class System;
 /// tree in space: "" where m r^2 <= `most` J for all of them, else the one with the most m r^2 / J. Its turn about that
 /// axis comes out of sums whose terms are as large as m r^2, with a relative error of 1e-16 m r^2 / J, which at tight
 /// tolerances no step brings below the tolerance; omega finds it from the body's own inertia.
-std::string slender_body(const JointTree&, const System&, double most = 1e6);
+LOCKSTEP_API std::string slender_body(const JointTree&, const System&, double most = 1e6);
 
 /// The m r^2 / J from which on steps grow short by it at this relative tolerance: a rounding of 2^-52 makes half of that. A
 /// chain of four rods on balls took 2 to 3 times the steps of omega at a tenth of it, a hundred times at a quarter.

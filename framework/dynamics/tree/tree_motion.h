@@ -18,7 +18,7 @@ struct Imposed {
 };
 
 /// Throws NonFiniteError and what the laws throw, with the link's name.
-void laws_at(const TreeNode& n, double t, const VecX& s, Imposed& now);
+LOCKSTEP_API void laws_at(const TreeNode& n, double t, const VecX& s, Imposed& now);
 
 /// A node and its laws, for JointMotion.
 struct NodeJoint {

@@ -13,8 +13,8 @@
 #include "framework/dynamics/simulate/line_search.h"
 #include "framework/foundation/math/limits.h"
 #include "framework/tools/analysis/equilibrium_search.h"
-#include "framework/tools/analysis/motion_words.h"
 #include "framework/tools/analysis/rest_matrices.h"
+#include "framework/tools/rank/motion_words.h"
 
 namespace lockstep {
 namespace {

@@ -8,7 +8,7 @@
 #include <lockstep/error.h>
 #include "framework/dynamics/simulate/line_search.h"
 #include "framework/tools/analysis/equilibrium_search.h"
-#include "framework/tools/analysis/motion_words.h"
+#include "framework/tools/rank/motion_words.h"
 
 namespace lockstep {
 namespace {

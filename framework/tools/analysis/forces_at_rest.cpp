@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "framework/mechanism/system/diagnose.h"
-#include "framework/tools/analysis/motion_words.h"
+#include "framework/tools/rank/motion_words.h"
 
 namespace lockstep {
 

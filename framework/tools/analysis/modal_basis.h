@@ -1,7 +1,7 @@
 // Motions of a mechanism in which its masses and its stiffness are diagonal.
 #pragma once
 
-#include "framework/tools/analysis/unknowns.h"
+#include "framework/tools/rank/unknowns.h"
 
 namespace lockstep {
 

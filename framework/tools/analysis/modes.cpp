@@ -6,8 +6,8 @@
 #include "framework/tools/analysis/lowest_modes.h"
 #include "framework/tools/analysis/mechanism_matrices.h"
 #include "framework/tools/analysis/minimal_coordinates.h"
-#include "framework/tools/analysis/motion_words.h"
 #include "framework/tools/analysis/spectrum.h"
+#include "framework/tools/rank/motion_words.h"
 
 namespace lockstep {
 namespace {

@@ -6,14 +6,13 @@
 #include <complex>
 #include <limits>
 
-#include <Eigen/Eigenvalues>
-
 #include <lockstep/newton.h>
+#include "framework/foundation/math/decompositions.h"
 #include "framework/foundation/math/limits.h"
 #include "framework/tools/analysis/forces_at_rest.h"
 #include "framework/tools/analysis/mechanism_matrices.h"
-#include "framework/tools/analysis/motion_words.h"
 #include "framework/tools/analysis/rest_matrices.h"
+#include "framework/tools/rank/motion_words.h"
 
 namespace lockstep {
 
@@ -86,8 +85,8 @@ Stability judge_motions(const Evaluation& e, const RestMatrices& A) {
   Eigen::MatrixXcd motions = own.U.cast<std::complex<double>>();
   double solver = 0;
   if (!out.has_potential) {
-    const Eigen::EigenSolver<MatX> eigen(own.K);
-    mu = eigen.eigenvalues(), motions *= eigen.eigenvectors(), solver = kSolver * own.K.norm();
+    const Eigenvectors of = eigenvectors(own.K);
+    mu = of.values, motions *= of.vectors, solver = kSolver * own.K.norm();
   }
   for (Eigen::Index i = 0; i < mu.size(); ++i) {
     const VecX re = motions.col(i).real(), im = motions.col(i).imag();

@@ -9,7 +9,8 @@
 #include <lockstep/charts.h>
 #include "framework/tools/charts/gnuplot.h"
 
-namespace lockstep::chart_style {
+namespace lockstep {
+namespace chart_style LOCKSTEP_API {
 
 /// The n-th colour of a palette for colour-blind readers.
 std::string color(std::size_t n);
@@ -57,4 +58,5 @@ struct Extent {
 void check_panel(const std::vector<Series>&, bool log_x, bool log_y, const std::string& chart, const std::string& panel,
                  const std::string& advice);
 
-}  // namespace lockstep::chart_style
+}  // namespace LOCKSTEP_API
+}  // namespace lockstep

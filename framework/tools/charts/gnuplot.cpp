@@ -1,12 +1,8 @@
 #include "framework/tools/charts/gnuplot.h"
 
-#include <fcntl.h>
-#include <spawn.h>
 #include <spdlog/fmt/fmt.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-#include <cerrno>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -16,8 +12,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
-
-extern char** environ;
+#include "framework/foundation/support/child.h"
 
 namespace lockstep {
 namespace {
@@ -48,38 +43,6 @@ class TemporaryFolder {
   fs::path path_;
 };
 
-std::string contents(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-// Runs the program in the folder; its output goes to said.txt. Returns its exit code.
-int run(const std::string& program, std::span<const std::string> arguments, const std::string& folder) {
-  std::vector<std::string> words{program};
-  words.insert(words.end(), arguments.begin(), arguments.end());
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "said.txt", O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
-  pid_t child = 0;
-  const int failed = posix_spawn(&child, program.c_str(), &actions, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (failed != 0)
-    throw FileError(
-        fmt::format("cannot start \"{}\": {}; check that it can be executed", program, std::strerror(failed)));
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
-}
-
 std::string base_of(const std::string& path) {
   for (const char* ending : {".svg", ".png"})
     if (path.size() > 4 && path.ends_with(ending)) return path.substr(0, path.size() - 4);
@@ -94,7 +57,7 @@ std::string head(const char* file, const std::string& terminal) {
 void hand_over(const std::string& made, const std::string& file, const std::string& said) {
   std::error_code none;
   if (const auto size = fs::file_size(made, none); none || size == 0)
-    throw FileError(fmt::format("gnuplot drew nothing for \"{}\"; it said: {}", file, contents(said)));
+    throw FileError(fmt::format("gnuplot drew nothing for \"{}\"; it said: {}", file, said));
   std::error_code failed;
   fs::copy_file(made, file, fs::copy_options::overwrite_existing, failed);
   if (failed)
@@ -153,7 +116,7 @@ void draw(const Script& script, const std::string& path, int width, int height) 
   const std::string base = base_of(path);
   if (base.empty()) throw FileError(fmt::format("cannot write a chart to \"{}\": give a file name", path));
   const TemporaryFolder folder;
-  const std::string commands = folder.file("chart.gp"), said = folder.file("said.txt");
+  const std::string commands = folder.file("chart.gp");
   {
     std::ofstream out(commands, std::ios::binary);
     out << head("chart.png", fmt::format("pngcairo size {},{} font 'sans,12'", width, height)) << script.text()
@@ -163,9 +126,8 @@ void draw(const Script& script, const std::string& path, int width, int height) 
     if (!out.flush())
       throw FileError(fmt::format("cannot write \"{}\"; set TMPDIR to a folder with space left", commands));
   }
-  const std::string arguments[] = {"-d", "chart.gp"};
-  if (run(program, arguments, folder.path()) != 0)
-    throw FileError(fmt::format("gnuplot could not draw \"{}\"; it said: {}", path, contents(said)));
+  const auto [status, said] = run_child({program, "-d", "chart.gp"}, folder.path(), true);
+  if (status != 0) throw FileError(fmt::format("gnuplot could not draw \"{}\"; it said: {}", path, said));
   hand_over(folder.file("chart.svg"), base + ".svg", said);
   hand_over(folder.file("chart.png"), base + ".png", said);
 }

@@ -9,7 +9,7 @@
 #include <lockstep/analysis.h>
 #include <lockstep/scene.h>
 #include <lockstep/uniqueness.h>
-#include "framework/tools/analysis/doubts.h"
+#include "framework/tools/rank/doubts.h"
 
 namespace lockstep {
 

@@ -19,8 +19,10 @@
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/program/complete.h"
 #include "framework/tools/program/files.h"
+#include "framework/tools/program/manual.h"
 #include "framework/tools/program/options.h"
 #include "framework/tools/program/terminal.h"
+#include "framework/tools/program/tools.h"
 
 namespace lockstep {
 namespace {
@@ -109,7 +111,14 @@ int guarded(const std::function<int()>& command) {
   }
 }
 
-int run_words(int argc, const char* const* argv) {
+bool is_own(std::string_view verb) {
+  return verb == "complete" || verb == "plugins" || verb == "plugin-answer" ||
+         std::ranges::find(own_verbs(), verb, &Verb::name) != own_verbs().end();
+}
+
+int run_words(const Program& program, int argc, const char* const* argv) {
+  if (program.calls_tools)
+    if (const std::optional<int> code = call_tool(argc, argv, is_own)) return *code;
   CLI::App app("lockstep: simulates mechanisms of rigid bodies with the lock formulation", "lockstep");
   app.set_version_flag("--version", std::string("lockstep ") + kVersion);
   app.require_subcommand(1);
@@ -124,20 +133,26 @@ int run_words(int argc, const char* const* argv) {
   Arguments arguments;
   std::vector<std::pair<const CLI::App*, const Verb*>> verbs;
   const auto add_verb = [&](CLI::App& parent, const Verb& verb) {
-    CLI::App* sub = parent.add_subcommand(verb.name, verb.help);
+    CLI::App* sub = parent.add_subcommand(verb.name, *verb.help != 0 ? verb.help : tool_of(verb.name)->help);
     verb.add_options(*sub, arguments);
     sub->footer(verb.footer);
     verbs.emplace_back(sub, &verb);
   };
-  for (const auto& group : {run_verbs(), analysis_verbs(), other_verbs()})
-    for (const Verb& verb : group) add_verb(app, verb);
-  CLI::App& plugins = *app.add_subcommand("plugins", "Report which plugins there are");
-  plugins.require_subcommand(1);
-  add_verb(plugins, plugins_list_verb());
+  for (const Verb& verb : program.verbs) add_verb(app, verb);
+  if (program.calls_tools) {
+    for (const Tool& tool : tools()) app.add_subcommand(tool.verb, tool.help)->prefix_command();
+    CLI::App& plugins = *app.add_subcommand("plugins", "Report which plugins there are");
+    plugins.require_subcommand(1);
+    add_verb(plugins, plugins_list_verb());
+  }
 
   arguments.line = &app;
   if (argc > 1 && std::string_view(argv[1]) == "complete")
     return guarded([&] { return complete_command(app, argc - 2, argv + 2); });
+  if (argc == 2 && !program.calls_tools && std::string_view(argv[1]) == "man-verbs") {
+    fmt::print("{}", verbs_page(app));
+    return kExitOk;
+  }
   if (argc == 3 && std::string_view(argv[1]) == "plugin-answer")
     return guarded([&] { return plugin_answer_command(argv[2]); });
   try {
@@ -180,9 +195,7 @@ int exit_code_of(const Error& error) {
 Arguments read_run_words(const std::vector<std::string>& words) {
   CLI::App app("lockstep", "lockstep");
   Arguments arguments;
-  const auto run =
-      std::ranges::find(run_verbs(), std::string_view("run"), [](const Verb& v) { return std::string_view(v.name); });
-  run->add_options(*app.add_subcommand(run->name, run->help), arguments);
+  add_run(*app.add_subcommand("run"), arguments);
   std::vector<const char*> argv{"lockstep"};
   for (const std::string& word : words) argv.push_back(word.c_str());
   const int argc = static_cast<int>(argv.size());
@@ -195,11 +208,11 @@ Arguments read_run_words(const std::vector<std::string>& words) {
   return arguments;
 }
 
-int run_program(int argc, const char* const* argv) {
+int run_program(const Program& program, int argc, const char* const* argv) {
   usual_end = std::set_terminate(end_without_memory);
   std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit (ulimit -f) is a write that fails
   try {
-    return printed(run_words(argc, argv));
+    return printed(run_words(program, argc, argv));
   } catch (const std::bad_alloc&) {
     return out_of_memory();
   }

@@ -1,7 +1,8 @@
-// The verbs of the program `lockstep`: one function each over the public interface.
+// The verbs of the program `lockstep`: one function each over the public interface; and what all programs share.
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -68,7 +69,7 @@ struct Arguments {
   std::vector<std::string> more_scenes;  ///< after the first
   const CLI::App* line = nullptr;        ///< the command line itself, for its manual
   std::string kind, name, into;   ///< kind and folder of a new plugin, or of the demo; its name, a shelf's or a type's
-  std::string wild, within;       ///< random starts of assemble; a distance
+  std::string within;             ///< a distance
   std::string branches;           ///< random starts of assemble; "": branches are not looked for
   std::string all;                ///< random starts of statics; "": one equilibrium
   bool nearest = false;           ///< statics takes the equilibrium that it meets first
@@ -110,24 +111,8 @@ int run_command(const Arguments&);
 int resume_command(const Arguments&);
 int report_command(const Arguments&);
 int demo_command(const Arguments&);
-int import_command(const Arguments&);
 int check_command(const Arguments&);
-int mobility_command(const Arguments&);
-int chart_command(const Arguments&);
-int advise_command(const Arguments&);
-int sweep_command(const Arguments&);
-int assemble_command(const Arguments&);
 int reference_command(const Arguments&);
-int branches_command(const Arguments&);  ///< assemble --branches
-int wild_command(const Arguments&);      ///< assemble --wild
-int statics_command(const Arguments&);
-int kinematics_command(const Arguments&);
-int inverse_command(const Arguments&);
-int explain_command(const Arguments&);
-int modes_command(const Arguments&);
-int linearize_command(const Arguments&);
-int matrices_command(const Arguments&);
-int atlas_command(const Arguments&);
 int list_command(const Arguments&);
 int describe_command(const Arguments&);
 int schema_command(const Arguments&);
@@ -136,7 +121,15 @@ int plugins_list_command(const Arguments&);
 /// A verb that no help shows: answers `plugins list` about one file, whose code may end this process.
 int plugin_answer_command(const char* file);
 
+struct Verb;
+
+/// The verbs of a program, and whether it is the one that finds the others (tools.h).
+struct Program {
+  std::span<const Verb> verbs;
+  bool calls_tools = false;
+};
+
 /// Reads the command line, runs a verb, prints errors on standard error. Returns an Exit.
-int run_program(int argc, const char* const* argv);
+int run_program(const Program&, int argc, const char* const* argv);
 
 }  // namespace lockstep

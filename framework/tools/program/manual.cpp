@@ -6,6 +6,7 @@
 #include <lockstep/text.h>
 #include <lockstep/version.h>
 #include "framework/tools/program/options.h"
+#include "framework/tools/program/tools.h"
 
 namespace lockstep {
 namespace {
@@ -60,7 +61,7 @@ void write_verb(std::ostringstream& out, const CLI::App& verb, const std::string
 
 void write_verbs(std::ostringstream& out, const CLI::App& app, const std::string& before) {
   for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; })) {
-    if (verb->get_group().empty()) continue;
+    if (verb->get_group().empty() || verb->get_prefix_command()) continue;  // of tools: theirs
     const std::string name = before + verb->get_name();
     const bool has_own = !verb->get_subcommands([](const CLI::App*) { return true; }).empty();
     if (has_own)
@@ -74,6 +75,9 @@ constexpr const char* kEnvironment = R"(.SH ENVIRONMENT
 .TP
 .B LOCKSTEP_OUTPUT
 the folder of results that are not named; default: the present one
+.TP
+.B LOCKSTEP_EXEC_PATH
+the folder of the programs that lockstep calls; default: libexec/lockstep beside its own folder
 .TP
 .B LOCKSTEP_PLUGIN_PATH
 folders with plugins, separated by colons, before the program's own
@@ -91,6 +95,12 @@ what a sweep that has not ended was begun by, for sweep \-\-resume
 
 }  // namespace
 
+std::string verbs_page(const CLI::App& app) {
+  std::ostringstream out;
+  write_verbs(out, app, "");
+  return out.str();
+}
+
 std::string manual_page(const CLI::App& app) {
   std::ostringstream out;
   out << ".TH LOCKSTEP 1 \"\" \"lockstep " << kVersion << "\" \"User Commands\"\n"
@@ -103,7 +113,7 @@ std::string manual_page(const CLI::App& app) {
          "move.\n"
       << ".PP\nBegin with\n.B lockstep demo\nor\n.BR \"lockstep describe scene\" .\n"
       << ".SH VERBS\n";
-  write_verbs(out, app, "");
+  out << verbs_page(app) << pages_of_tools();
   const std::string footer = app.get_footer();
   const std::size_t codes = footer.find("Exit codes: ");
   out << ".SH EXIT STATUS\n" << escaped(codes == std::string::npos ? footer : footer.substr(codes + 12)) << ".\n";

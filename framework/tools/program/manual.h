@@ -11,5 +11,7 @@ namespace lockstep {
 
 /// lockstep(1), in the macros of man(7).
 std::string manual_page(const CLI::App& app);
+/// Its part on the verbs of a program.
+std::string verbs_page(const CLI::App& app);
 
 }  // namespace lockstep

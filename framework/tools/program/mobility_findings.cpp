@@ -6,9 +6,9 @@
 #include <lockstep/error.h>
 #include <lockstep/step_loop.h>
 #include "framework/dynamics/simulate/consistency.h"
-#include "framework/tools/analysis/motion_words.h"
-#include "framework/tools/analysis/unknowns.h"
 #include "framework/tools/program/check_dependencies.h"
+#include "framework/tools/rank/motion_words.h"
+#include "framework/tools/rank/unknowns.h"
 
 namespace lockstep {
 namespace {

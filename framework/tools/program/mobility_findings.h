@@ -10,7 +10,7 @@
 #include <lockstep/analysis.h>
 #include <lockstep/kinematics.h>
 #include <lockstep/uniqueness.h>
-#include "framework/tools/analysis/branch_point.h"
+#include "framework/tools/rank/branch_point.h"
 #include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {

@@ -16,18 +16,14 @@ namespace lockstep {
 /// A verb of the program.
 struct Verb {
   const char* name;
-  const char* help;
+  const char* help;  ///< "": as tools() has it
   void (*add_options)(CLI::App&, Arguments&);
   int (*run)(const Arguments&);
   const char* footer;
 };
 
-/// Those that run a scene, once or many times.
-std::span<const Verb> run_verbs();
-/// Those that say something of a mechanism besides its motion.
-std::span<const Verb> analysis_verbs();
-/// Those on types, plugins, other formats and the command line.
-std::span<const Verb> other_verbs();
+/// Those of the program `lockstep`, but for `plugins list`.
+std::span<const Verb> own_verbs();
 /// `plugins list`.
 const Verb& plugins_list_verb();
 
@@ -50,6 +46,8 @@ void add_plugins(CLI::App& verb, Arguments&);
 void add_scene(CLI::App& verb, Arguments&);
 /// The scene, and how it is run.
 void add_settings(CLI::App& verb, Arguments&);
+/// All that `run` takes.
+void add_run(CLI::App& verb, Arguments&);
 /// --headers.
 void add_headers(CLI::App& verb, Arguments&);
 /// What a run writes beside its report. Returns --json.

@@ -1,7 +1,5 @@
 // The verb plugins list: the plugins of the search path, and why one is refused. Each file is asked by a process of its
 // own, which code of a damaged file may end.
-#include <fcntl.h>
-#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -9,7 +7,6 @@
 
 #include <algorithm>
 #include <boost/dll/runtime_symbol_info.hpp>
-#include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -18,6 +15,7 @@
 #include <lockstep/loader.h>
 #include <lockstep/registry.h>
 #include "framework/description/registry/survey.h"
+#include "framework/foundation/support/child.h"
 #include "framework/tools/program/commands.h"
 #include "framework/tools/program/document.h"
 
@@ -66,35 +64,8 @@ std::string end_words(int status) {
   return fmt::format("SIG{} ({})", sigabbrev_np(signal), strsignal(signal));
 }
 
-// Runs `lockstep plugin-answer FILE`; what it printed. `status`: how it ended.
-std::string printed_by_process(std::string file, int& status) {
-  std::string program = boost::dll::program_location().string(), verb = "plugin-answer";
-  char* const words[] = {program.data(), verb.data(), file.data(), nullptr};
-  int pipe[2];
-  if (pipe2(pipe, O_CLOEXEC) != 0) throw FileError(std::string("a pipe cannot be made: ") + std::strerror(errno));
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_adddup2(&actions, pipe[1], STDOUT_FILENO);
-  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-  pid_t child = 0;
-  const int failed = posix_spawn(&child, program.c_str(), &actions, nullptr, words, environ);
-  posix_spawn_file_actions_destroy(&actions);
-  close(pipe[1]);
-  std::string text;
-  char block[4096];
-  for (ssize_t n = 1; failed == 0 && (n > 0 || (n < 0 && errno == EINTR));)
-    if (n = read(pipe[0], block, sizeof block); n > 0) text.append(block, static_cast<std::size_t>(n));
-  close(pipe[0]);
-  if (failed != 0) throw FileError("'" + program + "' cannot be started: " + std::strerror(failed));
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  return text;
-}
-
 void ask_process(PluginCandidate& c) {
-  int status = 0;
-  const std::string text = printed_by_process(c.file, status);
+  const auto [status, text] = run_child({boost::dll::program_location().string(), "plugin-answer", c.file});
   const std::size_t at = text.rfind(kAnswer);
   if (status == 0 && at != std::string::npos)
     if (const Json answer = Json::from_msgpack(text.substr(at + kAnswer.size()), false, false); answer.is_object())

@@ -14,7 +14,7 @@
 #include "framework/foundation/support/thrown.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/charts/gnuplot.h"
-#include "framework/tools/program/certify.h"
+#include "framework/tools/program/certified.h"
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/commands.h"
 #include "framework/tools/program/detail_rows.h"
@@ -233,9 +233,10 @@ constexpr int kFewVelocities = 300, kManyVelocities = 3000;
 class ProgramRun {
  public:
   /// `from`: the checkpoint that it goes on from; null: it begins.
-  ProgramRun(const Arguments& args, const RunCheckpoint* from)
+  ProgramRun(const Arguments& args, const RunCheckpoint* from, Certify certify = nullptr)
       : args_(args),
         from_(from),
+        certify_(certify),
         words_(args),
         loaded_(load_for(args, from)),
         m_(build_observed(loaded_.scene, loaded_.registry)),
@@ -413,8 +414,8 @@ class ProgramRun {
       show(args_, report_);
     }
     print_result(end, files);
-    if (args_.certify) {
-      const CertifiedRun certified = certificate_of(loaded_, args_, m_.run, recorder_->table());
+    if (certify_ != nullptr) {
+      const CertifiedRun certified = certify_(loaded_, args_, m_.run, recorder_->table());
       fmt::print(args_.record == "-" ? stderr : stdout, "{}", certified.text);
       uncertified_ = certified.doubt;
     }
@@ -436,6 +437,7 @@ class ProgramRun {
 
   const Arguments& args_;
   const RunCheckpoint* from_;
+  const Certify certify_;
   const Words words_;
   Loaded loaded_;
   Mechanism m_;
@@ -464,6 +466,7 @@ class ProgramRun {
 }  // namespace
 
 int run_command(const Arguments& args) { return ProgramRun(args, nullptr).go(); }
+int run_and_certify(const Arguments& args, Certify certify) { return ProgramRun(args, nullptr, certify).go(); }
 
 int resume_command(const Arguments& args) {
   const RunCheckpoint from = RunCheckpoint::read(args.checkpoint);

@@ -12,10 +12,10 @@
 #include <lockstep/step_loop.h>
 #include "framework/dynamics/simulate/along_laws.h"
 #include "framework/mechanism/params/read.h"
-#include "framework/tools/analysis/branch_point.h"
-#include "framework/tools/analysis/doubts.h"
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/few_messages.h"
+#include "framework/tools/rank/branch_point.h"
+#include "framework/tools/rank/doubts.h"
 #include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {

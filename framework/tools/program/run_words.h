@@ -7,11 +7,11 @@
 
 #include <lockstep/scene.h>
 #include <lockstep/step_loop.h>
-#include "framework/tools/analysis/doubts.h"
-#include "framework/tools/analysis/singular_watch.h"
 #include "framework/tools/program/commands.h"
 #include "framework/tools/program/row_envelope.h"
 #include "framework/tools/program/summary.h"
+#include "framework/tools/rank/doubts.h"
+#include "framework/tools/rank/singular_watch.h"
 
 namespace lockstep {
 

@@ -8,8 +8,8 @@
 #include "framework/dynamics/simulate/start_positions.h"
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/foundation/math/limits.h"
-#include "framework/tools/analysis/branch_point.h"
-#include "framework/tools/analysis/left_out_rows.h"
+#include "framework/tools/rank/branch_point.h"
+#include "framework/tools/rank/left_out_rows.h"
 
 namespace lockstep {
 namespace {

@@ -1,6 +1,6 @@
 // A Simulation of a scene: what the program runs, as one object.
-#include "framework/tools/analysis/doubts.h"
-#include "framework/tools/analysis/singular_watch.h"
+#include "framework/tools/rank/doubts.h"
+#include "framework/tools/rank/singular_watch.h"
 #include "framework/tools/scene_run/rows_at_jumps.h"
 #include "framework/tools/scene_run/scene_run.h"
 #include "framework/tools/simulation/simulation_parts.h"

@@ -11,7 +11,7 @@
 #include <lockstep/sweep.h>
 #include "framework/dynamics/simulate/step_rules.h"
 #include "framework/foundation/support/thrown.h"
-#include "framework/tools/analysis/singular_watch.h"
+#include "framework/tools/rank/singular_watch.h"
 #include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {

@@ -9,9 +9,9 @@
 #include <lockstep/text.h>
 #include "framework/foundation/support/csv_cells.h"
 #include "framework/foundation/support/thrown.h"
-#include "framework/tools/analysis/doubts.h"
-#include "framework/tools/analysis/singular_watch.h"
 #include "framework/tools/precision/work_precision.h"
+#include "framework/tools/rank/doubts.h"
+#include "framework/tools/rank/singular_watch.h"
 #include "framework/tools/scene_run/rows_at_jumps.h"
 #include "framework/tools/scene_run/scene_run.h"
 #include "framework/tools/sweep/watched_run.h"

@@ -7,8 +7,8 @@
 #include <lockstep/error.h>
 #include "framework/description/scene/run_outputs.h"
 #include "framework/dynamics/tree/rows_in_plane.h"
-#include "framework/tools/analysis/doubts.h"
 #include "framework/tools/precision/work_precision.h"
+#include "framework/tools/rank/doubts.h"
 #include "framework/tools/scene_run/scene_run.h"
 #include "framework/tools/sweep/watched_run.h"
 

@@ -1,0 +1,248 @@
+// The verb atlas: over any two numbers of a scene, where each method works, is inaccurate and fails.
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <map>
+#include <mutex>
+#include <numeric>
+#include <thread>
+
+#include <nlohmann/json.hpp>
+
+#include <lockstep/analysis.h>
+#include <lockstep/error.h>
+#include <lockstep/log.h>
+#include <lockstep/text.h>
+#include "framework/tools/charts/gnuplot.h"
+#include "framework/tools/commands/atlas_pictures.h"
+#include "framework/tools/commands/atlas_plan.h"
+#include "framework/tools/commands/atlas_tables.h"
+#include "framework/tools/commands/run_queue.h"
+#include "framework/tools/commands/threads.h"
+#include "framework/tools/commands/tool_verbs.h"
+#include "framework/tools/program/document.h"
+#include "framework/tools/program/files.h"
+#include "framework/tools/program/progress.h"
+#include "framework/tools/sweep/step_limit.h"
+
+namespace lockstep {
+namespace {
+
+constexpr int kMostTheory = 40;  // bodies up to which small motions are analysed
+
+/// All runs of an atlas, shared out to threads; references first.
+class Atlas {
+ public:
+  Atlas(AtlasPlan& plan, const Interrupt& interrupt, int jobs)
+      : plan_(plan), interrupt_(interrupt), jobs_(jobs), n_(plan.grid.n_runs()) {
+    long n_panels = 0;
+    for (AtlasPanel& panel : plan_.panels)
+      panel.cells.resize(static_cast<std::size_t>(n_)), n_panels += panel.unsuited.empty();
+    total_ = n_ * n_panels;
+    limit_ = std::max(0.1, 5 * plan.budget / static_cast<double>(std::max(1l, total_)));
+  }
+
+  void go(Progress& progress) {
+    for (long run = 1; run <= n_; ++run) references_[plan_.reference_key(run)].runs.push_back(run);
+    std::vector<Shared*> all;
+    for (auto& [key, shared] : references_) all.push_back(&shared);
+    share_out(static_cast<long>(all.size()), [&](long k) { prepare(*all[static_cast<std::size_t>(k)]); });
+    // A stride without a common factor: when time is up, what is left out is spread over the maps.
+    long stride = std::max(1l, static_cast<long>(0.618 * static_cast<double>(n_)));
+    while (std::gcd(stride, n_) != 1) ++stride;
+    std::vector<AtlasPanel*> panels;
+    for (AtlasPanel& panel : plan_.panels)
+      if (panel.unsuited.empty()) panels.push_back(&panel);
+    const auto n_panels = static_cast<long>(panels.size());
+    std::mutex mutex;
+    share_out(total_, [&](long k) {
+      std::unique_lock lock(mutex);
+      progress.at(static_cast<double>(done_++));
+      lock.unlock();
+      if (spent_ > plan_.budget) return;
+      compute(*panels[static_cast<std::size_t>(k % n_panels)], 1 + (k / n_panels * stride) % n_);
+    });
+    for (AtlasPanel* panel : panels) add_limit(*panel);
+  }
+
+  bool out_of_time() const { return spent_ > plan_.budget; }
+  double agreement() const {
+    double worst = 0;
+    for (const auto& [key, shared] : references_) worst = std::max(worst, shared.reference.agreement);
+    return worst;
+  }
+  std::string methods() const {
+    std::vector<std::string> names;
+    for (const auto& [key, shared] : references_)
+      if (!shared.reference.method.empty() && std::ranges::find(names, shared.reference.method) == names.end())
+        names.push_back(shared.reference.method);
+    return names.empty() ? "none" : text::join(names);
+  }
+  std::string missing() const {
+    for (const auto& [key, shared] : references_)
+      if (shared.reference.method.empty()) return shared.reference.reason;
+    return {};
+  }
+
+ private:
+  struct Shared {
+    std::vector<long> runs{};
+    AtlasReference reference{};
+  };
+
+  template <class Work>
+  void share_out(long n, Work&& work) {
+    std::atomic<long> next = 0;
+    std::exception_ptr failed;
+    std::mutex mutex;
+    const auto loop = [&] {
+      try {
+        for (long k = next++; k < n && !interrupt_.asked(); k = next++) work(k);
+      } catch (...) {
+        const std::lock_guard lock(mutex);
+        failed = std::current_exception(), next = n;
+      }
+    };
+    {
+      std::vector<std::jthread> threads;
+      start_threads(threads, static_cast<std::size_t>(jobs_), [&loop](std::size_t) { loop(); });
+    }
+    if (failed) std::rethrow_exception(failed);
+  }
+
+  std::function<bool()> go_on() const {
+    return [this] { return !interrupt_.asked(); };
+  }
+
+  void prepare(Shared& shared) {
+    std::vector<double> instants;
+    std::optional<Scene> scene;
+    for (const AtlasPanel& panel : plan_.panels) {
+      if (!panel.unsuited.empty()) continue;
+      for (const long run : shared.runs) {
+        try {
+          scene = plan_.scene(run, panel);
+        } catch (const Error& error) {
+          shared.reference.reason = error.what();
+          continue;
+        }
+        const std::vector<double> more = atlas_instants(scene->run, panel.adaptive);
+        instants.insert(instants.end(), more.begin(), more.end());
+      }
+    }
+    if (!scene) return;
+    std::ranges::sort(instants);
+    instants.erase(std::unique(instants.begin(), instants.end(), [](double a, double b) { return b - a <= 1e-9 * b; }),
+                   instants.end());
+    shared.reference = atlas_reference(*scene, plan_.loaded.registry, instants, 0.2 * plan_.budget, go_on());
+  }
+
+  void compute(AtlasPanel& panel, long run) {
+    AtlasCell& cell = panel.cells[static_cast<std::size_t>(run - 1)];
+    const AtlasReference& reference = references_.at(plan_.reference_key(run)).reference;
+    if (reference.method.empty()) {
+      cell.reason = "no reference: " + reference.reason;
+      return;
+    }
+    try {
+      const Scene scene = plan_.scene(run, panel);
+      cell = atlas_run(scene, plan_.loaded.registry, reference, atlas_instants(scene.run, panel.adaptive), plan_.limits,
+                       limit_, go_on());
+    } catch (const Error& error) {
+      cell.outcome = AtlasOutcome::stopped, cell.reason = error.what(), cell.error = HUGE_VAL;
+    }
+    const std::lock_guard lock(mutex_);
+    spent_ = spent_ + cell.cpu;
+  }
+
+  // The limit of linear theory along the axis of steps, for each value of the other.
+  void add_limit(AtlasPanel& panel) {
+    const auto is_step = [](const Variable& v) { return v.place == "run.step"; };
+    const auto at = std::ranges::find_if(plan_.variables, is_step);
+    if (at == plan_.variables.end() || panel.adaptive || interrupt_.asked()) return;
+    const auto k = static_cast<std::size_t>(at - plan_.variables.begin());
+    const std::vector<double> steps = axis_numbers(plan_.variables[k]), others = axis_numbers(plan_.variables[1 - k]);
+    for (std::size_t i = 0; i < others.size(); ++i) {
+      const auto run = static_cast<long>(1 + (k == 0 ? i : i * steps.size()));
+      double h = std::numeric_limits<double>::quiet_NaN();
+      try {
+        const Scene scene = plan_.scene(run, panel);
+        if (build_mechanism(scene, plan_.loaded.registry).system.n_slots() <= kMostTheory)
+          h = step_limit(panel.integrator, small_motions(scene, plan_.loaded.registry), 0.1 * steps.front(),
+                         10 * steps.back());
+      } catch (const Error&) {  // no theory of a start that cannot be evaluated
+      }
+      const bool shown = h > 0.1 * steps.front() && h < 10 * steps.back();
+      const double along = shown ? h : std::numeric_limits<double>::quiet_NaN();
+      panel.limit_x.push_back(k == 0 ? along : others[i]), panel.limit_y.push_back(k == 0 ? others[i] : along);
+    }
+  }
+
+  AtlasPlan& plan_;
+  const Interrupt& interrupt_;
+  const int jobs_;
+  const long n_;
+  long total_ = 0;
+  double limit_ = 0;
+  std::map<std::string, Shared> references_;
+  std::mutex mutex_;
+  std::atomic<double> spent_ = 0;
+  long done_ = 0;
+};
+
+}  // namespace
+
+int atlas_command(const Arguments& args) {
+  const std::string of = args.of == "position" ? "status" : args.of;  // the default of the other verbs
+  AtlasPlan plan = make_atlas_plan(args);
+  const std::string csv = csv_path(
+      args.out.empty() ? "" : (std::filesystem::path(args.out) / stem_of(args.scene)).string() + ".csv", args.scene);
+  const std::string base = std::filesystem::path(csv).replace_extension().string() + "_atlas";
+  check_writable(base + ".csv");
+  const Interrupt interrupt;
+  set_logger(nullptr);
+  Atlas atlas(plan, interrupt, args.jobs > 0 ? args.jobs : available_processors());
+  const long n = plan.grid.n_runs() * static_cast<long>(plan.panels.size());
+  {
+    Progress progress(static_cast<double>(n), args.quiet || args.json, Counts::runs);
+    atlas.go(progress);
+    progress.finish();
+  }
+  write_atlas_cells(base + ".csv", plan);
+  std::vector<std::string> files{base + ".csv"};
+  const bool any = std::ranges::any_of(plan.panels, [](const AtlasPanel& p) { return p.unsuited.empty(); });
+  if (any && !find_gnuplot().empty()) {
+    write_map_grid(base, atlas_picture(plan, atlas.methods(), of));
+    files.push_back(base + ".png"), files.push_back(base + ".svg");
+  }
+  if (args.json) {
+    nlohmann::ordered_json j = {{"scene", plan.loaded.scene.file},
+                                {"reference", atlas.methods()},
+                                {"agreement", atlas.agreement()},
+                                {"files", files}};
+    j.update(atlas_json(plan));
+    print_document(j);
+  } else {
+    fmt::print("{}\n  runs       {} of {} methods, each {} x {}\n  reference  {}, good to {:.1e} m\n",
+               plan.loaded.title(), n, plan.panels.size(), plan.variables[0].values.size(),
+               plan.variables[1].values.size(), atlas.methods(), atlas.agreement());
+    print_atlas_panels(plan);
+    if (!atlas.missing().empty()) fmt::print("  no reference for some values: {}\n", atlas.missing());
+    if (atlas.out_of_time()) fmt::print("  the time was spent before every run was tried; give more with --budget\n");
+    for (std::size_t k = 0; k < files.size(); ++k)
+      fmt::print("{}{}\n", k == 0 ? "  files      " : "             ", files[k]);
+  }
+  if (interrupt.asked()) {
+    fmt::print(stderr, "lockstep: interrupted; the runs up to there are written\n");
+    return kExitInterrupted;
+  }
+  if (!any) throw UsageError("no method can run this scene: " + plan.panels.front().unsuited);
+  return kExitOk;
+}
+
+}  // namespace lockstep

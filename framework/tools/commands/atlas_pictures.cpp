@@ -1,0 +1,102 @@
+#include "framework/tools/commands/atlas_pictures.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace lockstep {
+namespace {
+
+// Whether the numbers lie rather on a logarithmic axis: decades apart, or evenly in the logarithm.
+bool is_log(const std::vector<double>& x) {
+  if (x.front() <= 0 || x.size() < 3 || x.back() < 3 * x.front()) return false;
+  const double middle = x[x.size() / 2];
+  return std::abs(std::log(middle / std::sqrt(x.front() * x.back()))) <
+         std::abs(std::log(middle / (0.5 * (x.front() + x.back()))));
+}
+
+const std::vector<MapSpec::Kind> kOutcomes{{"works", "#6fbfae"},
+                                           {"inaccurate", "#f2c14e"},
+                                           {"wrong, and the run says so", "#e08a4f"},
+                                           {"wrong without a word", "#8e2a5b"},
+                                           {"stops with an error", "#cf5b50"},
+                                           {"too slow", "#8a8fb5"},
+                                           {"not tried", "#d9d9d9"}};
+
+// Crosses where singular positions were passed with plain stages.
+Series passed_marks(const AtlasPanel& panel, const std::vector<double>& x, const std::vector<double>& y) {
+  Series marks{"passed", {}, {}, SeriesStyle::crosses};
+  for (std::size_t i = 0; i < panel.cells.size(); ++i)
+    if (panel.cells[i].passed > 0) marks.x.push_back(x[i / y.size()]), marks.y.push_back(y[i % y.size()]);
+  return marks;
+}
+
+/// Decades of a number as kinds of a map.
+struct Decades {
+  std::vector<MapSpec::Kind> kinds;
+  double kind_of(double x) const {
+    if (!std::isfinite(x)) return static_cast<double>(kinds.size()) - 1;
+    return std::clamp(std::floor((std::log10(std::max(x, 1e-300)) + 10) / 2) + 1, 0.0,
+                      static_cast<double>(kinds.size()) - 2);
+  }
+};
+Decades decades_of(const std::string& what, const std::string& unit) {
+  constexpr const char* kColors[] = {"#1b4f8f", "#2f7fb8", "#58b1a8", "#a8d8a0", "#f2e08a", "#f2a65a", "#8e2a5b"};
+  Decades d;
+  for (int k = 0; k < 7; ++k)
+    d.kinds.push_back({k == 0   ? fmt::format("{} below 1e-10{}", what, unit)
+                       : k == 6 ? fmt::format("{} above 1{}", what, unit)
+                       : k == 5 ? fmt::format("{} to 1{}", what, unit)
+                                : fmt::format("{} to 1e{}{}", what, -10 + 2 * k, unit),
+                       kColors[k]});
+  d.kinds.push_back({"did not reach its end", "#b5b5b5"});
+  return d;
+}
+
+}  // namespace
+
+MapGridSpec atlas_picture(const AtlasPlan& plan, const std::string& reference, const std::string& of) {
+  MapGridSpec grid;
+  grid.title = plan.loaded.title();
+  const std::vector<double> x = axis_numbers(plan.variables[0]), y = axis_numbers(plan.variables[1]);
+  const auto label = [](const Variable& v) { return v.unit.empty() ? v.path : v.path + " [" + v.unit + "]"; };
+  const Decades decades = of == "energy" ? decades_of("relative imbalance", "") : decades_of("error", " m");
+  bool curves = false, marked = false;
+  for (const AtlasPanel& panel : plan.panels) {
+    if (!panel.unsuited.empty()) continue;
+    MapSpec map;
+    map.title = panel.name();
+    map.x_label = label(plan.variables[0]), map.y_label = label(plan.variables[1]);
+    map.x = x, map.y = y, map.log_x = is_log(x), map.log_y = is_log(y);
+    map.kinds = of == "status" ? kOutcomes : decades.kinds;
+    map.cells.resize(x.size() * y.size());
+    for (std::size_t i = 0; i < x.size(); ++i)
+      for (std::size_t j = 0; j < y.size(); ++j) {
+        const AtlasCell& c = panel.cells[i * y.size() + j];
+        const bool ended = c.outcome < AtlasOutcome::stopped;
+        map.cells[j * x.size() + i] = of == "status" ? static_cast<double>(c.outcome)
+                                                     : decades.kind_of(!ended           ? HUGE_VAL
+                                                                       : of == "energy" ? c.energy
+                                                                                        : c.error);
+      }
+    const bool any = std::ranges::any_of(panel.limit_x, [](double v) { return std::isfinite(v); }) &&
+                     std::ranges::any_of(panel.limit_y, [](double v) { return std::isfinite(v); });
+    if (any) map.curves = {{"limit", panel.limit_x, panel.limit_y, SeriesStyle::lines}}, curves = true;
+    if (Series marks = passed_marks(panel, x, y); !marks.x.empty())
+      map.curves.push_back(std::move(marks)), marked = true;
+    grid.maps.push_back(std::move(map));
+  }
+  grid.n_columns = std::min<std::size_t>(3, grid.maps.size());
+  grid.width = grid.maps.size() == 1 ? 900 : 1300;
+  if (grid.maps.size() == 1) grid.map_height = 520;
+  if (curves) grid.curve_label = "largest stable step by linear theory at the start";
+  if (marked) grid.mark_label = "singular positions were passed with plain stages";
+  grid.remarks.push_back(
+      fmt::format("Error: largest over the run, against {}; works: up to {:g} of the largest displacement, wrong: "
+                  "beyond {:g} of it.",
+                  reference, plan.limits.works, plan.limits.wrong));
+  return grid;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,323 @@
+#include "framework/tools/commands/benchmark.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+
+#include <lockstep/analysis.h>
+#include <lockstep/text.h>
+#include "framework/tools/program/few_messages.h"
+#include "framework/tools/program/method_specs.h"
+#include "framework/tools/scene_run/scene_run.h"
+
+namespace lockstep {
+namespace {
+
+constexpr double kBudget = 60;  // s
+
+/// Ends the present run, and with it the benchmark, when the user asks for it.
+class Ender final : public Observer {
+ public:
+  explicit Ender(const Interrupt& interrupt) : interrupt_(&interrupt) {}
+  void step(const Sample& s) override {
+    if (interrupt_->asked()) throw InterruptedError("interrupted", {.t = s.state.t});
+  }
+
+ private:
+  const Interrupt* interrupt_;
+};
+
+/// A mechanism at a fixed address, with its observers.
+struct Owner {
+  Mechanism mechanism;
+  std::unique_ptr<Recorder> recorder{};
+  Ender ender;
+};
+
+// `assembled`: the start that all mechanisms of the scene share, computed by the first.
+Subject subject_of(const Scene& scene, const Registry& registry, const Interrupt& interrupt,
+                   std::optional<State>& assembled) {
+  auto owner = std::make_shared<Owner>(Owner{build_mechanism(scene, registry), nullptr, Ender(interrupt)});
+  Mechanism& m = owner->mechanism;
+  m.run.record.clear();
+  owner->recorder = make_recorder(m);
+  Subject subject{owner, &system_of(m), {}};
+  subject.events = make_events(m, *owner->recorder);
+  if (!subject.events.empty()) subject.observers.push_back(owner->recorder.get());
+  subject.observers.push_back(&owner->ender);
+  if (!assembled) {
+    Dynamics dynamics(system_of(m), make_solver(m.run, registry), {Formulation::omega, m.run.stabilization});
+    assembled = assembled_start(dynamics, m);
+  }
+  subject.start = *assembled;
+  return subject;
+}
+
+MethodChoice method_of(const MethodSpec& spec, const RunSettings& run, const Registry& registry) {
+  RunSettings own = run;
+  own.integrator = spec;
+  own.step = 1;  // the benchmark sets the steps
+  return {to_word(spec), [&registry, own] { return make_integrator(own, registry); }};
+}
+
+bool is_adaptive(const MethodChoice& method) {
+  try {
+    return method.make()->info().adaptive;
+  } catch (const Error&) {
+    return false;  // it needs keys that were not given
+  }
+}
+
+std::vector<MethodSpec> specs_of(const std::string& option, const std::vector<std::string>& names,
+                                 const MethodSpec& own, const std::vector<TypeInfo>& types) {
+  if (names.empty()) return all_specs(own, types);
+  std::vector<MethodSpec> all;
+  for (const std::string& name : names) all.push_back(read_spec(option, name, types));
+  return all;
+}
+
+// "1e-2:1e-9" in falling order.
+std::pair<double, double> range_of(const std::string& option, const std::string& text, Unit unit) {
+  try {
+    const std::size_t colon = text.find(':');
+    const double a = positive_number(option, text.substr(0, colon), unit),
+                 b = colon == std::string::npos ? a : positive_number(option, text.substr(colon + 1), unit);
+    return {std::max(a, b), std::min(a, b)};
+  } catch (const UsageError&) {
+    throw UsageError(option + ": \"" + text + "\" is not a range; write it as COARSE:FINE, as in " + option +
+                     " 1e-2:1e-6");
+  }
+}
+
+void set_ranges(const Arguments& args, const Trajectory& trajectory, WorkPrecisionOptions& options) {
+  if (!args.tolerances.empty()) {
+    const auto [coarse, fine] = range_of("--tolerances", args.tolerances, Unit::none);
+    options.tolerances.clear();
+    for (double x = coarse; x > 0.999 * fine; x /= 10) options.tolerances.push_back(x);
+  }
+  if (!args.steps.empty()) {
+    const auto [coarse, fine] = range_of("--steps", args.steps, Unit::time);
+    const double interval = trajectory.length / trajectory.outputs;
+    options.steps.clear();
+    for (double n = std::max(1.0, std::ceil(interval / coarse - 1e-9)); interval / n > 0.999 * fine && n < 1e9; n *= 2)
+      options.steps.push_back(static_cast<int>(n));
+    if (options.steps.empty())
+      throw UsageError(
+          fmt::format("--steps: {} s is longer than the {:.3g} s between two instants of comparison; give "
+                      "smaller steps, or a longer run",
+                      coarse, interval));
+  }
+}
+
+// The values that were named, else all with `own` first.
+template <class T>
+std::vector<T> values_of(const std::vector<std::string>& words, T own, std::vector<T> all,
+                         T (*read)(const std::string&)) {
+  if (words.empty()) {
+    std::stable_partition(all.begin(), all.end(), [&](T v) { return v == own; });
+    return all;
+  }
+  std::vector<T> values;
+  std::transform(words.begin(), words.end(), std::back_inserter(values), read);
+  return values;
+}
+
+// Stabilisations and solvers make no difference to a mechanism without links.
+void leave_out(const System& system, SceneBenchmark& benchmark) {
+  WorkPrecisionOptions& o = benchmark.options;
+  if (!system.links().empty()) return;
+  if (o.stabilizations.size() > 1 || o.solvers.size() > 1)
+    benchmark.remarks.push_back("no links: stabilisations and solvers make no difference, one of each is charted");
+  o.stabilizations.resize(1);
+  o.solvers.resize(1);
+}
+
+// Automatic is omega where a solver is named, and where joint coordinates are the dearer ones.
+void settle_formulations(Dynamics& by_itself, const State& start, bool solver_named, std::vector<Formulation>& all) {
+  const bool joint = !solver_named && by_itself.why_not_joint(start.modes).empty();
+  std::vector<Formulation> settled;
+  for (Formulation f : all) {
+    if (f == Formulation::automatic && !joint) f = Formulation::omega;
+    if (std::find(settled.begin(), settled.end(), f) == settled.end()) settled.push_back(f);
+  }
+  all = std::move(settled);
+}
+
+// Whether rows that close loops are left in joint coordinates.
+bool has_loops(Dynamics& along_joints, State start) {
+  if (!along_joints.why_not_joint(start.modes).empty()) return false;
+  along_joints.to_formulation(start);
+  return start.coordinates && start.coordinates->has_rows();
+}
+
+std::string run_heading() {
+  return fmt::format("  {:<24} {:<10} {:<9} {:<8} {:<16} {:>9} {:>9} {:>9} {:>9} {:>9} {:>8}", "integrator",
+                     "formulation", "stabil.", "solver", "setting", "m", "m/s", "J", "N", "CPU s", "evals");
+}
+
+std::string run_line(const WorkPrecisionRun& r) {
+  std::string line = fmt::format(
+      "  {:<24} {:<10}  {:<9} {:<8} {:<16} ", r.integrator, to_string(r.formulation), to_string(r.stabilization),
+      r.solver, fmt::format("{} {:.3g}{}", r.adaptive ? "tolerance" : "step", r.setting, r.adaptive ? "" : " s"));
+  if (!r.done()) {
+    std::string reason = r.failure.substr(0, r.failure.find('\n'));
+    if (reason.size() > 90) reason = reason.substr(0, reason.rfind(' ', 90)) + " ...";
+    return line + "failed: " + reason;
+  }
+  return line + fmt::format("{:9.1e} {:9.1e} {:9.1e} {:9.1e} {:9.2g} {:8}", r.error.position, r.error.velocity,
+                            r.error.energy, r.error.reaction, r.cpu, r.evaluations);
+}
+
+}  // namespace
+
+std::vector<MethodChoice> references_of(const RunSettings& run, const Registry& registry, bool implicit) {
+  struct Candidate {
+    MethodChoice method;
+    IntegratorInfo info;
+    bool usual;
+  };
+  std::vector<Candidate> all;
+  const auto add = [&](const MethodSpec& spec, bool usual) {
+    const MethodChoice method = method_of(spec, run, registry);
+    const auto same = [&](const Candidate& c) { return c.method.name == method.name; };
+    if (is_adaptive(method) && std::none_of(all.begin(), all.end(), same))
+      all.push_back({method, method.make()->info(), usual});
+  };
+  const std::vector<TypeInfo> types = types_of(registry.integrators);
+  for (const TypeInfo& type : types) add(with_known_keys(type, run.integrator.keys), true);
+  for (const MethodSpec& spec : all_specs(run.integrator, types)) add(spec, to_word(spec) == spec.type);
+  std::stable_sort(all.begin(), all.end(), [&](const Candidate& a, const Candidate& b) {
+    const bool a_like = a.info.implicit == implicit, b_like = b.info.implicit == implicit;
+    if (a.usual != b.usual) return a.usual;
+    return a_like != b_like ? a_like : a.info.order > b.info.order;
+  });
+  std::vector<MethodChoice> methods;
+  for (Candidate& c : all) methods.push_back(std::move(c.method));
+  return methods;
+}
+
+double budget_of(const Arguments& args) {
+  if (args.budget.empty()) return kBudget;
+  const double budget = positive_number("--budget", args.budget, Unit::time, "60");
+  if (budget < 1) throw UsageError("--budget: the value is " + args.budget + "; it must be 1 s at least");
+  return budget;
+}
+
+SceneBenchmark benchmark_of(const Loaded& loaded, const Arguments& args, const Interrupt& interrupt) {
+  const Scene& scene = loaded.scene;
+  const Registry& registry = loaded.registry;
+  const RunSettings& run = scene.run;
+  if (run.until <= 0)
+    throw SceneError(
+        scene.file + ": run.until: the scene does not say how long it runs, or 0; say it there, or give --until 5",
+        scene.file);
+  SceneBenchmark benchmark;
+  benchmark.title = scene.title.empty() ? scene.file : scene.title;
+  auto assembled = std::make_shared<std::optional<State>>();
+  benchmark.trajectory = {
+      [&scene, &registry, &interrupt, assembled] { return subject_of(scene, registry, interrupt, *assembled); },
+      run.until};
+  const Subject first = benchmark.trajectory.make();
+  Dynamics dynamics(*first.system, make_solver(run, registry));
+  benchmark.imposed = !first.system->links().empty() && mobility(dynamics, first.start).freedoms == 0;
+
+  WorkPrecisionOptions& o = benchmark.options;
+  for (const MethodSpec& spec :
+       specs_of("--integrators", args.integrators, run.integrator, types_of(registry.integrators)))
+    o.integrators.push_back(method_of(spec, run, registry));
+  for (const MethodSpec& spec : specs_of("--solvers", args.solvers, run.solver, types_of(registry.solvers))) {
+    RunSettings own = run;
+    own.solver = spec;
+    o.solvers.push_back({to_word(spec), [&registry, own] { return make_solver(own, registry); }});
+  }
+  using Kind = Stabilization::Kind;
+  std::vector<Formulation> formulations{Formulation::omega, Formulation::quaternion};
+  Dynamics along_joints(*first.system, make_solver(run, registry),
+                        {Formulation::joint, {}});  // also where it is dearer
+  if (along_joints.why_not_joint(first.start.modes).empty()) formulations.push_back(Formulation::joint);
+  o.formulations = values_of(args.formulations, run.formulation, formulations, read_formulation);
+  settle_formulations(dynamics, first.start, !args.solvers.empty(), o.formulations);
+  o.loops = has_loops(along_joints, first.start);
+  o.stabilizations = values_of(args.stabilizations, benchmark.imposed ? Kind::none : run.stabilization.kind,
+                               {Kind::project, Kind::baumgarte, Kind::none}, read_stabilization);
+  o.separately = args.separately;
+  o.gains = run.stabilization;
+  RunSettings own = run;
+  own.step = 1;
+  const IntegratorInfo info = make_integrator(own, registry)->info();
+  if (info.adaptive) o.largest_step = run.step;
+  o.references = references_of(run, registry, info.implicit);
+  o.budget = budget_of(args);
+  set_ranges(args, benchmark.trajectory, o);
+  leave_out(*first.system, benchmark);
+  benchmark.base.integrator = o.integrators.front().name, benchmark.base.solver = o.solvers.front().name;
+  benchmark.base.formulation = o.formulations.front(), benchmark.base.stabilization = o.stabilizations.front();
+  return benchmark;
+}
+
+std::unique_ptr<WorkPrecision> measure(SceneBenchmark& benchmark, const Arguments& args, const Interrupt& interrupt) {
+  const bool quiet = args.quiet || args.json;
+  bool headed = false;
+  Progress progress(benchmark.options.budget, args.quiet, Counts::budget);
+  const double begin = thread_seconds();
+  const FewMessages none(0);  // what coarse settings do to a run is what is measured
+  benchmark.options.progress = [&](const std::string& what) {
+    if (!quiet && what.rfind("reference", 0) == 0) {
+      progress.finish();
+      fmt::print(stderr, "  {}\n", what);
+    }
+    progress.at(thread_seconds() - begin);
+  };
+  benchmark.options.measured = [&](const WorkPrecisionRun& run) {
+    if (quiet || run.interrupted) return;
+    progress.finish();
+    if (!headed) fmt::print("{}\n", run_heading());
+    headed = true;
+    fmt::print("{}\n", run_line(run));
+    std::fflush(stdout);
+  };
+  benchmark.options.clock = [&] {  // when somebody asks for the end, no time is left
+    return interrupt.asked() ? HUGE_VAL : thread_seconds();
+  };
+  auto result = std::make_unique<WorkPrecision>();
+  try {
+    *result = work_precision(benchmark.trajectory, benchmark.options);
+    progress.finish();
+  } catch (const Error&) {
+    progress.finish();
+    if (!interrupt.asked()) throw;
+    fmt::print(stderr, "lockstep: interrupted before the reference was there; nothing is written\n");
+    return nullptr;
+  }
+  std::vector<WorkPrecisionRun> measured;
+  for (WorkPrecisionRun& run : result->runs) {
+    if (run.interrupted)
+      result->left_out.push_back(label(run));
+    else
+      measured.push_back(std::move(run));
+  }
+  result->runs = std::move(measured);
+  return result;
+}
+
+std::string cost_text(double seconds, bool upper_bound) {
+  return fmt::format("{}{:.2g} s", upper_bound ? "<= " : "", seconds);
+}
+
+RunSettings settings_of(const RunSettings& scene, const WorkPrecisionRun& r, const Registry& registry) {
+  RunSettings run = scene;
+  run.integrator = read_spec("integrator", r.integrator, types_of(registry.integrators));
+  run.solver = read_spec("solver", r.solver, types_of(registry.solvers));
+  run.formulation = r.formulation;
+  run.stabilization.kind = r.stabilization;
+  if (r.adaptive)
+    run.tolerance = {r.setting, 1e-2 * r.setting};
+  else
+    run.step = r.setting;
+  return run;
+}
+
+}  // namespace lockstep

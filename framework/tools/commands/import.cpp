@@ -1,0 +1,103 @@
+// The verb import: a robot in URDF becomes a scene.
+#include <spdlog/fmt/fmt.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <lockstep/error.h>
+#include <lockstep/solid.h>
+#include "framework/description/scene/write.h"
+#include "framework/tools/commands/tool_verbs.h"
+#include "framework/tools/import/urdf.h"
+#include "framework/tools/program/files.h"
+
+namespace lockstep {
+
+namespace {
+
+std::string text_of_robot(const std::string& file) {
+  if (file == "-") return standard_input();
+  std::error_code error;
+  std::ifstream in(file, std::ios::binary);
+  if (!in || std::filesystem::is_directory(file, error))
+    throw FileError(
+        "cannot read '" + file +
+        "': " + (std::filesystem::exists(file, error) ? "it is no file that can be read" : "there is no such file") +
+        "; check the path");
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+/// Meshes of a robot, by their paths from the folder of the scene that is written.
+class MeshFinder {
+ public:
+  explicit MeshFinder(const Arguments& args)
+      : robots_(folder_of(args.scene == "-" ? "" : args.scene)),
+        folder_(args.out.empty() ? robots_ : folder_of(args.out)) {}
+
+  std::string find(const std::string& name) {
+    const std::string file = find_robot_mesh(name, robots_);
+    if (file.empty()) return "";
+    try {
+      read_mesh(file);
+    } catch (const FileError& error) {
+      refused_.push_back(error.what());
+      return "";
+    }
+    std::error_code error;
+    const auto path = [&](const std::string& of) { return std::filesystem::weakly_canonical(of, error); };
+    const std::string shown = path(file).lexically_relative(path(folder_)).string();
+    outside_ = outside_ || shown.empty() || shown.starts_with("..");
+    return shown.empty() ? path(file).string() : shown;
+  }
+  const std::string& folder() const { return folder_; }
+  const std::vector<std::string>& refused() const { return refused_; }
+  bool outside() const { return outside_; }
+
+ private:
+  static std::string folder_of(const std::string& file) {
+    const std::string folder = std::filesystem::path(file).parent_path().string();
+    return folder.empty() ? "." : folder;
+  }
+
+  std::string robots_, folder_;
+  std::vector<std::string> refused_;
+  bool outside_ = false;
+};
+
+}  // namespace
+
+int import_command(const Arguments& args) {
+  namespace fs = std::filesystem;
+  const std::string file = args.scene == "-" ? "standard input" : args.scene;
+  MeshFinder meshes(args);
+  const ImportedRobot robot = read_urdf(text_of_robot(args.scene), file, args.floating,
+                                        [&](const std::string& name) { return meshes.find(name); });
+  const std::string text = write_json(robot.scene);
+  build_mechanism(
+      scene_from_text(text,
+                      (fs::path(meshes.folder()) / (fs::path(file).filename().string() + ", as a scene")).string()),
+      builtin_registry());
+  for (const std::string& what : robot.left_out) fmt::print(stderr, "lockstep: left out: {}\n", what);
+  for (const std::string& why : meshes.refused()) fmt::print(stderr, "lockstep: left out: {}\n", why);
+  if (meshes.outside())
+    fmt::print(stderr,
+               "lockstep: meshes lie outside of the scene's folder: run it with --allow-files, or write it beside the "
+               "robot (--out)\n");
+  if (args.out.empty()) {
+    fmt::print("{}", text);
+    return kExitOk;
+  }
+  std::error_code error;
+  if (fs::is_regular_file(args.out, error))
+    throw UsageError("--out: '" + args.out + "' is there already; name another file");
+  std::ofstream out(args.out, std::ios::binary);
+  out << text;
+  out.close();
+  if (!out) throw FileError("file '" + args.out + "' cannot be written; check the folder, or name another (--out)");
+  return kExitOk;
+}
+
+}  // namespace lockstep

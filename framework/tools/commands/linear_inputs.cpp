@@ -1,0 +1,283 @@
+#include "framework/tools/commands/linear_inputs.h"
+
+#include <algorithm>
+#include <array>
+#include <functional>
+
+#include <lockstep/text.h>
+#include "framework/description/scene/tables.h"
+#include "framework/mechanism/params/units.h"
+#include "framework/tools/commands/linear_input_types.h"
+#include "framework/tools/program/commands.h"
+
+namespace lockstep {
+namespace {
+
+constexpr std::array kAxes = {"x", "y", "z", "rx", "ry", "rz"};
+
+std::string along(const std::string& name, int axis) { return name + "." + kAxes[static_cast<std::size_t>(axis)]; }
+
+Value* member_of(Value& object, std::string_view key) {
+  if (Value::Object* members = object.object())
+    for (Value::Member& m : *members)
+      if (m.key == key) return &m.value;
+  return nullptr;
+}
+
+std::string text_of(const Value& object, std::string_view key) {
+  const Value* v = object.find(key);
+  return v != nullptr && v->text() != nullptr ? *v->text() : std::string();
+}
+
+// Replaces the value under `key`, or adds it.
+void put(Value& object, const char* key, Value value) {
+  if (Value* old = member_of(object, key)) {
+    value.where = old->where;
+    *old = std::move(value);
+  } else {
+    object.object()->push_back({key, std::move(value), object.where});
+  }
+}
+
+// The input with a number, beside the law if there is one.
+Value input_beside(const Value* law, std::size_t number) {
+  Value input = Value::object({{"type", kInputLaw}, {"number", static_cast<int>(number)}});
+  if (law != nullptr) input.object()->push_back({"law", *law, law->where}), input.where = law->where;
+  return input;
+}
+
+// Forces whose law is their magnitude, zero where it is not given.
+struct Magnitude {
+  const char *type, *key, *unit;
+};
+constexpr std::array kMagnitudes = {
+    Magnitude{"spring_damper", "force", "N"}, Magnitude{"torsion_spring_damper", "torque", "N m"},
+    Magnitude{"force_motor", "force", "N"},   Magnitude{"torque_motor", "torque", "N m"},
+    Magnitude{"applied_force", "law", "N"},   Magnitude{"applied_torque", "law", "N m"}};
+
+// Opens inputs of one scene, by name.
+class Opening {
+ public:
+  Opening(Scene& scene, const Registry& registry) : scene_(scene), registry_(registry) {
+    collect("bodies", [this](Value& body) {
+      refuse(text_of(body, "name"), "is a body; add an applied_force or a motor on it, and name that");
+    });
+    collect("markers", [this](Value& marker) {
+      const std::size_t before = places_.size();
+      collect_laws(marker, scene_table("marker").info.keys, "marker");
+      refuse(text_of(marker, "name"),
+             "is a marker; " + advice(before, "give it a \"translation\" or a \"rotation\", or add a force at it"));
+    });
+    collect("links", [this](Value& link) { collect_link(link); });
+    collect("forces", [this](Value& force) { collect_force(force); });
+  }
+
+  /// The unit of the input.
+  std::string open(const std::string& name, std::size_t number) {
+    for (Place& place : places_) {
+      if (place.name != name && place.short_name != name) continue;
+      if (!place.refusal.empty()) throw UsageError("--inputs: \"" + name + "\" " + place.refusal);
+      if (place.opened) throw UsageError("--inputs: \"" + name + "\" is given twice");
+      place.opened = true;
+      place.put_in(number);
+      return place.unit;
+    }
+    std::vector<std::string> names;
+    for (const Place& place : places_)
+      if (place.refusal.empty()) names.push_back(place.short_name);
+    throw UsageError("--inputs: \"" + name + "\" is neither a drive, nor a law, nor a force" +
+                     (names.empty() ? "; the scene has none" : text::suggestion(name, names)));
+  }
+  // Forces that were added, at last: places point into the scene until then.
+  void close() {
+    for (Value& force : added_) member_of(scene_.root, "forces")->list()->push_back(std::move(force));
+    added_.clear();
+  }
+
+ private:
+  // What can be opened by a name; with a refusal, what cannot, and the next move.
+  struct Place {
+    std::string name, short_name, unit, refusal;
+    std::function<void(std::size_t number)> put_in;
+    bool opened = false;
+  };
+
+  template <class Take>
+  void collect(const char* list, Take&& take) {
+    Value* all = member_of(scene_.root, list);
+    if (all == nullptr || all->list() == nullptr) return;
+    for (Value& item : *all->list()) take(item);
+  }
+  void add(const std::string& name, const std::string& short_name, const std::string& unit,
+           std::function<void(std::size_t)> put_in) {
+    places_.push_back({name, short_name, unit, "", std::move(put_in)});
+  }
+  void refuse(const std::string& name, const std::string& why) { places_.push_back({name, name, "", why, {}}); }
+  bool has(const std::string& name) const {
+    return std::ranges::any_of(places_, [&](const Place& p) { return p.name == name || p.short_name == name; });
+  }
+
+  // The first input that was collected since then; "" where there is none.
+  std::string first_input(std::size_t since) const {
+    for (std::size_t k = since; k < places_.size(); ++k)
+      if (places_[k].refusal.empty()) return places_[k].name;
+    return {};
+  }
+  std::string advice(std::size_t since, const std::string& otherwise) const {
+    const std::string first = first_input(since);
+    return first.empty() ? otherwise : "name one of its laws, as \"" + first + "\"";
+  }
+
+  void collect_link(Value& link) {
+    const std::size_t before = places_.size();
+    collect_drives(link);
+    collect_laws(link, scene_table("link").info.keys, "link");
+    if (const auto* entry = registry_.links.find(text_of(link, "type"))) collect_laws(link, entry->info.keys, "link");
+    const std::string name = text_of(link, "name");
+    if (!has(name))
+      refuse(name, "is a link without a drive; " + advice(before, "give it one, or add a motor or a force beside it"));
+  }
+  void collect_drives(Value& link) {
+    Value* drive = member_of(link, "drive");
+    if (drive == nullptr) return;
+    const bool several = drive->list() != nullptr && drive->list()->size() > 1;
+    const auto take = [&](Value& one) {
+      const std::string axis = text_of(one, "axis"), link_name = text_of(link, "name"), name = link_name + "." + axis;
+      const bool speed = member_of(one, "law") == nullptr;
+      add(name, several ? name : link_name, std::string(axis.starts_with("r") ? "rad" : "m") + (speed ? "/s" : ""),
+          [&one, speed](std::size_t number) {
+            const char* const key = speed ? "speed" : "law";
+            put(one, key, input_beside(member_of(one, key), number));
+          });
+    };
+    if (Value::List* drives = drive->list())
+      for (Value& one : *drives) take(one);
+    else
+      take(*drive);
+  }
+
+  // Laws of time that are given under these keys: "rope.length", "table.translation.x", "A.turn.z".
+  void collect_laws(Value& object, const Keys& keys, const char* kind) {
+    const std::string owner = text_of(object, "name");
+    for (const Key& k : keys) {
+      Value* law = member_of(object, k.name);
+      if (law == nullptr || (k.form != Form::law && k.form != Form::translation_law && k.form != Form::rotation_law))
+        continue;
+      const std::string name = owner + "." + k.name;
+      if (!k.of_time) {
+        refuse(name, "is a function of where the " + std::string(kind) + " is, not of time; name a drive or a force");
+        continue;
+      }
+      if (k.form == Form::law) {
+        add(name, name, si_unit(k.unit), [law](std::size_t n) { *law = input_beside(law, n); });
+        continue;
+      }
+      const bool turn = k.form == Form::rotation_law;
+      for (int axis = 0; axis < 3; ++axis)
+        add(along(name, axis), along(name, axis), turn ? "rad" : "m",
+            [law, axis, turn](std::size_t n) { turn ? turn_before(*law, axis, n) : move_beside(*law, axis, n); });
+      refuse(name, std::string("is a law of a ") + (turn ? "turn" : "translation") + "; name one axis of it: \"" +
+                       name + ".x\", \".y\" or \".z\"");
+    }
+  }
+  static void move_beside(Value& law, int axis, std::size_t number) {
+    Value input = Value::object({{"type", kInputTranslation}, {"number", static_cast<int>(number)}, {"axis", axis}});
+    input.object()->push_back({"law", law, law.where}), input.where = law.where;
+    law = std::move(input);
+  }
+  // q = (turn by the input about an axis of the frame) (law)
+  static void turn_before(Value& law, int axis, std::size_t number) {
+    Value first = Value::object({{"type", "axis_rotation"},
+                                 {"axis", kAxes[static_cast<std::size_t>(axis)]},
+                                 {"law", input_beside(nullptr, number)}});
+    Value both = Value::object({{"type", "product"}, {"first", std::move(first)}});
+    both.object()->push_back({"second", law, law.where}), both.where = law.where;
+    law = std::move(both);
+  }
+
+  void collect_force(Value& force) {
+    const std::string name = text_of(force, "name"), type = text_of(force, "type");
+    const auto* const found = std::ranges::find_if(kMagnitudes, [&](const Magnitude& m) { return type == m.type; });
+    if (found != kMagnitudes.end()) {
+      collect_magnitude(force, *found);
+      return;
+    }
+    const std::size_t before = places_.size();
+    if (const auto* entry = registry_.forces.find(type)) collect_laws(force, entry->info.keys, "force");
+    if (first_input(before).empty()) collect_ends(force);
+    if (!has(name))
+      refuse(name,
+             "is a " + type + ", which has no magnitude; name what acts beside it, as \"" + first_input(before) + "\"");
+  }
+  void collect_magnitude(Value& force, const Magnitude& magnitude) {
+    const std::string name = text_of(force, "name"), type = magnitude.type;
+    const auto put_in = [&force, k = magnitude.key](std::size_t n) {
+      put(force, k, input_beside(member_of(force, k), n));
+    };
+    if (!type.starts_with("applied_")) {
+      add(name + "." + magnitude.key, name, magnitude.unit, put_in);
+      return;
+    }
+    const char* const constant = type == "applied_torque" ? "torque" : "force";
+    for (int axis = 0; axis < 3; ++axis)
+      add(along(name, axis), along(name, axis), magnitude.unit, [&force, axis](std::size_t n) {
+        if (member_of(force, "laws") == nullptr) put(force, "laws", Value::list({0, 0, 0}));
+        if (Value::List* laws = member_of(force, "laws")->list(); laws != nullptr && laws->size() == 3) {
+          Value& law = (*laws)[static_cast<std::size_t>(axis)];
+          law = input_beside(&law, n);
+        }
+      });
+    if (force.find("direction") != nullptr)
+      add(name + ".law", name, magnitude.unit, put_in);
+    else if (const Value* value = force.find(constant); value != nullptr)
+      add(name, name, magnitude.unit,
+          [&force, put_in, direction = *value](std::size_t n) { put(force, "direction", direction), put_in(n); });
+    else
+      refuse(name, "has laws of components and no direction; name one of \"" + name + ".x\", \".y\" and \".z\"");
+  }
+
+  // A force along, or a torque about an axis of S beside a force of another kind, between its ends.
+  void collect_ends(Value& force) {
+    const std::string name = text_of(force, "name");
+    const auto add_axis = [&](const std::string& input, int axis) {
+      add(input, input, axis >= 3 ? "N m" : "N", [this, &force, name, axis](std::size_t n) {
+        added_.push_back(force_beside(force, "input_" + std::to_string(n + 1) + "_" + name, axis, n));
+      });
+    };
+    if (text_of(force, "type") == "function_force") {
+      const bool torque = force.find("torque") != nullptr;
+      const std::string given = text_of(force, "coordinate"), own = !given.empty() ? given : torque ? "rz" : "z";
+      const auto* const found = std::ranges::find(kAxes, own);
+      if (found != kAxes.end()) add_axis(name, static_cast<int>(found - kAxes.begin()));
+    }
+    for (int axis = 0; axis < 6; ++axis) add_axis(along(name, axis), axis);
+  }
+  static Value force_beside(const Value& force, const std::string& name, int axis, std::size_t number) {
+    Value beside =
+        Value::object({{"name", name}, {"type", kInputForce}, {"number", static_cast<int>(number)}, {"along", axis}});
+    for (const char* key : {"p", "s", "at", "at_p", "at_s", "axis", "orientation", "link", "active"})
+      if (const Value* given = force.find(key)) beside.object()->push_back({key, *given, given->where});
+    return beside;
+  }
+
+  Scene& scene_;
+  const Registry& registry_;
+  std::vector<Place> places_;
+  Value::List added_;
+};
+
+}  // namespace
+
+MechanismWithInputs build_with_inputs(Scene scene, Registry registry, const std::vector<std::string>& names) {
+  const auto laws = std::make_shared<InputLaws>(names.size());
+  add_input_types(registry, laws);
+  MechanismWithInputs out;
+  Opening opening(scene, registry);
+  for (std::size_t k = 0; k < names.size(); ++k) out.inputs.push_back({names[k], opening.open(names[k], k), nullptr});
+  opening.close();
+  out.mechanism = std::make_unique<Mechanism>(build_mechanism(scene, registry));
+  for (std::size_t k = 0; k < names.size(); ++k) out.inputs[k].law = (*laws)[k];
+  return out;
+}
+
+}  // namespace lockstep

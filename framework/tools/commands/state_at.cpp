@@ -1,0 +1,71 @@
+#include "framework/tools/commands/state_at.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+
+#include <lockstep/error.h>
+#include <lockstep/text.h>
+#include "framework/tools/program/method_specs.h"
+#include "framework/tools/scene_run/scene_run.h"
+
+namespace lockstep {
+
+State run_to(Mechanism& m, const Registry& registry, double t) {
+  record_places(m);
+  const std::unique_ptr<Recorder> recorder = make_recorder(m);
+  std::vector<Event> events = make_events(m, *recorder);
+  Dynamics dynamics = make_dynamics(m, registry);
+  State start = assembled_start(dynamics, m);
+  if (t == 0) {
+    dynamics.to_slots(start);
+    return start;
+  }
+  StepLoopOptions options = loop_options(m.run);
+  options.output = t, options.output_times.clear();
+  StepLoop loop(dynamics, make_integrator(m.run, registry), options);
+  loop.add_observer(*recorder);
+  for (Event& event : events) loop.add_event(std::move(event));
+  loop.set_state(std::move(start));
+  const SimulationReport& report = loop.run_until(t);
+  if (report.stopped)
+    throw ModelError("the run ended at t = " + text::brief(loop.state().t) + " s, by '" + report.stopped_by +
+                     "'; give an instant --at before it");
+  State state = loop.state();
+  dynamics.to_slots(state);
+  return state;
+}
+
+double instant_of(const Arguments& args) { return args.at.empty() ? 0 : instant("--at", args.at); }
+
+MechanismAt state_at(std::unique_ptr<Mechanism> mechanism, const Registry& registry, double t) {
+  MechanismAt out;
+  out.mechanism = std::move(mechanism);
+  out.state = run_to(*out.mechanism, registry, t);
+  out.dynamics = std::make_unique<Dynamics>(
+      system_of(*out.mechanism), make_solver(out.mechanism->run, registry),
+      DynamicsOptions{.formulation = Formulation::omega, .stabilization = {.kind = Stabilization::Kind::none}});
+  return out;
+}
+
+MechanismAt state_at(const Loaded& loaded, double t) {
+  return state_at(std::make_unique<Mechanism>(build_mechanism(loaded.scene, loaded.registry)), loaded.registry, t);
+}
+
+Vec3 read_vector(const std::string& option, const std::string& text) {
+  std::array<double, 3> x{};
+  const char *at = text.data(), *const end = at + text.size();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto [next, error] = std::from_chars(at, end, x[k]);
+    const bool last = k == 2;
+    if (error != std::errc() || (last ? next != end : next == end || *next != ','))
+      throw UsageError(option + ": \"" + text + "\" is no vector; write three numbers, as in " + option + " 0,0,8");
+    if (!std::isfinite(x[k]))
+      throw UsageError(option + ": \"" + text + "\": number " + std::to_string(k + 1) +
+                       " of the vector is not finite; write three finite numbers, as in " + option + " 0,0,8");
+    at = next + 1;
+  }
+  return {x[0], x[1], x[2]};
+}
+
+}  // namespace lockstep

@@ -1,0 +1,133 @@
+#include "framework/tools/commands/sweep_plan.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include <lockstep/error.h>
+#include <lockstep/log.h>
+#include <lockstep/text.h>
+#include "framework/description/scene/run_outputs.h"
+#include "framework/tools/sweep/sweep_lanes.h"
+
+namespace lockstep {
+namespace {
+
+constexpr long kMostBuilt = 100;  // runs that are built to find the columns
+
+// Errors in the value of an option become usage errors.
+template <class F>
+auto usage(const std::string& option, F&& read) {
+  try {
+    return std::forward<F>(read)();
+  } catch (const ModelError& error) {
+    throw UsageError(option + ": " + error.what());
+  } catch (const SceneError& error) {
+    throw UsageError(option + ": " + error.what());
+  }
+}
+
+void refuse_varied_options(const Arguments& args, const std::vector<Variable>& variables) {
+  const std::pair<const char*, const std::string*> options[] = {
+      {"integrator", &args.integrator},      {"solver", &args.solver}, {"step", &args.step},
+      {"tolerance", &args.tolerance},        {"until", &args.until},   {"formulation", &args.formulation},
+      {"stabilization", &args.stabilization}};
+  for (const Variable& v : variables) {
+    for (const auto& [name, word] : options) {
+      const std::string place = std::string("run.") + name;
+      if (!word->empty() && (v.place == place || v.place.rfind(place + ".", 0) == 0))
+        throw UsageError(fmt::format("--{}: \"{}\" varies; leave one of the two out", name, v.path));
+    }
+    if ((!args.planar.empty() || args.full) && v.place == "planar")
+      throw UsageError("--planar: \"planar\" varies; leave one of the two out");
+  }
+}
+
+// Refuses a variable that the scene does not have, if no run can be built with it.
+void refuse_misplaced(const SweepPlan& plan, const std::string& reason) {
+  for (const Variable& v : plan.variables)
+    if (!v.near.empty())
+      throw UsageError(
+          fmt::format("--vary: \"{}\" is not in the scene, and no run can be built with it ({}); did you mean \"{}\"?",
+                      v.path, reason, v.near));
+}
+
+// The columns of the first run that can be built, which are the same for all shards.
+Table columns_of(const SweepPlan& plan) {
+  std::optional<SceneError> first;
+  const long n = plan.grid.n_runs(), n_built = std::min(n, kMostBuilt);
+  for (long k = 0; k < n_built; ++k) {
+    try {
+      return recorded_columns(plan.scene(1 + k * (n - 1) / std::max(n_built - 1, 1l)), plan.loaded.registry);
+    } catch (const SceneError& error) {
+      if (!first) first = error;
+    } catch (const ModelError& error) {
+      if (!first) first = SceneError(error.what());
+    }
+  }
+  refuse_misplaced(plan, first->what());
+  throw *first;
+}
+
+// A length that is written in several places is one length to whoever varies it.
+void warn_left_behind(const std::vector<Variable>& variables, const Loaded& loaded) {
+  constexpr std::size_t kMostPlaces = 6;
+  for (const Variable& v : variables) {
+    std::vector<std::string> places = left_behind(v, loaded.scene, loaded.registry);
+    std::erase_if(places, [&](const std::string& place) {  // it varies too
+      return std::any_of(variables.begin(), variables.end(), [&](const Variable& o) { return o.place == place; });
+    });
+    if (places.empty()) continue;
+    const std::size_t n = places.size();
+    if (n > kMostPlaces) places.resize(kMostPlaces), places.push_back(fmt::format("{} more", n - kMostPlaces));
+    log_warning(fmt::format(
+        "--vary: the length at {} is also written at {}, which {} not vary with it; make it one of \"parameters\" and "
+        "write \"=name\" in these places, or give a point a name",
+        v.path, text::join(places), n == 1 ? "does" : "do"));
+  }
+}
+
+}  // namespace
+
+Scene SweepPlan::scene(long run) const {
+  Scene s = vary_scene(loaded.scene, variables, grid.at(run), loaded.registry);
+  override_settings(s.run, arguments, loaded.registry);
+  return s;
+}
+
+std::string SweepPlan::setting(long run) const { return setting_text(variables, grid.at(run)); }
+
+SweepPlan make_sweep_plan(const Arguments& args) {
+  Loaded loaded = read_with_plugins(args);
+  const Shard shard = args.shard.empty() ? Shard{} : usage("--shard", [&] { return read_shard(args.shard); });
+  std::vector<Variable> variables =
+      usage("--vary", [&] { return read_variables(args.vary, loaded.scene, loaded.registry); });
+  refuse_varied_options(args, variables);
+  warn_left_behind(variables, loaded);
+  std::vector<std::size_t> sizes;
+  for (const Variable& v : variables) sizes.push_back(v.values.size());
+  Grid grid = usage("--vary", [&] { return Grid(sizes); });
+  const bool plain = args.headers.empty() ? !outputs_of(loaded.scene).units : args.headers == "plain";
+  SweepPlan plan{args, std::move(loaded), std::move(variables), std::move(grid), shard, {}, plain};
+  plan.columns = columns_of(plan);
+  return plan;
+}
+
+bool keeps_motion(const Arguments& args) { return !args.histories.empty() && !args.report.empty(); }
+
+std::string why_alone(const SweepPlan& plan) {
+  if (plan.arguments.lanes == "off") return "as asked for";
+  if (keeps_motion(plan.arguments)) return "the report keeps their motion";
+  if (!plan.arguments.histories.empty() && plan.loaded.scene.run.at_jumps)
+    return "the histories have rows at jumps (at_jumps)";
+  if (plan.grid.n_runs(plan.shard) == 0) return {};
+  try {
+    return unsuited_for_lanes(plan.scene(Grid::run(plan.shard, 0)), plan.loaded.registry);
+  } catch (const std::exception&) {
+    return {};  // this run cannot be built; others may
+  }
+}
+
+}  // namespace lockstep

@@ -1,0 +1,22 @@
+// A run and its certificate.
+#pragma once
+
+#include <string>
+
+#include <lockstep/recorder.h>
+#include "framework/tools/program/commands.h"
+
+namespace lockstep {
+
+/// The certificate of a run.
+struct CertifiedRun {
+  std::string text;   ///< lines
+  std::string doubt;  ///< a sentence that names the columns of which not one digit is certified; "" if there are none
+};
+/// `run`: its settings; `table`: what it recorded.
+using Certify = CertifiedRun (*)(const Loaded&, const Arguments&, const RunSettings& run, const Table& table);
+
+/// `run`, and the certificate after it.
+int run_and_certify(const Arguments&, Certify);
+
+}  // namespace lockstep

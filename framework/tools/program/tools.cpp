@@ -1,0 +1,97 @@
+#include "framework/tools/program/tools.h"
+
+#include <spdlog/fmt/fmt.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <boost/dll/runtime_symbol_info.hpp>
+#include <cstdlib>
+#include <filesystem>
+#include <utility>
+#include <vector>
+
+#include "framework/foundation/support/child.h"
+#include "framework/tools/program/commands.h"
+#include "framework/tools/program/terminal.h"
+
+namespace lockstep {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr Tool kTools[] = {
+    {"mobility", "analyses",
+     "Tell how a scene can move, which of its rows are too many, and which reactions are not unique"},
+    {"assemble", "analyses", "Bring the start of a scene onto its constraints; report what moved how far"},
+    {"statics", "analyses",
+     "Find where a scene rests under its loads; report poses, reactions and whether it stays there"},
+    {"kinematics", "analyses",
+     "Follow a fully driven scene over time: positions, velocities, accelerations, without integration"},
+    {"inverse", "analyses",
+     "Find the forces of the drives and all reactions of a fully driven scene over time, without integration"},
+    {"explain", "analyses",
+     "Tell what acts on a body, what a link does and why it is redundant, what laws give, at one instant"},
+    {"modes", "analyses", "Frequencies, damping ratios and shapes about an equilibrium or a steady rotation"},
+    {"linearize", "analyses", "A, B, C, D of the linear equations about a state, with named inputs and outputs"},
+    {"matrices", "analyses",
+     "Mass, damping, stiffness, jacobian and right sides at an instant, with the names of rows and columns"},
+    {"chart", "measuring",
+     "Draw error against CPU time and evaluations for all integrators, formulations, stabilisations, solvers"},
+    {"advise", "measuring", "Measure which method and setting meets an error at the least cost; print how to use it"},
+    {"atlas", "measuring", "Draw where each method works and where it fails, over any two numbers of a scene"},
+    {"sweep", "sweep", "Run a scene many times with other values, one row per run"},
+    {"import", "import", "Read a robot in URDF and write it as a scene"},
+};
+
+std::string file_of(const std::string& program) {
+  if (const char* folder = std::getenv("LOCKSTEP_EXEC_PATH")) return std::string(folder) + "/lockstep-" + program;
+  const std::string own = boost::dll::program_location().string();
+  return (fs::path(own).parent_path().parent_path() / "libexec/lockstep/lockstep-").string() + program;
+}
+
+}  // namespace
+
+std::span<const Tool> tools() { return kTools; }
+
+const Tool* tool_of(std::string_view verb) {
+  const auto found = std::ranges::find(kTools, verb, &Tool::verb);
+  return found == std::end(kTools) ? nullptr : found;
+}
+
+std::optional<int> call_tool(int argc, const char* const* argv, bool (*own)(std::string_view verb)) {
+  const bool completes = argc > 2 && std::string_view(argv[1]) == "complete";
+  const std::string_view verb = completes ? argv[2] : argc > 1 ? argv[1] : "";
+  if (verb.empty() || verb.starts_with('-') || verb.find('/') != verb.npos) return {};
+  const bool certifies = verb == "run" && !completes && std::any_of(argv + 2, argv + argc, [](const char* word) {
+                           return std::string_view(word) == "--certify";
+                         });
+  const Tool* tool = certifies ? tool_of("chart") : tool_of(verb);
+  if (tool == nullptr && (completes || own(verb))) return {};
+  const std::string program = tool != nullptr ? tool->program : std::string(verb);
+  std::vector<char*> words;
+  for (int k = 0; k < argc; ++k) words.push_back(const_cast<char*>(argv[k]));
+  words.push_back(nullptr);
+  if (tool == nullptr) words.erase(words.begin() + 1);  // of a program of another's: as git calls one
+  execv(file_of(program).c_str(), words.data());
+  execvp(("lockstep-" + program).c_str(), words.data());
+  if (tool == nullptr) return {};
+  if (completes) return kExitOk;
+  tell(
+      fmt::format("lockstep: {} is in the program lockstep-{}, which is neither '{}' nor on the PATH; build it "
+                  "(cmake --build build/release --target lockstep_{}), or install the package lockstep\n",
+                  certifies ? "--certify" : "'" + std::string(verb) + "'", program, file_of(program), program));
+  return kExitUsage;
+}
+
+std::string pages_of_tools() {
+  std::string pages;
+  std::string_view last;  // those of a program stand together
+  for (const Tool& tool : kTools) {
+    const std::string file = file_of(tool.program);
+    if (std::exchange(last, tool.program) == tool.program || !fs::exists(file)) continue;
+    pages += run_child({file, "man-verbs"}).text;
+  }
+  return pages;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,176 @@
+#include "framework/tools/rank/branch_point.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include <lockstep/error.h>
+#include "framework/dynamics/evaluate/row_space.h"
+#include "framework/dynamics/solvers/graph.h"
+#include "framework/foundation/math/decompositions.h"
+#include "framework/foundation/math/limits.h"
+#include "framework/tools/rank/loop_rows.h"
+#include "framework/tools/rank/motion_words.h"
+#include "framework/tools/rank/stopping_form.h"
+
+namespace lockstep {
+
+namespace {
+
+constexpr int kMostMotions = 3;  // with more of them branches are no lines
+constexpr double kIn = 1e-5;     // pivot of rows of length 1: in the position
+constexpr double kSameLine = 1e-3;
+
+/// Entries on loops. Rows elsewhere depend on no others, and move along with any motion of the loops.
+std::vector<int> entries_on_loops(const System& system, const RowTable& table) {
+  std::vector<int> all;
+  for (const std::vector<int>& group : loops_of(system, table)) {
+    const RowEntry& first = table.entries[static_cast<std::size_t>(group.front())];
+    const bool joint = system.links()[static_cast<std::size_t>(first.link)]->jointed() != nullptr;
+    if (group.size() > 1 || !joint) all.insert(all.end(), group.begin(), group.end());
+  }
+  return all;
+}
+
+// Whether laws move the rows.
+bool is_driven(const Evaluation& e, const std::vector<int>& rows) {
+  VecX Ct = VecX::Zero(e.rows().n_rows), of_part = Ct;
+  e.velocity_residual(VecX::Zero(6 * e.system().n_slots()), Ct);
+  of_part(rows) = Ct(rows);
+  return !(e.norm(of_part) <= kNegligible);
+}
+
+// Forms that stop motions, in 1/length. Combinations at random span what all combinations do: as many as there are
+// different forms.
+std::vector<MatX> stopping_forms(const Evaluation& e, const LoopRows& rows, const MatX& N, const MatX& W) {
+  const Eigen::Index p = std::min<Eigen::Index>(N.cols(), kMostMotions), n = std::min(W.cols(), p * (p + 1) / 2);
+  std::minstd_rand random(1);
+  std::normal_distribution<double> normal;
+  std::vector<MatX> forms;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    VecX w = VecX::Zero(e.rows().n_rows);
+    w(rows.numbers) =
+        W.cols() == n ? VecX(W.col(k)) : VecX(W * VecX::NullaryExpr(W.cols(), [&] { return normal(random); }));
+    if (std::optional<MatX> G = stopping_form(e, rows.at, N, w)) forms.push_back(*G * e.system().length());
+  }
+  return forms;
+}
+
+// Unit vectors c with c . G c = 0 for all G, up to their sign: Newton's method from many directions.
+std::vector<VecX> common_zeros(const std::vector<MatX>& forms, Eigen::Index p) {
+  constexpr int kStarts = 200, kRounds = 60;
+  std::minstd_rand random(1);
+  std::normal_distribution<double> normal;
+  std::vector<VecX> found;
+  MatX slopes(static_cast<Eigen::Index>(forms.size()) + 1, p);
+  VecX values(slopes.rows());
+  for (int start = 0; start < kStarts; ++start) {
+    VecX c = VecX::NullaryExpr(p, [&] { return normal(random); }).normalized();
+    double size = HUGE_VAL;
+    for (int round = 0; round < kRounds; ++round) {
+      for (std::size_t k = 0; k < forms.size(); ++k) {
+        const VecX Gc = forms[k] * c;
+        slopes.row(static_cast<Eigen::Index>(k)) = 2 * Gc.transpose(), values[static_cast<Eigen::Index>(k)] = c.dot(Gc);
+      }
+      slopes.bottomRows(1) = c.transpose(), values[values.size() - 1] = 0;
+      size = values.lpNorm<Eigen::Infinity>();
+      if (size <= kNegligible) break;
+      c -= least_norm(slopes, values);
+      c.normalize();
+    }
+    if (!(size <= kSlight)) continue;
+    const bool known =
+        std::ranges::any_of(found, [&](const VecX& other) { return 1 - std::abs(c.dot(other)) < kSameLine; });
+    if (!known) found.push_back(c);
+  }
+  return found;
+}
+
+BranchPoint looked_at(Dynamics& dynamics, const State& given) {
+  BranchPoint out;
+  State state = given;
+  dynamics.to_slots(state);
+  const System& system = dynamics.system();
+  if (!has_loops(system, state.modes)) return out;
+  const Evaluation& e = dynamics.gather_rows(state);
+  const LoopRows rows(system, e.rows(), entries_on_loops(system, e.rows()));
+  if (rows.n() == 0 || rows.n() > kDenseRows || is_driven(e, rows.numbers)) return out;
+  const RowSpace space(rows.Jt);
+  out.known = true;
+  out.slots.assign(static_cast<std::size_t>(system.n_slots()), false);
+  for (const int place : rows.at.places()) out.slots[static_cast<std::size_t>(place / 6)] = true;
+  out.nearness = space.smallest_singular_value(space.rank(kIn));
+  const MatX N = space.free(kIn);
+  out.motions = static_cast<int>(N.cols());
+  std::vector<MatX> forms = stopping_forms(e, rows, N, space.circuits(kIn));
+  double strongest = 0;
+  for (MatX& G : forms) {
+    const double size = G.cwiseAbs().maxCoeff();
+    strongest = std::max(strongest, size), G /= size;
+  }
+  out.singular = !forms.empty();
+  if (!out.singular || out.motions > kMostMotions) return out;
+  const std::vector<VecX> lines = common_zeros(forms, out.motions);
+  out.all = lines.size() <= (out.motions == 2 ? 2u : 4u);  // more are a surface of them
+  for (const VecX& c : lines) {
+    if (!out.all) break;
+    VecX motion = rows.at.motion_of(N * c);
+    motion /= motion_size(system, motion);
+    out.tangents.push_back(std::move(motion));
+  }
+  const double size = motion_size(system, rows.at.motion_of(N.rowwise().sum()));
+  out.locked = out.motions == 1 && lines.empty() && strongest > kIn * size * size;
+  return out;
+}
+
+}  // namespace
+
+BranchPoint branch_point(Dynamics& dynamics, const State& state) {
+  try {
+    return looked_at(dynamics, state);
+  } catch (const Error&) {  // what cannot be evaluated at other velocities is not known
+    return {};
+  }
+}
+
+std::string BranchPoint::text(Dynamics& dynamics, const State& given) const {
+  if (!singular) return {};
+  State state = given;
+  dynamics.to_slots(state);
+  const std::string count = fmt::format("{} motion{} to first order", motions, motions == 1 ? "" : "s");
+  if (!all) return count + ", and more branches than lines can tell";
+  if (tangents.empty()) return count + ", none of which goes on: the mechanism is locked there, but for what gives way";
+  std::string words =
+      count + (tangents.size() == 1 ? ", one branch: " : fmt::format(", {} branches: ", tangents.size()));
+  const Inputs& in = dynamics.inputs(state);
+  for (std::size_t k = 0; k < tangents.size(); ++k)
+    words += (k > 0 ? "; or " : "") + motion_words(dynamics.system(), in, tangents[k]);
+  return words;
+}
+
+bool BranchPoint::moves(const VecX& v) const {
+  for (Eigen::Index i = 0; i < v.size(); ++i)
+    if (v[i] != 0 && slots[static_cast<std::size_t>(i / 6)]) return true;
+  return false;
+}
+
+double BranchPoint::off_branches(const System& system, const VecX& v) const {
+  const auto as_lengths = [&](VecX x) {
+    for (Eigen::Index i = 0; i < x.size(); ++i) {
+      if (!slots[static_cast<std::size_t>(i / 6)]) x[i] = 0;
+      if (i % 6 >= 3) x[i] *= system.length();
+    }
+    return x;
+  };
+  const VecX moving = as_lengths(v);
+  double least = moving.norm() > 0 ? 1 : 0;
+  for (const VecX& tangent : tangents) {
+    const VecX along = as_lengths(tangent).normalized();
+    least = std::min(least, (moving - along.dot(moving) * along).norm() / moving.norm());
+  }
+  return least;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,86 @@
+#include "framework/tools/rank/doubts.h"
+
+#include <spdlog/fmt/fmt.h>
+#include <spdlog/fmt/ranges.h>
+
+#include <algorithm>
+#include <string_view>
+
+#include <lockstep/text.h>
+#include "framework/dynamics/solvers/graph.h"
+
+namespace lockstep {
+
+namespace {
+
+constexpr double kUncertain = 1e-2;  // of the largest multiplier
+
+}  // namespace
+
+void Doubts::start(const Sample& sample) {
+  loops_ = has_loops(sample.system(), sample.state.modes);
+  unmet_ = {}, n_uncertain_ = 0, begun_ = sample.state.t;
+  uncertain_.clear();
+}
+
+void Doubts::save(Snapshot& out) const {
+  out.put(static_cast<double>(unmet_.steps)), out.put(unmet_.largest), out.put(unmet_.first), out.put(unmet_.lost);
+  out.put(begun_);
+  out.put(static_cast<double>(n_uncertain_));
+  out.put_all(uncertain_);
+}
+
+void Doubts::load(SnapshotReader& in) {
+  unmet_.steps = in.get_count(), unmet_.largest = in.get(), unmet_.first = in.get(), unmet_.lost = in.get();
+  begun_ = in.get();
+  n_uncertain_ = in.get_count();
+  in.get_all(uncertain_);
+}
+
+void Doubts::step(const Sample& sample) { unmet_.count(sample.report, sample.state.t); }
+
+void Doubts::output(const Sample& sample) {
+  if (!reactions_ || !loops_ || !(sample.values().uncertainty > kUncertain)) return;
+  ++n_uncertain_;
+  if (uncertain_.size() < kNamed) uncertain_.push_back(sample.state.t);
+}
+
+std::vector<std::string> Doubts::words(long steps, double t) const {
+  std::vector<std::string> all;
+  const double seconds = t - begun_;
+  if (unmet_.lost > seconds)
+    all.push_back(fmt::format(
+        "the tolerance of {:g} was not reached in {} of {} step{}, from t = {:.6g} s on: errors of up to {:.2g} times "
+        "it stay there, in sum {:.2g} times what it allows the whole run; the run went on with what can be reached",
+        tolerance_, unmet_.steps, steps, steps == 1 ? "" : "s", unmet_.first, unmet_.largest, unmet_.lost / seconds));
+  if (const long n = n_uncertain_; n > 0)
+    all.push_back(fmt::format(
+        "the reactions at t = {}{} are uncertain by more than 1 %, or have no value: {} in or beside a singular "
+        "position; look at those before and after",
+        times_of(uncertain_, static_cast<std::size_t>(n)),
+        n > static_cast<long>(kNamed) ? fmt::format(" ({} instants)", n) : "", n == 1 ? "it lies" : "they lie"));
+  return all;
+}
+
+std::string times_of(const std::vector<double>& first, std::size_t n) {
+  std::string words;
+  const std::size_t shown = std::min(Doubts::kNamed, first.size());
+  for (std::size_t k = 0; k < shown; ++k) words += fmt::format("{}{:.6g}", k > 0 ? ", " : "", first[k]);
+  return words + (n > shown ? ", ... s" : " s");
+}
+
+std::string first_of(const std::vector<std::string>& names) {
+  constexpr std::size_t kMost = 24;  // in one line
+  if (names.size() <= kMost) return text::join(names);
+  return fmt::format("{} and {} more", fmt::join(names.begin(), names.begin() + kMost, ", "), names.size() - kMost);
+}
+
+bool records_reactions(const RunSettings& run) {
+  constexpr std::string_view kParts[] = {"_on_p_", "_on_s_", ".lambda_", "friction", ".normal_force", ".drive"};
+  return std::ranges::any_of(run.record, [&](const ChannelRequest& r) {
+    return std::ranges::any_of(kParts,
+                               [&](std::string_view part) { return r.channel.find(part) != std::string::npos; });
+  });
+}
+
+}  // namespace lockstep

@@ -1,0 +1,147 @@
+// Whether laws alone determine the motion: which coordinates to drive, which drives to release.
+#include <lockstep/kinematics.h>
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <map>
+
+#include <Eigen/LU>
+#include <Eigen/QR>
+
+#include <lockstep/analysis.h>
+#include <lockstep/lock.h>
+#include <lockstep/relative.h>
+#include <lockstep/text.h>
+#include "framework/foundation/math/limits.h"
+#include "framework/tools/rank/motion_words.h"
+#include "framework/tools/rank/unknowns.h"
+
+namespace lockstep {
+namespace {
+
+/// A coordinate of a link that its mask leaves free.
+struct FreeCoordinate {
+  const Lock* link;
+  Axis axis;
+  std::string name() const { return link->name() + "." + std::string(to_string(axis)); }
+  /// Of the body that it belongs to most: P's, or S's where P stands still.
+  int slot() const {
+    const auto [p, s] = link->pairs().front();
+    return p->body->slot != kGround ? p->body->slot : s->body->slot;
+  }
+};
+
+std::vector<FreeCoordinate> free_coordinates(const System& system, const State& state) {
+  std::vector<FreeCoordinate> all;
+  for (const auto& link : system.links()) {
+    const Jointed* joint = link->jointed();
+    if (joint == nullptr || !state.modes[static_cast<std::size_t>(link->number())]) continue;
+    for (const Axis axis : {Axis::x, Axis::y, Axis::z, Axis::rx, Axis::ry, Axis::rz})
+      if (!overlaps(joint->rows(), row_of(axis))) all.push_back({link.get(), axis});
+  }
+  return all;
+}
+
+/// Rate of a coordinate: of P against S, along or about an axis of S; turns as lengths.
+double rate_of(const FreeCoordinate& c, const Inputs& in, double length) {
+  const auto [p, s] = c.link->pairs().front();
+  const MarkerInWorld P = in_world(MarkerFrame(*p), in), S = in_world(MarkerFrame(*s), in);
+  const Vec3 axis = S.A.col(axis_index(c.axis) % 3);
+  if (is_rotation(c.axis)) return length * axis.dot(P.w - S.w);
+  return axis.dot(Vec3(P.v - S.v - cross(S.w, Vec3(P.x - S.x))));
+}
+
+/// Rates of these coordinates in each free motion, less those at rest, which the markers' own laws give.
+MatX rates_in(const std::vector<FreeCoordinate>& coordinates, Dynamics& dynamics, const State& state,
+              const Unknowns& unknowns, const MatX& motions) {
+  const System& system = dynamics.system();
+  State moving = state;
+  const auto rates = [&](const VecX& v) {
+    moving.v = v;
+    const Inputs& in = dynamics.inputs(moving);
+    VecX out(static_cast<Eigen::Index>(coordinates.size()));
+    for (std::size_t i = 0; i < coordinates.size(); ++i)
+      out[static_cast<Eigen::Index>(i)] = rate_of(coordinates[i], in, system.length());
+    return out;
+  };
+  const VecX at_rest = rates(VecX::Zero(6 * system.n_slots()));
+  MatX out(at_rest.size(), motions.cols());
+  for (Eigen::Index k = 0; k < motions.cols(); ++k) out.col(k) = rates(unknowns.motion_of(motions.col(k))) - at_rest;
+  return out;
+}
+
+/// Names of drives by the names of their rows.
+std::map<std::string, std::string> drives_by_row(const System& system) {
+  std::map<std::string, std::string> names;
+  for (const auto& link : system.links()) {
+    if (link->driven() == nullptr) continue;
+    for (int k = 0; k < link->row_count(); ++k)
+      if (const int drive = link->row(k).drive; drive >= 0)
+        names[link->name() + "." + link->row_name(k)] = link->name() + "." + link->driven()->drive(drive).name;
+  }
+  return names;
+}
+
+}  // namespace
+
+std::string DriveReport::text() const {
+  std::string text;
+  if (freedoms > 0) {
+    text = fmt::format("{} free motion{} follow{} from no law", freedoms, freedoms == 1 ? "" : "s",
+                       freedoms == 1 ? "s" : "");
+    for (std::size_t i = 0; i < std::min<std::size_t>(free.size(), 4); ++i) text += (i > 0 ? "; " : ": ") + free[i];
+    if (free.size() > 4) text += "; ...";
+    text += to_drive.empty() ? ". Hold or drive what moves" : ". Drive " + text::join(to_drive) + ", for example";
+  }
+  for (const std::vector<std::string>& set : too_many)
+    text += (text.empty() ? "" : ". ") + std::string("the drives ") + text::join(set) +
+            " determine one another's coordinates: release one of them";
+  return text;
+}
+
+DriveReport driven_by(Dynamics& dynamics, const State& state) {
+  const System& system = dynamics.system();
+  DriveReport report;
+  const MobilityReport mobile = mobility(dynamics, state);
+  report.freedoms = mobile.freedoms;
+  const std::map<std::string, std::string> drives = drives_by_row(system);
+  for (const Dependency& d : mobile.dependencies) {
+    if (d.too_many == 0) continue;
+    std::vector<std::string> set;
+    for (const std::string& row : d.rows)
+      if (const auto drive = drives.find(row); drive != drives.end()) set.push_back(drive->second);
+    if (!set.empty()) report.too_many.push_back(std::move(set));
+  }
+  if (report.freedoms == 0 || system.n_velocities() > kDenseUnknowns) return report;
+
+  const Unknowns unknowns(system);
+  const Evaluation& e = dynamics.gather_rows(state);
+  const MatX N = free_motions(e);
+  const std::vector<FreeCoordinate> coordinates = free_coordinates(system, state);
+  const MatX rates = rates_in(coordinates, dynamics, state, unknowns, N);
+  // The first coordinates that are independent, in the order of the links; by each of them alone the mechanism moves.
+  // Those that no motion changes are locked.
+  MatX chosen(0, N.cols());
+  std::vector<int> leaders;
+  for (std::size_t i = 0; i < coordinates.size() && chosen.rows() < N.cols(); ++i) {
+    if (!(rates.row(static_cast<Eigen::Index>(i)).norm() > kSlight)) continue;
+    MatX more(chosen.rows() + 1, N.cols());
+    more << chosen, rates.row(static_cast<Eigen::Index>(i));
+    if (Eigen::ColPivHouseholderQR<MatX>(more.transpose()).setThreshold(kSlight).rank() < more.rows()) continue;
+    chosen = more;
+    report.to_drive.push_back(coordinates[i].name());
+    leaders.push_back(coordinates[i].slot());
+  }
+  const MatX motions = chosen.rows() == N.cols() ? MatX(N * chosen.inverse()) : N;
+  const Inputs& in = dynamics.inputs(state);
+  for (Eigen::Index k = 0; k < motions.cols(); ++k) {
+    const VecX motion = unknowns.motion_of(motions.col(k));
+    const int leader = chosen.rows() == N.cols() ? leaders[static_cast<std::size_t>(k)] : kGround;
+    report.free.push_back(leader == kGround ? motion_words(system, in, motion)
+                                            : led_motion_words(system, in, motion, leader));
+  }
+  return report;
+}
+
+}  // namespace lockstep

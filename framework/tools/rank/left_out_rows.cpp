@@ -1,0 +1,121 @@
+#include "framework/tools/rank/left_out_rows.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <lockstep/error.h>
+#include "framework/dynamics/evaluate/row_space.h"
+#include "framework/tools/rank/motion_words.h"
+
+namespace lockstep {
+namespace {
+
+constexpr double kStep = 0.05;  // rad, or of the length: as far as a projection follows from one pose to the next
+constexpr int kSteps = 6;  // 0.3 rad: what depends in one position only is violated by a hundredth of the length there
+
+/// Rows that are left out as long as it lives.
+class LeftOutForNow {
+ public:
+  LeftOutForNow(System& system, const std::vector<NamedRow>& rows) : system_(system) {
+    leave_out(system, rows);
+    system.setup();
+  }
+  LeftOutForNow(const LeftOutForNow&) = delete;
+  LeftOutForNow& operator=(const LeftOutForNow&) = delete;
+  ~LeftOutForNow() { take_back(system_); }  // it was set up before with all rows: that does not throw
+
+ private:
+  System& system_;
+};
+
+/// A row by itself, in lengths: C, and its jacobian in these unknowns.
+struct OneRow {
+  double C = 0;
+  VecX J;
+};
+
+OneRow one_row(const NamedRow& row, const Inputs& in, const Unknowns& at) {
+  RowTable room;
+  const Lock* const link = row.link;
+  link->gather(Group(&link, 1), in, room.spatial_span(link->shape()));
+  const RowBlock block = room.spatial(link->shape());
+  OneRow out{block.C(row.own), VecX::Zero(at.n())};
+  const SlotList& on = link->slots();
+  for (int i = 0; i < on.n; ++i)
+    for (int j = 0; j < 6; ++j)
+      if (const int u = at.column(on[i], j); u >= 0) out.J[u] += block.J(i, row.own)[static_cast<std::size_t>(j)];
+  out.J = out.J.cwiseQuotient(at.lengths());
+  if (const double length = out.J.norm(); length > 0) out.C /= length, out.J /= length;
+  return out;
+}
+
+/// Motions that the rows in force allow, followed on the constraints.
+class FreeWay {
+ public:
+  FreeWay(Dynamics& dynamics, const State& state) : dynamics_(dynamics), at_(dynamics.system()), state_(state) {}
+
+  const Unknowns& unknowns() const { return at_; }
+  const Inputs& inputs() { return dynamics_.gather_rows(state_).inputs(); }
+  // The free motion nearest to u; zero if the rows hold u.
+  VecX nearest(const VecX& u) {
+    const RowTable& table = dynamics_.gather_rows(state_).rows();
+    const VecX free = RowSpace(at_.rows_in_lengths(table)).free_part(u);
+    return free.norm() > kDependent * u.norm() ? free : VecX(VecX::Zero(u.size()));
+  }
+  // On along u, so far that the body that moves most moves by this.
+  void go(const VecX& u, double length) {
+    const VecX motion = at_.motion_of(u);
+    dynamics_.advance(state_, length / motion_size(dynamics_.system(), motion), motion);
+    dynamics_.project(state_);
+  }
+
+ private:
+  Dynamics& dynamics_;
+  Unknowns at_;
+  State state_;
+};
+
+}  // namespace
+
+bool are_few_rows(const System& system, const std::vector<bool>& modes) {
+  RowTable table;
+  system.lay_out(modes, table, true);
+  return table.n_rows <= kDenseRows;
+}
+
+void leave_out(System& system, const std::vector<NamedRow>& rows) {
+  system.setup();
+  for (const NamedRow& row : rows) system.leave_out(*row.link, system.left_out(*row.link) | 1U << row.own);
+}
+
+void take_back(System& system) {
+  system.setup();
+  for (const auto& link : system.links())
+    if (system.left_out(*link) != 0) system.leave_out(*link, 0);
+  if (system.held_down_to() > 0) system.hold_down_to(0);
+  system.setup();
+}
+
+double violation_without(System& system, Dynamics& dynamics, const State& start, const std::vector<NamedRow>& rows,
+                         const std::vector<NamedRow>& all_left_out) {
+  const LeftOutForNow for_now(system, all_left_out);
+  double most = 0;
+  for (const NamedRow& row : rows) {
+    FreeWay way(dynamics, start);
+    VecX u = way.nearest(one_row(row, way.inputs(), way.unknowns()).J);
+    for (int k = 0; k < kSteps && !u.isZero(0); ++k) {
+      try {
+        way.go(u, kStep * system.length());
+        for (const NamedRow& r : all_left_out)
+          most = std::max(most, std::abs(one_row(r, way.inputs(), way.unknowns()).C));
+        u = way.nearest(u);
+      } catch (const Error&) {
+        if (k <= 1) return HUGE_VAL;
+        break;  // it comes to an end of its way
+      }
+    }
+  }
+  return most;
+}
+
+}  // namespace lockstep

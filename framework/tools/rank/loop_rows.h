@@ -1,0 +1,36 @@
+// The rows of a mechanism loop by loop: what rank, dependencies and unique reactions are found from.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "framework/tools/rank/unknowns.h"
+
+namespace lockstep {
+
+/// Entries of the table in groups whose ranks add up: those that lie on common loops of slots.
+std::vector<std::vector<int>> loops_of(const System&, const RowTable&);
+
+/// Rows of some entries, in the unknowns of the slots that they touch.
+struct LoopRows {
+  LoopRows(const System&, const RowTable&, const std::vector<int>& entries);
+
+  Unknowns at;
+  SparseMat Jt;              ///< jacobian, transposed; turns as lengths
+  std::vector<int> numbers;  ///< of its columns in the table
+
+  int n() const { return static_cast<int>(numbers.size()); }
+};
+
+/// A row of a table by its link: the link's own number of it, and its name, "A.z".
+struct LOCKSTEP_API NamedRow {
+  NamedRow(const System&, const RowTable&, int row);
+  const Lock* link;
+  int own;
+  std::string name() const;
+};
+
+/// Adds a name that is not there.
+void add_name(const std::string& name, std::vector<std::string>& names);
+
+}  // namespace lockstep

@@ -1,0 +1,202 @@
+// What rows hold that nearly depend on others: found, tried, and decided where that is asked for.
+#include <algorithm>
+#include <deque>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include <lockstep/analysis.h>
+#include <lockstep/error.h>
+#include "framework/dynamics/evaluate/row_space.h"
+#include "framework/dynamics/solvers/graph.h"
+#include "framework/tools/rank/left_out_rows.h"
+#include "framework/tools/rank/loop_rows.h"
+
+namespace lockstep {
+namespace {
+
+constexpr double kPersists = 1e-3;  // of the length: rows that are violated by less nearly depend everywhere
+
+/// What keeps a row of a link from being left out: "a law is among them"; "" for nothing.
+std::string keeper_of(const NamedRow& row) {
+  const std::string law = "a law is among them";
+  const Lock& link = *row.link;
+  if (link.unilateral() != nullptr) return "a one-sided link is among them";
+  if (link.jointed() == nullptr) return "a link is among them that is no joint";
+  if (link.row(row.own).drive >= 0 || (link.pattern().laws & (with::uP | with::qP | with::uS | with::qS)) != 0)
+    return law;
+  const ImposedMotion& imposed = link.jointed()->imposed();
+  const bool along = link.row_kind(row.own) == RowKind::translation;
+  return imposed.hold || (along ? imposed.move != nullptr : imposed.turn != nullptr) ? law : "";
+}
+
+/// The rows of a loop that is not too large, in the order of the links.
+class LoopChoice {
+ public:
+  LoopChoice(const System& system, const RowTable& table, const LoopRows& loop)
+      : space(loop.Jt), J_(loop.Jt.rows(), loop.n()) {
+    for (const int number : loop.numbers) rows.emplace_back(system, table, number);
+    order_.resize(rows.size());
+    std::iota(order_.begin(), order_.end(), 0);
+    std::ranges::stable_sort(order_, {}, [&](int row) { return named(row).link->number(); });
+    for (Eigen::Index k = 0; k < J_.cols(); ++k) J_.col(k) = VecX(loop.Jt.col(order_[k])) / space.length(order_[k]);
+  }
+
+  RowSpace space;
+  std::vector<NamedRow> rows;
+
+  struct Choice {
+    std::vector<NamedRow> gone;
+    double smallest = 1;  ///< pivot of those that stay
+    std::string kept;     ///< what keeps a row of `gone` from being left out
+  };
+  /// The next that stays is the first of which others leave at least half of the most. Rows that may not go come first as
+  /// long as they are a tenth of the most. Ends if no row is left above `limit`.
+  Choice above(double limit) const {
+    constexpr double kKeeps = 10;
+    Choice out;
+    MatX left = J_;
+    VecX weights = VecX::Ones(left.cols());
+    for (Eigen::Index k = 0; k < left.cols(); ++k)
+      if (!keeper_of(ordered(k)).empty()) weights[k] = kKeeps;
+    std::vector<bool> stays(rows.size(), false);
+    while (left.colwise().norm().maxCoeff() > limit) {
+      const VecX sizes = left.colwise().norm().transpose().cwiseProduct(weights);
+      Eigen::Index next = 0;
+      while (sizes[next] < 0.5 * sizes.maxCoeff()) ++next;
+      stays[static_cast<std::size_t>(next)] = true;
+      out.smallest = std::min(out.smallest, left.col(next).norm());
+      const VecX along = left.col(next).normalized();
+      for (int twice = 0; twice < 2; ++twice) left -= along * (along.transpose() * left);
+      left.col(next).setZero();
+    }
+    for (Eigen::Index k = 0; k < left.cols(); ++k) {
+      if (stays[static_cast<std::size_t>(k)]) continue;
+      out.gone.push_back(ordered(k));
+      if (out.kept.empty()) out.kept = keeper_of(ordered(k));
+    }
+    return out;
+  }
+  void add_links(std::vector<std::string>& names) const {
+    for (std::size_t k = 0; k < rows.size(); ++k) add_name(ordered(k).link->name(), names);
+  }
+
+ private:
+  const NamedRow& named(int row) const { return rows[static_cast<std::size_t>(row)]; }
+  const NamedRow& ordered(Eigen::Index place) const { return named(order_[static_cast<std::size_t>(place)]); }
+
+  std::vector<int> order_;  // of the links, then of their rows
+  MatX J_;                  // of length 1, in this order
+};
+
+/// Rows on common loops of which some nearly depend on others, and what to do with them. All that depend go, exactly or
+/// nearly: those that do exactly here do so nearly when it has moved.
+struct NearSet {
+  NearDependency told;
+  std::vector<NamedRow> gone;
+};
+
+std::vector<NearSet> nearly_dependent(const std::deque<LoopChoice>& loops) {
+  std::vector<NearSet> all;
+  for (const LoopChoice& loop : loops) {
+    NearSet one;
+    for (const DependentRows& set : loop.space.sets()) {
+      if (set.nearly == 0) continue;
+      for (const int row : set.rows) {
+        const NamedRow& named = loop.rows[static_cast<std::size_t>(row)];
+        one.told.rows.push_back(named.name());
+        if (one.told.undecided.empty()) one.told.undecided = keeper_of(named);
+      }
+      one.told.nearly += set.nearly, one.told.singular_value = std::max(one.told.singular_value, set.pivot);
+    }
+    if (one.told.nearly == 0) continue;
+    LoopChoice::Choice choice = loop.above(kNearlyDependent);
+    one.gone = std::move(choice.gone);
+    if (one.told.undecided.empty()) one.told.undecided = choice.kept;
+    loop.add_links(one.told.links);
+    all.push_back(std::move(one));
+  }
+  return all;
+}
+
+std::vector<std::string> names_of(const std::vector<NamedRow>& rows) {
+  std::vector<std::string> names;
+  for (const NamedRow& row : rows) names.push_back(row.name());
+  return names;
+}
+
+/// Which of them nearly depend in this position only: without them, what they held leads away from them.
+void try_out(System& system, Dynamics& dynamics, const State& state, std::vector<NearSet>& all) {
+  std::vector<NamedRow> gone;
+  for (const NearSet& f : all)
+    if (f.told.undecided.empty()) gone.insert(gone.end(), f.gone.begin(), f.gone.end());
+  for (NearSet& f : all) {
+    if (!f.told.undecided.empty()) continue;
+    f.told.violation = violation_without(system, dynamics, state, f.gone, gone);
+    f.told.in_passing = !(f.told.violation < kPersists * system.length());
+  }
+}
+
+// Rows that depend exactly go, of the whole mechanism, and the rest is held.
+void hold(System& system, const std::deque<LoopChoice>& loops, std::vector<NearDependency>& told) {
+  const auto first = std::ranges::find(told, true, &NearDependency::decided);
+  if (first == told.end()) return;
+  std::vector<NamedRow> all;
+  std::vector<std::string> links;
+  std::string kept;
+  double smallest = 1;  // of the pivots of those that stay
+  for (const LoopChoice& loop : loops) {
+    const LoopChoice::Choice one = loop.above(kDependent);
+    smallest = std::min(smallest, one.smallest);
+    all.insert(all.end(), one.gone.begin(), one.gone.end());
+    if (!one.gone.empty()) loop.add_links(links);
+    if (kept.empty()) kept = one.kept;
+  }
+  if (!kept.empty()) {
+    for (NearDependency& d : told)
+      if (d.decided) d.decided = false, d.undecided = "of rows that depend on others exactly, " + kept;
+    return;
+  }
+  leave_out(system, all);
+  system.hold_down_to(smallest);
+  first->left_out = names_of(all);  // the first tells them all
+  for (const std::string& link : links) add_name(link, first->links);
+}
+
+}  // namespace
+
+std::vector<NearDependency> decide_nearly_redundant(System& system, Dynamics& dynamics, const State& given,
+                                                    NearlyRedundant asked) {
+  State state = given;
+  dynamics.to_slots(state);
+  take_back(system);
+  std::vector<NearDependency> told;
+  if (!has_loops(system, state.modes)) return told;
+  std::deque<LoopChoice> loops;
+  {
+    const RowTable& table = dynamics.gather_rows(state).rows();
+    for (const std::vector<int>& entries : loops_of(system, table))
+      if (const LoopRows rows(system, table, entries); rows.n() <= kDenseRows) loops.emplace_back(system, table, rows);
+  }
+  std::vector<NearSet> all = nearly_dependent(loops);
+  if (all.empty()) return told;
+  const NearlyRedundant choice = asked != NearlyRedundant::automatic ? asked
+                                 : are_few_rows(system, state.modes) ? NearlyRedundant::held
+                                                                     : NearlyRedundant::told;
+  try_out(system, dynamics, state, all);
+  std::vector<NamedRow> gone;
+  for (NearSet& f : all) {
+    f.told.decided = choice != NearlyRedundant::told && f.told.undecided.empty() && !f.told.in_passing;
+    if (f.told.decided && choice == NearlyRedundant::free) {
+      gone.insert(gone.end(), f.gone.begin(), f.gone.end());
+      f.told.left_out = names_of(f.gone);
+    }
+    told.push_back(f.told);
+  }
+  leave_out(system, gone);
+  if (choice == NearlyRedundant::held) hold(system, loops, told);
+  system.setup();
+  return told;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,112 @@
+#include <lockstep/uniqueness.h>
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+
+#include "framework/dynamics/evaluate/row_space.h"
+#include "framework/tools/rank/loop_rows.h"
+#include "framework/tools/record/channel_entry.h"
+
+namespace lockstep {
+namespace {
+
+/// Vectors of multipliers that change no motion, loop by loop; of unit size where rows have length 1.
+class Undetermined {
+ public:
+  Undetermined(const System& system, const RowTable& table) : numbers_(static_cast<std::size_t>(table.n_rows)) {
+    for (const std::vector<int>& entries : loops_of(system, table)) {
+      const LoopRows rows(system, table, entries);
+      const double limit = leaves_near_rows_out(system, table, entries) ? kNearlyDependent : kDependent;
+      const Dependencies found(rows.Jt, limit);
+      if (found.circuits.cols() == 0) continue;
+      n += rows.n() - found.rank;
+      round_off = std::max(round_off, found.round_off);
+      for (int k = 0; k < rows.n(); ++k)
+        numbers_[static_cast<std::size_t>(rows.numbers[static_cast<std::size_t>(k)])] = found.circuits.row(k);
+    }
+  }
+
+  int n = 0;             ///< how many there are
+  double round_off = 0;  ///< numbers up to this are zero
+
+  /// The numbers of a row, one for each vector of its loop.
+  const VecX& numbers(int row) const { return numbers_[static_cast<std::size_t>(row)]; }
+
+ private:
+  // Whether rows of it were left out that depend on others nearly: how those that stay and those that went would share a
+  // load is not known.
+  static bool leaves_near_rows_out(const System& system, const RowTable& table, const std::vector<int>& entries) {
+    if (system.held_down_to() > 0) return false;  // those hold
+    return std::ranges::any_of(entries, [&](int k) {
+      const RowEntry& e = table.entries[static_cast<std::size_t>(k)];
+      return system.left_out(*system.links()[static_cast<std::size_t>(e.link)]) != 0;
+    });
+  }
+
+  std::vector<VecX> numbers_;
+};
+
+/// Adds the channels of a link that some vector of multipliers changes.
+void add_channels_of(const Lock& link, const System& system, const Inputs& in, const RowTable& table,
+                     const Undetermined& u, std::vector<std::string>& names) {
+  const auto& vectors = channels::kReactionVectors;
+  const auto [p, s] = link.pairs().front();
+  const RowEntry& e = *channels::entry_of(link, table);
+  VecX lambda = VecX::Zero(table.n_rows);
+  const Reactions reactions(table, {lambda.data(), static_cast<std::size_t>(lambda.size())});
+  for (const auto& [prefix, by, part] : channels::parts_of(link)) {
+    const std::string start = link.name() + "." + prefix;
+    std::array<Vec3, std::size(channels::kReactionVectors)> largest;
+    largest.fill(Vec3::Zero());
+    double power = 0;
+    for (Eigen::Index column = 0; column < u.numbers(e.first_row).size(); ++column) {
+      for (int k = 0; k < e.m; ++k)
+        lambda[e.first_row + k] = u.numbers(e.first_row + k)[column];  // others are not read
+      for (std::size_t i = 0; i < largest.size(); ++i) {
+        const LinkWrench wrench = reactions.on_body_of(MarkerFrame(vectors[i].on_p ? *p : *s), link, in, part);
+        largest[i] = largest[i].cwiseMax(vectors[i].of(wrench, *s, in).cwiseAbs());
+      }
+      power = std::max(power, std::abs(channels::power_of_part(link, part, table, lambda)));
+    }
+    for (std::size_t i = 0; i < largest.size(); ++i)
+      for (int axis = 0; axis < 3; ++axis)
+        if (largest[i][axis] > u.round_off * (vectors[i].force ? 1 : system.length()))
+          names.push_back(start + vectors[i].name + channels::kAxisName[axis]);
+    if (part != Reactions::kJoint && power > u.round_off)
+      for (const char* name : {"power", "work"}) names.push_back(start + name);
+  }
+}
+
+}  // namespace
+
+bool UniquenessReport::unique(const std::string& channel) const {
+  return std::ranges::find(channels, channel) == channels.end();
+}
+
+UniquenessReport uniqueness(Dynamics& dynamics, const State& state) {
+  const Evaluation& e = dynamics.gather_rows(state);
+  const System& system = dynamics.system();
+  RowTable all;  // with rows that were left out: they would take a share
+  const bool any_left_out =
+      std::ranges::any_of(system.links(), [&](const auto& link) { return system.left_out(*link) != 0; });
+  if (any_left_out) system.lay_out(state.modes, all, true), system.gather_rows(e.inputs(), all);
+  const RowTable& table = any_left_out ? all : e.rows();
+  const Undetermined u(system, table);
+  UniquenessReport report;
+  report.undetermined = u.n;
+  if (u.n == 0) return report;
+  for (const auto& link : system.links()) {
+    if (table.entry_of_link[static_cast<std::size_t>(link->number())] < 0 || link->pairs().empty()) continue;
+    add_channels_of(*link, system, e.inputs(), table, u, report.channels);
+  }
+  for (int row = 0; row < table.n_rows; ++row) {
+    if (u.numbers(row).size() == 0 || u.numbers(row).lpNorm<Eigen::Infinity>() <= u.round_off) continue;
+    const NamedRow named(system, table, row);
+    report.rows.push_back(named.name());
+    report.channels.push_back(named.link->name() + ".lambda_" + std::string(named.link->row_name(named.own)));
+  }
+  return report;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,62 @@
+// The programs that `lockstep` calls: those of its libexec folder, any lockstep-NAME on the PATH, and what is said where one
+// is missing.
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "framework/tools/program/tools.h"
+#include "tests/support/catch.h"
+#include "tests/support/paths.h"
+#include "tests/support/program.h"
+
+namespace tools_test {
+
+using namespace lockstep;
+using namespace lockstep::testing;
+namespace fs = std::filesystem;
+
+TEST_CASE("every verb of another program has its help, and stands in that of lockstep", "[runner]") {
+  const std::string help = call("--help").text, manual = call("man").text;
+  for (const Tool& tool : tools()) {
+    INFO(tool.verb);
+    CHECK(contains(help, std::string("\n  ") + tool.verb + " "));
+    CHECK(contains(manual, std::string("\n.SS \"lockstep ") + tool.verb));
+    const Called own = call(std::string(tool.verb) + " --help");
+    CHECK(own.exit == 0);
+    CHECK(contains(own.text, tool.help));
+  }
+}
+
+TEST_CASE("a program that is not there says how to get it", "[runner]") {
+  const std::string nowhere = "LOCKSTEP_EXEC_PATH=/nowhere";
+  check_refused(
+      call("statics '" + kFourBar + "'", nowhere), 2,
+      {"'statics' is in the program lockstep-analyses, which is neither '/nowhere/lockstep-analyses' nor on the PATH",
+       "--target lockstep_analyses"});
+  check_refused(call("run '" + kFourBar + "' --certify", nowhere), 2,
+                {"--certify is in the program lockstep-measuring"});
+  CHECK(call("check '" + kFourBar + "'", nowhere).exit == 0);
+  const Called completed = call("complete statics --", nowhere);
+  CHECK(completed.exit == 0);
+  CHECK(completed.text.empty());
+  CHECK_FALSE(contains(call("man", nowhere).text, "lockstep statics"));
+}
+
+TEST_CASE("a program of one's own is a verb", "[runner]") {
+  const std::string folder = kRunnerFolder + "/own";
+  fs::create_directories(folder);
+  std::ofstream(folder + "/lockstep-hello") << "#!/bin/sh\necho hello \"$@\"\nexit 7\n";
+  fs::permissions(folder + "/lockstep-hello", fs::perms::owner_all);
+  const Called own = call("hello you --too", "PATH=\"$PATH:" + folder + "\"");
+  CHECK(own.exit == 7);
+  CHECK(own.text == "hello you --too\n");
+  check_refused(call("hello"), 2, {"unknown verb \"hello\""});
+  fs::remove_all(folder);
+}
+
+TEST_CASE("words of verbs of other programs are completed", "[runner]") {
+  CHECK(contains(call("complete stat").text, "statics"));
+  CHECK(contains(call("complete statics --near").text, "--nearest"));
+}
+
+}  // namespace tools_test
