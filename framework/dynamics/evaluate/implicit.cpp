@@ -127,7 +127,7 @@ void NewtonMatrix::gather(const Evaluation& e, const VecX& lambda) {
   if (w.system != &system || w.description != system.revision() || !w.same_links(rows)) {
     w.system = &system;
     w.description = system.revision();
-    w.tangents.lay_out(system.n_slots());
+    w.tangents.lay_out(system.n_slots()), w.length = system.length();
     w.lay_out(rows);
   }
   w.copy_rows(rows);

@@ -5,6 +5,7 @@
 
 #include <lockstep/error.h>
 #include "framework/dynamics/solvers/block_kernels.h"
+#include "framework/dynamics/solvers/scales.h"
 
 namespace lockstep {
 
@@ -125,13 +126,20 @@ void for_each_unknown(const NewtonNumbers& N, Visit&& visit) {
 
 /// d = b - A x without the proximal term, and its largest component relative to the terms of its equation. An equation
 /// whose terms happen to be small (directions in which a flat mechanism does not move) is measured by kScaleFloor of what they
-/// would be with the largest unknown of each unit.
+/// would be with the largest unknown, whose unit the length of the mechanism turns into theirs.
 template <class T>
 typename NewtonFactor<T>::Residual NewtonFactor<T>::measure(const NewtonNumbers& N) {
   using block_detail::size_of, block_detail::times;
-  std::array<double, 5> most{};
-  for_each_unknown(N, [&](int i, unsigned unit) { most[unit] = std::max(most[unit], size_of(x_[i])); });
-  for_each_unknown(N, [&](int i, unsigned unit) { size_x_[i] = std::max(size_of(x_[i]), kScaleFloor * most[unit]); });
+  std::array<double, 5> in_metres{1, N.length};  // of a unit; of multipliers: in newtons
+  for (unsigned kind = 0; kind < 3; ++kind)
+    in_metres[2 + kind] = 1 / length_per_unit(static_cast<RowKind>(kind), N.length);
+  std::array<double, 2> most{};
+  for_each_unknown(N, [&](int i, unsigned unit) {
+    most[unit > 1] = std::max(most[unit > 1], in_metres[unit] * size_of(x_[i]));
+  });
+  for_each_unknown(N, [&](int i, unsigned unit) {
+    size_x_[i] = std::max(size_of(x_[i]), kScaleFloor * most[unit > 1] / in_metres[unit]);
+  });
   d_ = b_;
   size_ = b_.cwiseAbs();
   for (std::size_t p = 0; p < A_.size(); ++p) {

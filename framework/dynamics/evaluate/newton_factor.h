@@ -24,6 +24,7 @@ struct NewtonNumbers {
   std::vector<double> J;                       // 6 per slot and row, entry by entry
   VecX s;                                      // scale of each row, for the proximal term
   double enough = kRowTolerance;               // relative residual that needs no correction
+  double length = 1;                           // of the mechanism, m
   std::array<int, 6> velocity{};  // which of a slot's six velocities each unknown is; in a plane there are three
   int n = 0, m = 0;
   BlockPlan plan;
