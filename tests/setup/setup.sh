@@ -117,4 +117,33 @@ code=$?
 check "unlike any sample: exit code" code_is 2
 check "unlike any sample: no suggestion" said "there is no sample 'zzzzzzzzzzzz'"
 
+# samples/run takes an installed program that was built from this commit of a clean tree, and no other one.
+if command -v git >/dev/null; then
+  tree="$place/tree"
+  mkdir -p "$tree/samples/scenes" "$tree/framework/cmake"
+  cp "$root/samples/run" "$tree/samples"
+  cp "$root/framework/cmake/setup.sh" "$tree/framework/cmake"
+  echo '{}' >"$tree/samples/scenes/small.json"
+  printf 'build\n' >"$tree/.gitignore"
+  git -C "$tree" init -q
+  git -C "$tree" add .
+  git -C "$tree" -c user.name=t -c user.email=t@example.org commit -qm first
+  run_small() {  # run_small COMMIT: with an installed program of this commit; without one cmake is called, which fails here
+    stand_in lockstep "case \$1 in --version) echo 'lockstep 0.1.0 ($1)' ;; *) echo ran \"\$@\" ;; esac"
+    stand_in cmake 'case $1 in --version) echo cmake version 3.25.0 ;; *) exit 1 ;; esac'
+    PATH="$place/bin:$PATH" "$tree/samples/run" small >"$place/said" 2>&1
+    code=$?
+  }
+  run_small "$(git -C "$tree" rev-parse --short=12 HEAD)"
+  check "installed, same commit: success" code_is 0
+  check "installed, same commit: says so" said "taking $place/bin/lockstep, which was built from this commit"
+  check "installed, same commit: runs" said "ran run $tree/samples/scenes/small.json"
+  run_small 0123456789ab
+  check "installed, another commit: builds" said "configuring build/release"
+  rm -rf "$tree/build"
+  echo '{ }' >"$tree/samples/scenes/small.json"
+  run_small "$(git -C "$tree" rev-parse --short=12 HEAD)"
+  check "installed, changed tree: builds" said "configuring build/release"
+fi
+
 [ "$n_failed" -eq 0 ]

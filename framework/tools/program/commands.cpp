@@ -120,7 +120,8 @@ int run_words(const Program& program, int argc, const char* const* argv) {
   if (program.calls_tools)
     if (const std::optional<int> code = call_tool(argc, argv, is_own)) return *code;
   CLI::App app("lockstep: simulates mechanisms of rigid bodies with the lock formulation", "lockstep");
-  app.set_version_flag("--version", std::string("lockstep ") + kVersion);
+  app.set_version_flag("--version", fmt::format("lockstep {}{}{}{}", kVersion, commit_of_build().empty() ? "" : " (",
+                                                commit_of_build(), commit_of_build().empty() ? "" : ")"));
   app.require_subcommand(1);
   app.footer(
       "Example:\n  lockstep run samples/scenes/four_bar.json\nEach verb has a --help of its own.\n\n"

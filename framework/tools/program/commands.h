@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <lockstep/registry.h>
@@ -103,6 +104,9 @@ Loaded load(const Arguments&);
 
 /// The command line of an earlier run, `lockstep run` ..., by its words after the program's name.
 Arguments read_run_words(const std::vector<std::string>& words);
+
+/// The commit that the program was built from, if the tree was clean; else "".
+std::string_view commit_of_build();
 
 /// The code for an error.
 int exit_code_of(const Error&);
