@@ -3,7 +3,7 @@
 set(commit "")
 find_program(git git)
 if(git)
-  execute_process(COMMAND ${git} -C ${root} status --porcelain OUTPUT_VARIABLE changes RESULT_VARIABLE failed ERROR_QUIET)
+  execute_process(COMMAND ${git} --no-optional-locks -C ${root} status --porcelain OUTPUT_VARIABLE changes RESULT_VARIABLE failed ERROR_QUIET)
   if(failed EQUAL 0 AND changes STREQUAL "")
     execute_process(COMMAND ${git} -C ${root} rev-parse --short=12 HEAD OUTPUT_VARIABLE commit OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
   endif()

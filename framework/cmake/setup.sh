@@ -133,7 +133,7 @@ build() {
   jobs="$(nproc 2>/dev/null || echo 2)"
   configure
   if ! cmake --build "$build" --parallel "$jobs" --target "$@" |
-    { grep --line-buffered -v -e 'ninja: no work to do' -e 'Re-checking globbed' || true; } >&2; then
+    { grep --line-buffered -v -e 'ninja: no work to do' -e 'Re-checking globbed' -e 'Reading the commit' -e 'Writing schema, manual' || true; } >&2; then
     say "the build failed; the compiler's words are above"
     exit 1
   fi

@@ -27,6 +27,16 @@ TEST_CASE("every verb of another program has its help, and stands in that of loc
   }
 }
 
+TEST_CASE("each verb stands in the manual once, and --certify may be written with a value", "[runner]") {
+  const std::string manual = call("man").text, head = "\n.SS \"lockstep run ";
+  CHECK(manual.find(head) != std::string::npos);
+  CHECK(manual.find(head) == manual.rfind(head));
+  const Called certified =
+      call("run '" + kFourBar + "' --certify=true --until 0.05 --budget 2s --record certified.csv");
+  INFO(certified.text);
+  CHECK(contains(certified.text, "certificate"));
+}
+
 TEST_CASE("a program that is not there says how to get it", "[runner]") {
   const std::string nowhere = "LOCKSTEP_EXEC_PATH=/nowhere";
   check_refused(

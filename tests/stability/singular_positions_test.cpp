@@ -176,6 +176,7 @@ TEST_CASE("regular positions of overconstrained mechanisms are no singular ones"
   CAPTURE(name, at.motions, at.nearness);
   CHECK(at.known);
   CHECK_FALSE(at.singular);
+  CHECK(at.nearness > 1e-4);
 }
 
 namespace {

@@ -19,6 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30;
+constexpr unsigned kMostSegments = 64;
 
 #if defined(__x86_64__)
 constexpr unsigned kMachine = EM_X86_64;
@@ -86,7 +87,9 @@ void ElfImage::read_header() {
   need_equal("it is an object file or a program: its type", h.e_type, ET_DYN);
   need_equal("its header is damaged: its size", h.e_ehsize, sizeof h);
   need_equal("its header is damaged: the size of an entry for a segment", h.e_phentsize, sizeof(Elf64_Phdr));
-  if (h.e_phnum == 0) refuse("its header is damaged: it has no segments");
+  if (h.e_phnum == 0 || h.e_phnum > kMostSegments)
+    refuse(fmt::format("its header is damaged: the number of segments is {}; must be from 1 to {}", h.e_phnum,
+                       kMostSegments));
   segments_ = in_file<Elf64_Phdr>("its list of segments", h.e_phoff, h.e_phnum);
   // The loader does not read sections; their list stands at the end of a file, and shows one that was cut.
   if (h.e_shoff != 0) in_file<char>("its list of sections", h.e_shoff, std::uint64_t(h.e_shnum) * h.e_shentsize);

@@ -19,7 +19,10 @@ std::map<std::int64_t, Number> dynamic_table(const ElfImage& image) {
   const Elf64_Phdr* s = image.segment(PT_DYNAMIC);
   if (s == nullptr) image.refuse("it has no dynamic table");
   for (const Elf64_Dyn& e : image.in_file<Elf64_Dyn>("its dynamic table", s->p_offset, s->p_filesz / sizeof(Elf64_Dyn)))
-    if (e.d_tag != DT_NULL) tags.emplace(e.d_tag, e.d_un.d_val);
+    if (e.d_tag == DT_NULL)
+      break;
+    else
+      tags[e.d_tag] = e.d_un.d_val;
   for (const std::int64_t needed : {DT_SYMTAB, DT_STRTAB, DT_STRSZ})
     if (!tags.contains(needed)) image.refuse(fmt::format("its dynamic table has no tag {:#x}; must have it", needed));
   return tags;
@@ -52,11 +55,11 @@ CheckedFile exported_data(const std::string& path, std::string_view symbol) {
   const std::map<std::int64_t, Number> tags = dynamic_table(image);
   const auto strings = image.at<char>("its table of strings", tags.at(DT_STRTAB), tags.at(DT_STRSZ));
   const std::string_view names(strings.data(), strings.size());
+  const std::string ended = std::string(symbol) + '\0';
   for (const Elf64_Sym& s :
        image.at<Elf64_Sym>("its table of symbols", tags.at(DT_SYMTAB), count_symbols(image, tags))) {
     if (s.st_shndx == SHN_UNDEF || ELF64_ST_TYPE(s.st_info) != STT_OBJECT || s.st_name >= names.size()) continue;
-    const std::string_view name = names.substr(s.st_name);
-    if (name.substr(0, name.find('\0')) != symbol) continue;
+    if (names.substr(s.st_name, symbol.size() + 1) != ended) continue;
     const auto data = image.at<char>("the data of a symbol", s.st_value, s.st_size);
     return {image.stamp(), std::string(data.begin(), data.end())};
   }

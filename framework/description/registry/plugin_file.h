@@ -15,8 +15,8 @@ struct CheckedFile {
   std::optional<std::string> data;  ///< of the symbol; nothing when it exports no such data
 };
 
-/// The bytes of a data symbol that a shared library exports, without opening it. A file that is cut, is none or is made for
-/// another machine is refused: PluginError with the file, what is wrong, its value and the limit. Other damage is not looked
+/// The bytes of a data symbol that a shared library exports, without opening it. A file that is cut, is no shared library or is
+/// made for another machine is refused: PluginError with the file, what is wrong, its value and the limit. Other damage is not looked
 /// for, as in any library that the system loads.
 CheckedFile exported_data(const std::string& path, std::string_view symbol);
 

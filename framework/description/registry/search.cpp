@@ -108,6 +108,8 @@ std::vector<std::string> plugin_folders() {
   std::error_code error;
   const fs::path program = dll::program_location(error), library = own_file();
   if (!program.empty()) add(program.parent_path() / ".." / "plugins");
+  if (program.parent_path().parent_path().filename() == "libexec")  // called by lockstep: beside the folder of that
+    add(program.parent_path() / ".." / ".." / "plugins");
   if (!library.empty()) add(library.parent_path() / ".." / "plugins");
   if (!library.empty()) add(library.parent_path() / "lockstep" / "plugins");
   return folders;

@@ -126,11 +126,11 @@ void for_each_unknown(const NewtonNumbers& N, Visit&& visit) {
 
 /// d = b - A x without the proximal term, and its largest component relative to the terms of its equation. An equation
 /// whose terms happen to be small (directions in which a flat mechanism does not move) is measured by kScaleFloor of what they
-/// would be with the largest unknown, whose unit the length of the mechanism turns into theirs.
+/// would be with the largest unknown. Unknowns are compared as lengths, multipliers as forces.
 template <class T>
 typename NewtonFactor<T>::Residual NewtonFactor<T>::measure(const NewtonNumbers& N) {
   using block_detail::size_of, block_detail::times;
-  std::array<double, 5> in_metres{1, N.length};  // of a unit; of multipliers: in newtons
+  std::array<double, 5> in_metres{1, N.length};  // of a unit; of multipliers: newtons
   for (unsigned kind = 0; kind < 3; ++kind)
     in_metres[2 + kind] = 1 / length_per_unit(static_cast<RowKind>(kind), N.length);
   std::array<double, 2> most{};

@@ -42,7 +42,7 @@ int RowSpace::rank(double limit) const {
 
 double RowSpace::smallest_singular_value(int rank) const {
   const MatX R = qr_.matrixR().topRows(rank).template triangularView<Eigen::Upper>();
-  return rank > 0 ? singular_values(R).values[rank - 1] : 1.0;
+  return rank > 0 ? std::sqrt(std::max(0.0, symmetric_eigenvalues(R * R.transpose())[0])) : 1.0;
 }
 
 MatX RowSpace::free(double limit) const {

@@ -46,7 +46,7 @@ class LOCKSTEP_API RowSpace {
   double pivot(int place) const {
     return place < std::min(qr_.rows(), qr_.cols()) ? std::abs(qr_.matrixR()(place, place)) : 0.0;
   }
-  double smallest_singular_value(int rank) const;         ///< of so many pivots
+  double smallest_singular_value(int rank) const;         ///< of so many pivots; below 1e-7 it is rounding
   double length(int row) const { return lengths_[row]; }  ///< 1 for a row of zeros
   MatX free(double limit = kDependent) const;             ///< N: what they leave free, orthonormal columns
   VecX free_part(const VecX& u) const;                    ///< N N^T u

@@ -2,9 +2,6 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
-#include <Eigen/SVD>
-
-#include <lockstep/error.h>
 
 namespace lockstep {
 
@@ -12,9 +9,8 @@ namespace {
 using Orthogonal = Eigen::CompleteOrthogonalDecomposition<MatX>;
 }
 
-SingularValues singular_values(const MatX& A) {
-  const Eigen::JacobiSVD<MatX, Eigen::NoQRPreconditioner> svd(A, Eigen::ComputeFullV);
-  return {svd.singularValues(), svd.matrixV()};
+VecX symmetric_eigenvalues(const MatX& A) {
+  return Eigen::SelfAdjointEigenSolver<MatX>(A, Eigen::EigenvaluesOnly).eigenvalues();
 }
 
 VecX least_norm(const MatX& A, const VecX& b, double limit) {
@@ -27,12 +23,6 @@ VecX least_norm(const MatX& A, const VecX& b, double limit) {
 MatX null_space(const MatX& A) {
   const Orthogonal factor(A);
   return factor.colsPermutation() * MatX(factor.matrixZ().adjoint().rightCols(A.cols() - factor.rank()));
-}
-
-Eigenvectors eigenvectors(const MatX& A) {
-  const Eigen::EigenSolver<MatX> solver(A);
-  if (solver.info() != Eigen::Success) throw SolveError("the eigenvalues of a matrix did not converge");
-  return {solver.eigenvalues(), solver.eigenvectors()};
 }
 
 }  // namespace lockstep

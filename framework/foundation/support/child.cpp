@@ -38,8 +38,10 @@ ChildEnd run_child(std::vector<std::string> words, const std::string& folder, bo
   close(pipe[0]);
   if (failed != 0)
     throw FileError("cannot start \"" + words[0] + "\": " + std::strerror(failed) + "; check that it can be executed");
-  while (waitpid(child, &end.status, 0) < 0 && errno == EINTR) {
+  pid_t ended = 0;
+  while ((ended = waitpid(child, &end.status, 0)) < 0 && errno == EINTR) {
   }
+  if (ended < 0) throw FileError("how \"" + words[0] + "\" ended is not known: " + std::strerror(errno));
   return end;
 }
 

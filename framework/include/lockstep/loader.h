@@ -45,16 +45,16 @@ struct PluginStamp {
 /// "plugins/cam_follower.so" are all accepted, and "lib" before the name is tried as well; the file is found as by
 /// find_plugin(), so never pass on a path that came from a scene. On an error the registry is unchanged. The plugin
 /// stays loaded for the life of the process, because objects run its code. Throws PluginError: not found (with the
-/// places), not a plugin, damaged, built differently (with the first field that differs), nothing registered, a name
+/// places), not a plugin, cut, built differently (with the first field that differs), nothing registered, a name
 /// that is taken, or what the plugin itself threw. Size and checksum of the file are kept before it is opened. A file
 /// that has others when it is loaded again is refused, as is one that has others than `expected`.
 LOCKSTEP_API std::string load_plugin(Registry&, const std::string& name_or_path,
                                      const std::vector<std::string>& folders = {},
                                      const std::optional<PluginStamp>& expected = {});
 
-/// Checks in a file all that load_plugin() checks before it opens it: that it is a shared library for this machine with
-/// an undamaged structure, and that its record fits this build. None of its code runs. Throws PluginError. It cannot
-/// find changed code in a file of undamaged structure: compare the returned size and checksum with those of a sound one.
+/// Checks in a file all that load_plugin() checks before it opens it: that it is a whole shared library for this machine,
+/// and that its record fits this build. None of its code runs. Throws PluginError. It does not find other damage: compare
+/// the returned size and checksum with those of a sound file.
 LOCKSTEP_API PluginStamp check_plugin_file(const std::string& path);
 
 /// The record in the file of a plugin, read without opening the file as a library. Throws PluginError.

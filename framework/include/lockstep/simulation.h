@@ -54,7 +54,7 @@ class LOCKSTEP_API Simulation {
   /// unknown name or key, a tolerance that is not positive, or a fixed step that is not given.
   explicit Simulation(System& system, SimulationOptions options = {}, const Registry& registry = builtin_registry());
   /// Runs a scene as the program does: its start, events, tolerance, step, formulation, outputs and columns. Energy, drift,
-  /// tolerance and singular configurations are watched: verdict(). In liblockstep-tools. Throws SceneError with the
+  /// tolerance and singular configurations are watched: verdict(). In liblockstep-run. Throws SceneError with the
   /// place in the file of a channel that does not exist.
   explicit Simulation(Mechanism mechanism);
   Simulation(Simulation&&) noexcept;             ///< the run goes on in the new one

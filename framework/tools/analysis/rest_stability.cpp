@@ -7,8 +7,8 @@
 #include <limits>
 
 #include <lockstep/newton.h>
-#include "framework/foundation/math/decompositions.h"
 #include "framework/foundation/math/limits.h"
+#include "framework/tools/analysis/eigenvectors.h"
 #include "framework/tools/analysis/forces_at_rest.h"
 #include "framework/tools/analysis/mechanism_matrices.h"
 #include "framework/tools/analysis/rest_matrices.h"

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include <lockstep/error.h>
-#include "framework/foundation/math/decompositions.h"
 #include "framework/foundation/math/limits.h"
+#include "framework/tools/analysis/eigenvectors.h"
 #include "framework/tools/analysis/minimal_coordinates.h"
 #include "framework/tools/analysis/modal_basis.h"
 

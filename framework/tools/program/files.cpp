@@ -83,14 +83,14 @@ void check_writable(const std::string& file) {
 namespace {
 
 // Under which key a value stands, and under which one the object that holds it; items of a list stand under the list's.
-struct Named {
+struct KeysOfValue {
   std::string own{}, of_object{};
 };
 
 // Calls visit(value, its keys, its folder) for every value, whose folder is that of the file in which it stands. `file`:
 // that of the folder; null: not known.
 template <class Visit>
-void for_each_value(const Value& value, const Named& keys, const std::string* file, const fs::path& folder,
+void for_each_value(const Value& value, const KeysOfValue& keys, const std::string* file, const fs::path& folder,
                     Visit&& visit) {
   if (value.where.file && value.where.file.get() != file) {
     const std::string& other = *value.where.file;
@@ -104,7 +104,9 @@ void for_each_value(const Value& value, const Named& keys, const std::string* fi
 }
 
 // Whether a text under these keys names a file: the mesh of a shape does, that of a gear says how it meshes.
-bool names_file(const Named& keys) { return keys.own == "file" || (keys.own == "mesh" && keys.of_object == "shapes"); }
+bool names_file(const KeysOfValue& keys) {
+  return keys.own == "file" || (keys.own == "mesh" && keys.of_object == "shapes");
+}
 
 // Calls visit(value, file, its name as written) for every file that a scene is read from: the scenes that it includes,
 // and what "file", and "mesh" of a shape, name.
@@ -112,7 +114,7 @@ template <class Visit>
 void for_each_file(const Scene& scene, Visit&& visit) {
   const std::string* last = nullptr;
   for_each_value(scene.root, {}, nullptr, fs::path(scene.file).parent_path(),
-                 [&](const Value& value, const Named& keys, const fs::path& folder) {
+                 [&](const Value& value, const KeysOfValue& keys, const fs::path& folder) {
                    const std::string* file = value.where.file.get();
                    if (file != nullptr && file != last && *file != scene.file) visit(value, fs::path(*file), *file);
                    if (file != nullptr) last = file;
@@ -136,7 +138,7 @@ void refuse_inputs(const std::vector<fs::path>& results, const Scene& scene) {
   for_each_file(scene, [&](const Value&, const fs::path& file, const std::string&) { refuse_if_result(file); });
   for (const Value* root : {&scene.root, &scene.written})
     for_each_value(*root, {}, nullptr, fs::path(scene.file).parent_path(),
-                   [&](const Value& value, const Named&, const fs::path& folder) {
+                   [&](const Value& value, const KeysOfValue&, const fs::path& folder) {
                      const std::string* text = value.text();
                      if (text == nullptr || text->empty() || text->size() > 4096) return;
                      const fs::path name = fs::path(*text).filename();

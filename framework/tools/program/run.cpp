@@ -465,7 +465,10 @@ class ProgramRun {
 
 }  // namespace
 
-int run_command(const Arguments& args) { return ProgramRun(args, nullptr).go(); }
+int run_command(const Arguments& args) {
+  if (args.certify) throw UsageError("--certify: write it by itself, behind the verb");
+  return ProgramRun(args, nullptr).go();
+}
 int run_and_certify(const Arguments& args, Certify certify) { return ProgramRun(args, nullptr, certify).go(); }
 
 int resume_command(const Arguments& args) {

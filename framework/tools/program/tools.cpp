@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <boost/dll/runtime_symbol_info.hpp>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <utility>
@@ -44,7 +45,8 @@ constexpr Tool kTools[] = {
 };
 
 std::string file_of(const std::string& program) {
-  if (const char* folder = std::getenv("LOCKSTEP_EXEC_PATH")) return std::string(folder) + "/lockstep-" + program;
+  if (const char* folder = std::getenv("LOCKSTEP_EXEC_PATH"); folder != nullptr && *folder != 0)
+    return std::string(folder) + "/lockstep-" + program;
   const std::string own = boost::dll::program_location().string();
   return (fs::path(own).parent_path().parent_path() / "libexec/lockstep/lockstep-").string() + program;
 }
@@ -63,7 +65,7 @@ std::optional<int> call_tool(int argc, const char* const* argv, bool (*own)(std:
   const std::string_view verb = completes ? argv[2] : argc > 1 ? argv[1] : "";
   if (verb.empty() || verb.starts_with('-') || verb.find('/') != verb.npos) return {};
   const bool certifies = verb == "run" && !completes && std::any_of(argv + 2, argv + argc, [](const char* word) {
-                           return std::string_view(word) == "--certify";
+                           return std::string_view(word).starts_with("--certify");
                          });
   const Tool* tool = certifies ? tool_of("chart") : tool_of(verb);
   if (tool == nullptr && (completes || own(verb))) return {};
@@ -72,6 +74,7 @@ std::optional<int> call_tool(int argc, const char* const* argv, bool (*own)(std:
   for (int k = 0; k < argc; ++k) words.push_back(const_cast<char*>(argv[k]));
   words.push_back(nullptr);
   if (tool == nullptr) words.erase(words.begin() + 1);  // of a program of another's: as git calls one
+  std::signal(SIGXFSZ, SIG_DFL);                        // as it was before run_program()
   execv(file_of(program).c_str(), words.data());
   execvp(("lockstep-" + program).c_str(), words.data());
   if (tool == nullptr) return {};

@@ -1,0 +1,23 @@
+// Eigenvectors and singular values of dense matrices, compiled once: Eigen's solvers cost seconds in each file that names them.
+#pragma once
+
+#include <lockstep/math.h>
+
+namespace lockstep {
+
+/// A x = l x.
+struct Eigenvectors {
+  Eigen::VectorXcd values;
+  Eigen::MatrixXcd vectors;  ///< a column for each value
+};
+/// Throws SolveError where the iteration does not converge.
+Eigenvectors eigenvectors(const MatX& A);
+
+/// A = U diag(values) V^T of a square A.
+struct SingularValues {
+  VecX values;  ///< largest first
+  MatX V;       ///< orthogonal; a column for each value
+};
+SingularValues singular_values(const MatX& A);
+
+}  // namespace lockstep
