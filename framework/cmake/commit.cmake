@@ -1,7 +1,7 @@
 # Writes which commit a clean tree is at into a source of the program; "" for any other tree. Run at every build.
 # Words: -D root=... -D file=...
-set(commit "")
 cmake_minimum_required(VERSION 3.25)
+set(commit "")
 find_program(git git)
 if(git)
   execute_process(COMMAND ${git} --no-optional-locks -C ${root} status --porcelain OUTPUT_VARIABLE changes RESULT_VARIABLE failed ERROR_QUIET)

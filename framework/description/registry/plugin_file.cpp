@@ -18,11 +18,11 @@ std::map<std::int64_t, Number> dynamic_table(const ElfImage& image) {
   std::map<std::int64_t, Number> tags;
   const Elf64_Phdr* s = image.segment(PT_DYNAMIC);
   if (s == nullptr) image.refuse("it has no dynamic table");
-  for (const Elf64_Dyn& e : image.in_file<Elf64_Dyn>("its dynamic table", s->p_offset, s->p_filesz / sizeof(Elf64_Dyn)))
-    if (e.d_tag == DT_NULL)
-      break;
-    else
-      tags[e.d_tag] = e.d_un.d_val;
+  for (const Elf64_Dyn& e :
+       image.in_file<Elf64_Dyn>("its dynamic table", s->p_offset, s->p_filesz / sizeof(Elf64_Dyn))) {
+    if (e.d_tag == DT_NULL) break;
+    tags[e.d_tag] = e.d_un.d_val;
+  }
   for (const std::int64_t needed : {DT_SYMTAB, DT_STRTAB, DT_STRSZ})
     if (!tags.contains(needed)) image.refuse(fmt::format("its dynamic table has no tag {:#x}; must have it", needed));
   return tags;

@@ -28,11 +28,8 @@ void add_statics(CLI::App& verb, Arguments& a) {
   add(verb, "--at", a.at, "T", "the instant at which laws and drives are taken, s; default 0");
   CLI::Option* nearest = verb.add_flag("--nearest", a.nearest, "take the equilibrium that is met first, stable or not");
   add(verb, "--all", a.all, "N", "look from N random starts for all equilibria, unstable ones too")->excludes(nearest);
-  verb.add_option("--vary", a.vary,
-                  "NAME=a:b:n or NAME=v1,v2,...: the path over a parameter, one CSV row each, from the equilibrium "
-                  "before")
-      ->type_name("NAME=...")
-      ->allow_extra_args(false);
+  add_each(verb, "--vary", a.vary, "NAME=...",
+           "NAME=a:b:n or NAME=v1,v2,...: the path over a parameter, one CSV row each, from the equilibrium before");
   add(verb, "--record", a.record, "FILE.csv", "write poses and reactions as CSV");
 }
 
@@ -85,13 +82,10 @@ Example:
 
 void add_linearize(CLI::App& verb, Arguments& a) {
   add_motion(verb, a);
-  const auto list = [&](const char* name, std::vector<std::string>& to, const char* help) {
-    verb.add_option(name, to, help)->delimiter(',')->allow_extra_args(false)->type_name("A,B");
-  };
-  list("--inputs", a.inputs,
-       "driven links (A, or A.rz of several drives: value, rate and second rate), forces (motor, pad.x), laws "
-       "(rope.length, table.translation.x)");
-  list("--outputs", a.outputs, "channels, as `lockstep check SCENE --channels` lists them");
+  add_names(verb, "--inputs", a.inputs,
+            "driven links (A, or A.rz of several drives: value, rate and second rate), forces (motor, pad.x), laws "
+            "(rope.length, table.translation.x)");
+  add_names(verb, "--outputs", a.outputs, "channels, as `lockstep check SCENE --channels` lists them");
   add(verb, "--csv", a.csv, "FILE.csv", "one table: rows x' and y, columns x and u");
 }
 

@@ -8,16 +8,15 @@ namespace {
 
 void add_benchmark(CLI::App& verb, Arguments& a) {
   add_scene(verb, a);
-  const auto list = [&](const char* names, std::vector<std::string>& to, const char* help) {
-    return verb.add_option(names, to, help)->delimiter(',')->allow_extra_args(false)->type_name("A,B");
-  };
-  list("--integrators", a.integrators, "only these, with keys if needed: rk4,dopri5:fixed=true; default: all");
-  list("--formulations", a.formulations,
-       "only these: omega, quaternion, joint, auto; default: all of these that the mechanism allows")
+  add_names(verb, "--integrators", a.integrators,
+            "only these, with keys if needed: rk4,dopri5:fixed=true; default: all");
+  add_names(verb, "--formulations", a.formulations,
+            "only these: omega, quaternion, joint, auto; default: all of these that the mechanism allows")
       ->check(CLI::IsMember(formulation_names()));
-  list("--stabilizations,--stabilisations", a.stabilizations, "only these: project, baumgarte, none; default: all")
+  add_names(verb, "--stabilizations,--stabilisations", a.stabilizations,
+            "only these: project, baumgarte, none; default: all")
       ->check(CLI::IsMember(kStabilizations));
-  list("--solvers", a.solvers, "only these; default: all of `lockstep list solvers`");
+  add_names(verb, "--solvers", a.solvers, "only these; default: all of `lockstep list solvers`");
   verb.add_flag("--separately", a.separately,
                 "vary one of the four at a time, the others as in the scene: faster than every combination");
   add(verb, "--tolerances", a.tolerances, "COARSE:FINE", "range for adaptive integrators; default 1:1e-12");
@@ -68,18 +67,14 @@ Example:
 
 void add_atlas(CLI::App& verb, Arguments& a) {
   add_scene(verb, a);
-  verb.add_option("--vary", a.vary, "NAME=a:b:n, NAME=a:b:n:log or NAME=v1,v2,...; twice: x axis, y axis")
-      ->required()
-      ->type_name("NAME=...")
-      ->allow_extra_args(false);
+  add_each(verb, "--vary", a.vary, "NAME=...", "NAME=a:b:n, NAME=a:b:n:log or NAME=v1,v2,...; twice: x axis, y axis")
+      ->required();
   add(verb, "--of", a.of, "WHAT", "what is drawn: status (default), error (m), energy (imbalance, relative)",
       {"status", "error", "energy"});
-  const auto list = [&](const char* names, std::vector<std::string>& to, const char* help) {
-    return verb.add_option(names, to, help)->delimiter(',')->allow_extra_args(false)->type_name("A,B");
-  };
-  list("--integrators", a.integrators, "only these, with keys if needed: rk4,dopri5:fixed=true; default: all");
-  list("--stabilizations,--stabilisations", a.stabilizations,
-       "these: project, baumgarte, none; default: the scene's, or baumgarte where its gains vary")
+  add_names(verb, "--integrators", a.integrators,
+            "only these, with keys if needed: rk4,dopri5:fixed=true; default: all");
+  add_names(verb, "--stabilizations,--stabilisations", a.stabilizations,
+            "these: project, baumgarte, none; default: the scene's, or baumgarte where its gains vary")
       ->check(CLI::IsMember(kStabilizations));
   add(verb, "--formulation", a.formulation, "F", "unknowns, as in `lockstep run --help`", formulation_names());
   add(verb, "--step", a.step, "H", "fixed step, or the largest step of an adaptive integrator, s");

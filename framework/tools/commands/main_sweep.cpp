@@ -28,10 +28,9 @@ The shares have one header. One table in the order of the whole grid is made by
 
 void add_sweep(CLI::App& verb, Arguments& a) {
   add_settings(verb, a);
-  verb.add_option("--vary", a.vary, "NAME=a:b:n, n values evenly from a to b, or NAME=v1,v2,...; may be repeated")
-      ->required()
-      ->type_name("NAME=...")
-      ->allow_extra_args(false);
+  add_each(verb, "--vary", a.vary, "NAME=...",
+           "NAME=a:b:n, n values evenly from a to b, or NAME=v1,v2,...; may be repeated")
+      ->required();
   add(verb, "--shard", a.shard, "i/n", "only every n-th run, from the i-th on; i counts from 1");
   add(verb, "--record", a.record, "FILE.csv",
       "the CSV file; default: <scene>_sweep.csv or <scene>_sweep_<i>of<n>.csv, in LOCKSTEP_OUTPUT or here; -: standard "

@@ -111,14 +111,9 @@ int guarded(const std::function<int()>& command) {
   }
 }
 
-bool is_own(std::string_view verb) {
-  return verb == "complete" || verb == "plugins" || verb == "plugin-answer" ||
-         std::ranges::find(own_verbs(), verb, &Verb::name) != own_verbs().end();
-}
-
 int run_words(const Program& program, int argc, const char* const* argv) {
   if (program.calls_tools)
-    if (const std::optional<int> code = call_tool(argc, argv, is_own)) return *code;
+    if (const std::optional<int> code = call_tool(argc, argv)) return *code;
   CLI::App app("lockstep: simulates mechanisms of rigid bodies with the lock formulation", "lockstep");
   app.set_version_flag("--version", fmt::format("lockstep {}{}{}{}", kVersion, commit_of_build().empty() ? "" : " (",
                                                 commit_of_build(), commit_of_build().empty() ? "" : ")"));

@@ -33,14 +33,20 @@ CLI::Option* add(CLI::App& verb, const char* name, std::string& to, const char* 
   return add(verb, name, to, type, help)->check(CLI::IsMember(choices));
 }
 
+CLI::Option* add_each(CLI::App& verb, const char* name, std::vector<std::string>& to, const char* type,
+                      const std::string& help) {
+  return verb.add_option(name, to, help)->type_name(type)->allow_extra_args(false);
+}
+CLI::Option* add_names(CLI::App& verb, const char* name, std::vector<std::string>& to, const std::string& help) {
+  return add_each(verb, name, to, "A,B", help)->delimiter(',');
+}
+
 CLI::Option* add_json(CLI::App& verb, Arguments& a) {
   return verb.add_flag("--json", a.json, "print the result as JSON, and nothing else");
 }
 
 void add_plugins(CLI::App& verb, Arguments& a) {
-  verb.add_option("--plugin", a.plugins, "load a plugin, by name or path; may be given several times")
-      ->type_name("P")
-      ->allow_extra_args(false);
+  add_each(verb, "--plugin", a.plugins, "P", "load a plugin, by name or path; may be given several times");
 }
 
 void add_scene(CLI::App& verb, Arguments& a) {
@@ -48,11 +54,10 @@ void add_scene(CLI::App& verb, Arguments& a) {
   add_plugins(verb, a);
   add(verb, "--planar", a.planar, "AXIS", "planar motion, by its normal; auto: where that is exact",
       {"off", "auto", "x", "y", "z"});
-  verb.add_option("--set", a.set,
-                  "NAME=VALUE: another value of a parameter (crank=\"120 mm\"), or of a path as in `lockstep sweep "
-                  "--help`; may be repeated")
-      ->type_name("NAME=VALUE")
-      ->allow_extra_args(false);
+  add_each(
+      verb, "--set", a.set, "NAME=VALUE",
+      "NAME=VALUE: another value of a parameter (crank=\"120 mm\"), or of a path as in `lockstep sweep --help`; may be "
+      "repeated");
   verb.add_flag("--allow-files", a.allow_files, "let the scene read files outside of its folder");
   add(verb, "--nearly-redundant", a.nearly_redundant, "WORD",
       "rows that depend on others but for a singular value below 1e-3: held (auto, where that can be), left out "
@@ -93,10 +98,8 @@ CLI::Option* add_run_outputs(CLI::App& verb, Arguments& a) {
   add_headers(verb, a);
   verb.add_flag("--at-jumps", a.at_jumps, "rows also just before and just after events, impacts and jumps of laws");
   CLI::Option* pictures =
-      verb.add_option("--picture", a.pictures,
-                      "X:Y: one more picture, of column Y against column X (the path of a point); may be repeated")
-          ->type_name("X:Y")
-          ->allow_extra_args(false);
+      add_each(verb, "--picture", a.pictures, "X:Y",
+               "X:Y: one more picture, of column Y against column X (the path of a point); may be repeated");
   verb.add_flag("--no-picture", a.no_picture, "draw no picture beside the CSV file")->excludes(pictures);
   CLI::Option* quiet =
       verb.add_flag("--quiet", a.quiet, "print errors only; energy is then not integrated and not judged, drift is");

@@ -40,6 +40,11 @@ CLI::Option* add(CLI::App& verb, const char* name, std::string& to, const char* 
 /// One of some words.
 CLI::Option* add(CLI::App& verb, const char* name, std::string& to, const char* type, const std::string& help,
                  const Choices& choices);
+/// One that may be given several times, a value each.
+CLI::Option* add_each(CLI::App& verb, const char* name, std::vector<std::string>& to, const char* type,
+                      const std::string& help);
+/// Names, with commas between them.
+CLI::Option* add_names(CLI::App& verb, const char* name, std::vector<std::string>& to, const std::string& help);
 CLI::Option* add_json(CLI::App& verb, Arguments&);
 void add_plugins(CLI::App& verb, Arguments&);
 /// The scene, and what changes it.

@@ -11,8 +11,9 @@
 #include <utility>
 #include <vector>
 
+#include <lockstep/error.h>
 #include "framework/foundation/support/child.h"
-#include "framework/tools/program/commands.h"
+#include "framework/tools/program/options.h"
 #include "framework/tools/program/terminal.h"
 
 namespace lockstep {
@@ -51,6 +52,11 @@ std::string file_of(const std::string& program) {
   return (fs::path(own).parent_path().parent_path() / "libexec/lockstep/lockstep-").string() + program;
 }
 
+bool is_own(std::string_view verb) {
+  return verb == "complete" || verb == "plugins" || verb == "plugin-answer" ||
+         std::ranges::find(own_verbs(), verb, &Verb::name) != own_verbs().end();
+}
+
 }  // namespace
 
 std::span<const Tool> tools() { return kTools; }
@@ -60,7 +66,7 @@ const Tool* tool_of(std::string_view verb) {
   return found == std::end(kTools) ? nullptr : found;
 }
 
-std::optional<int> call_tool(int argc, const char* const* argv, bool (*own)(std::string_view verb)) {
+std::optional<int> call_tool(int argc, const char* const* argv) {
   const bool completes = argc > 2 && std::string_view(argv[1]) == "complete";
   const std::string_view verb = completes ? argv[2] : argc > 1 ? argv[1] : "";
   if (verb.empty() || verb.starts_with('-') || verb.find('/') != verb.npos) return {};
@@ -68,7 +74,7 @@ std::optional<int> call_tool(int argc, const char* const* argv, bool (*own)(std:
                            return std::string_view(word).starts_with("--certify");
                          });
   const Tool* tool = certifies ? tool_of("chart") : tool_of(verb);
-  if (tool == nullptr && (completes || own(verb))) return {};
+  if (tool == nullptr && (completes || is_own(verb))) return {};
   const std::string program = tool != nullptr ? tool->program : std::string(verb);
   std::vector<char*> words;
   for (int k = 0; k < argc; ++k) words.push_back(const_cast<char*>(argv[k]));
@@ -92,7 +98,9 @@ std::string pages_of_tools() {
   for (const Tool& tool : kTools) {
     const std::string file = file_of(tool.program);
     if (std::exchange(last, tool.program) == tool.program || !fs::exists(file)) continue;
-    pages += run_child({file, "man-verbs"}).text;
+    const auto [status, text] = run_child({file, "man-verbs"});
+    if (status != 0) throw FileError("'" + file + "' cannot print its part of the manual; build or install it anew");
+    pages += text;
   }
   return pages;
 }

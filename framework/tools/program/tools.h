@@ -20,10 +20,10 @@ std::span<const Tool> tools();
 const Tool* tool_of(std::string_view verb);
 
 /// Where the words call a tool, it takes over this process. Returns an Exit where it is not there, and nothing where the
-/// words are for `lockstep` itself; `own`: whether it has a verb of this name.
-std::optional<int> call_tool(int argc, const char* const* argv, bool (*own)(std::string_view verb));
+/// words are for `lockstep` itself.
+std::optional<int> call_tool(int argc, const char* const* argv);
 
-/// The manual's part on the verbs of all tools in libexec.
+/// The manual's part on the verbs of all tools in libexec. Throws FileError where one of them fails.
 std::string pages_of_tools();
 
 }  // namespace lockstep
