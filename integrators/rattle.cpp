@@ -10,7 +10,7 @@
 #include <cmath>
 
 #include <lockstep/error.h>
-#include <lockstep/stepping.h>
+#include <lockstep/author/stepping.h>
 #include "framework/dynamics/evaluate/projection_rule.h"
 #include "framework/foundation/math/limits.h"
 #include "framework/mechanism/system/diagnose.h"

@@ -1,6 +1,6 @@
 #include "integrators/register.h"
 
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/integrators.h>
 
 namespace lockstep {

@@ -1,7 +1,7 @@
 // The integrators that come with lockstep.
 #pragma once
 
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 
 namespace lockstep {
 

@@ -1,5 +1,5 @@
 // This folder as a plugin, if it is not part of the library (LOCKSTEP_BUILTINS=OFF).
-#include <lockstep/plugin.h>
+#include <lockstep/author/plugin.h>
 #include "integrators/register.h"
 
 LOCKSTEP_PLUGIN(registry) { lockstep::register_integrators(registry); }

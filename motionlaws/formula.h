@@ -1,8 +1,8 @@
 // The law 'formula': a formula of time, written in a scene.
 #pragma once
 
-#include <lockstep/law.h>
-#include <lockstep/params.h>
+#include <lockstep/author/law.h>
+#include <lockstep/author/params.h>
 #include "framework/mechanism/expression/function.h"
 
 namespace lockstep {

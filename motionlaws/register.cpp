@@ -2,7 +2,7 @@
 
 #include <lockstep/frame_laws.h>
 #include <lockstep/laws.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/splines.h>
 #include "motionlaws/formula.h"
 

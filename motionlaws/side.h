@@ -1,7 +1,7 @@
 // Private to the room: sides of a jump.
 #pragma once
 
-#include <lockstep/law.h>
+#include <lockstep/author/law.h>
 
 namespace lockstep {
 

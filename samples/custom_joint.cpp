@@ -3,7 +3,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <lockstep/phi_links.h>
+#include <lockstep/author/phi_links.h>
 #include <lockstep/lockstep.h>
 #include "samples/shared/output.h"
 

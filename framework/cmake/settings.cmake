@@ -23,7 +23,7 @@ if(NOT CMAKE_CXX_COMPILER_LAUNCHER)
   endif()
 endif()
 
-# What every client has to share with the library (framework/include/lockstep/export.h), whatever its -march: classes hold
+# What every client has to share with the library (framework/include/lockstep/detail/export.h), whatever its -march: classes hold
 # Eigen's fixed-size vectors on boundaries of 16 bytes, and memory of the others is freed alike on both sides.
 set(lockstep_shared_settings EIGEN_MAX_ALIGN_BYTES=16 EIGEN_MALLOC_ALREADY_ALIGNED=0)
 

@@ -14,7 +14,7 @@
 #include <cmath>
 #include <vector>
 
-#include <lockstep/plugin.h>
+#include <lockstep/author/plugin.h>
 
 namespace {
 

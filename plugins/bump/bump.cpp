@@ -1,5 +1,5 @@
 // A law as a plugin: one smooth bump, y = height (1 - u^2)^3 with u = (t - at)/width, zero outside |u| < 1.
-#include <lockstep/plugin.h>
+#include <lockstep/author/plugin.h>
 
 namespace {
 

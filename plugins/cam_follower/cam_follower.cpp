@@ -1,5 +1,5 @@
 // A link as a plugin: the point P of a follower rides on the profile of a disc cam whose axis is z of S.
-#include <lockstep/plugin.h>
+#include <lockstep/author/plugin.h>
 
 namespace {
 

@@ -1,8 +1,8 @@
 // A force as a plugin: the drag of air at rest on the point P.
 //
 //   F = -c |v| v at P,   v: velocity of P in the world,   c = coefficient, or density area shape/2
-#include <lockstep/force.h>
-#include <lockstep/plugin.h>
+#include <lockstep/author/force.h>
+#include <lockstep/author/plugin.h>
 
 namespace {
 

@@ -13,8 +13,8 @@
 #include <exception>
 #include <limits>
 
-#include <lockstep/stepping.h>
-#include <lockstep/plugin.h>
+#include <lockstep/author/stepping.h>
+#include <lockstep/author/plugin.h>
 #include "ida_memory.h"
 
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include <lockstep/law.h>
+#include <lockstep/author/law.h>
 
 namespace lockstep::samples {
 

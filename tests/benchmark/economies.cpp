@@ -5,7 +5,7 @@
 
 #include <lockstep/assembly.h>
 #include "framework/tools/precision/work_precision.h"
-#include <lockstep/newton.h>
+#include <lockstep/detail/newton.h>
 #include <lockstep/charts.h>
 #include <lockstep/recorder.h>
 #include <lockstep/integrators.h>

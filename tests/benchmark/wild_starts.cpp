@@ -10,7 +10,7 @@
 #include <lockstep/assembly.h>
 #include <lockstep/error.h>
 #include <lockstep/log.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
 #include "framework/description/scene/system_of.h"

@@ -1,6 +1,6 @@
 // Functions of joints that must not compile. Behind "refused:" what the compiler has to say of the function below;
 // run.sh looks for each. `Right` must not be named.
-#include <lockstep/phi_links.h>
+#include <lockstep/author/phi_links.h>
 
 namespace lockstep {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include <lockstep/formula.h>
+#include <lockstep/author/formula.h>
 #include <lockstep/function_laws.h>
-#include <lockstep/phi_links.h>
+#include <lockstep/author/phi_links.h>
 
 namespace lockstep {
 

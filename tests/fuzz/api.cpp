@@ -13,7 +13,7 @@
 #include <lockstep/laws.h>
 #include <lockstep/log.h>
 #include <lockstep/recorder.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/simulation.h>
 #include <lockstep/step_loop.h>
 #include "tests/fuzz/answered.h"

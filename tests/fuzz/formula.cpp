@@ -1,6 +1,6 @@
 #include <vector>
 
-#include <lockstep/jet.h>
+#include <lockstep/author/jet.h>
 #include "framework/mechanism/expression/evaluate.h"
 #include "framework/mechanism/expression/function.h"
 #include "framework/mechanism/expression/quantity.h"

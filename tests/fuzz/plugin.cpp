@@ -1,4 +1,4 @@
-#include <lockstep/loader.h>
+#include <lockstep/author/loader.h>
 #include "tests/fuzz/answered.h"
 #include "tests/fuzz/scratch_file.h"
 #include "tests/fuzz/targets.h"

@@ -4,7 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <lockstep/log.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/sweep.h>
 #include "framework/tools/scene_run/scene_run.h"

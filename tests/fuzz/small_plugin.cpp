@@ -1,4 +1,4 @@
 // A plugin with nothing in it: a seed for the target that reads files of plugins.
-#include <lockstep/plugin.h>
+#include <lockstep/author/plugin.h>
 
 LOCKSTEP_PLUGIN(registry) { static_cast<void>(registry); }

@@ -1,6 +1,6 @@
 #include "framework/tools/import/urdf.h"
 
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include "framework/description/scene/write.h"
 #include "tests/fuzz/answered.h"

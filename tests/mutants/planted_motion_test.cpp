@@ -15,10 +15,10 @@
 #include <lockstep/joints.h>
 #include <lockstep/laws.h>
 #include <lockstep/recorder.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>
-#include <lockstep/stepping.h>
+#include <lockstep/author/stepping.h>
 #include <lockstep/system.h>
 #include "framework/dynamics/evaluate/singular_rate.h"
 #include "framework/tools/record/quadrature.h"

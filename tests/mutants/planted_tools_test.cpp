@@ -14,7 +14,7 @@
 #include <lockstep/laws.h>
 #include <lockstep/linearization.h>
 #include <lockstep/modes.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/report.h>
 #include <lockstep/scene.h>
 #include <lockstep/simulation.h>

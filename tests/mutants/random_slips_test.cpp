@@ -12,11 +12,11 @@
 #include <lockstep/laws.h>
 #include <lockstep/linearization.h>
 #include <lockstep/math.h>
-#include <lockstep/memory.h>
+#include <lockstep/author/memory.h>
 #include <lockstep/modes.h>
 #include <lockstep/recorder.h>
-#include <lockstep/registry.h>
-#include <lockstep/relative.h>
+#include <lockstep/author/registry.h>
+#include <lockstep/author/relative.h>
 #include <lockstep/scene.h>
 #include <lockstep/simulation.h>
 #include <lockstep/solvers.h>

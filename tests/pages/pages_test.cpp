@@ -10,7 +10,7 @@
 #include <sstream>
 
 #include <lockstep/recorder.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"

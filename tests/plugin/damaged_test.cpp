@@ -9,7 +9,7 @@
 #include <random>
 
 #include <lockstep/error.h>
-#include <lockstep/loader.h>
+#include <lockstep/author/loader.h>
 #include "framework/foundation/support/hash.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"

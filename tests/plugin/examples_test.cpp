@@ -1,11 +1,11 @@
 // The example plugins pass the checks that everybody's plugins can be held against, and do what they say.
 #include <cmath>
 
-#include <lockstep/check.h>
+#include <lockstep/author/check.h>
 #include <lockstep/error.h>
 #include <lockstep/joints.h>
-#include <lockstep/loader.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/loader.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>
 #include "tests/support/catch.h"

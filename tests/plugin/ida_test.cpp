@@ -4,8 +4,8 @@
 
 #include <lockstep/error.h>
 #include <lockstep/joints.h>
-#include <lockstep/loader.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/loader.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/solvers.h>
 #include "tests/support/catch.h"
 #include "tests/support/course.h"

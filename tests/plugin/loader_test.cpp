@@ -1,5 +1,5 @@
 // Plugins: found, read, checked before their code runs, taken whole or not at all.
-#include <lockstep/loader.h>
+#include <lockstep/author/loader.h>
 
 #include <algorithm>
 #include <cstdlib>

@@ -12,7 +12,7 @@
 #include <random>
 
 #include <lockstep/error.h>
-#include <lockstep/loader.h>
+#include <lockstep/author/loader.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/plugin_files.h"

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <sstream>
 
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include "framework/tools/program/commands.h"
 #include <lockstep/error.h>
 #include "tests/support/catch.h"

@@ -2,8 +2,8 @@
 #include <string>
 
 #include <lockstep/error.h>
-#include <lockstep/loader.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/loader.h>
+#include <lockstep/author/registry.h>
 #include "tests/support/catch.h"
 #include "tests/support/course.h"
 #include "tests/support/run_scene.h"

@@ -3,8 +3,8 @@
 #include <fstream>
 #include <string>
 
-#include <lockstep/loader.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/loader.h>
+#include <lockstep/author/registry.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 #include "tests/support/plugin_files.h"

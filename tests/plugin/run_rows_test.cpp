@@ -12,7 +12,7 @@
 #include <lockstep/error.h>
 #include <lockstep/integrators.h>
 #include <lockstep/math.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/solvers.h>
 #include <lockstep/sweep.h>
 #include "framework/tools/program/detail_rows.h"

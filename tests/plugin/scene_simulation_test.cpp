@@ -12,7 +12,7 @@
 #include <lockstep/error.h>
 #include <lockstep/forces.h>
 #include <lockstep/joints.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"

@@ -1,5 +1,5 @@
 // Where plugins may come from: folders, links, who may write there, and what a scene may ask for.
-#include <lockstep/loader.h>
+#include <lockstep/author/loader.h>
 
 #include <unistd.h>
 
@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include "framework/description/registry/survey.h"
 #include <lockstep/scene.h>
 #include <lockstep/error.h>

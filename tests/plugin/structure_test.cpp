@@ -7,7 +7,7 @@
 #include <functional>
 
 #include <lockstep/error.h>
-#include <lockstep/loader.h>
+#include <lockstep/author/loader.h>
 #include "tests/support/catch.h"
 #include "tests/support/plugin_files.h"
 #include "tests/support/program.h"

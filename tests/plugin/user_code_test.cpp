@@ -10,8 +10,8 @@
 
 #include <lockstep/assembly.h>
 #include <lockstep/joints.h>
-#include <lockstep/loader.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/loader.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
 #include <lockstep/system.h>

@@ -5,7 +5,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <lockstep/recorder.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/simulation.h>
 #include <lockstep/sweep.h>

@@ -14,7 +14,7 @@
 #include <lockstep/forces.h>
 #include <lockstep/frame_laws.h>
 #include <lockstep/joints.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/uniqueness.h>
 #include "tests/support/catch.h"

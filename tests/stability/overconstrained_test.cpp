@@ -14,7 +14,7 @@
 
 #include <lockstep/analysis.h>
 #include <lockstep/assembly.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
 #include <lockstep/sweep.h>

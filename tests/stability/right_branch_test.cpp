@@ -9,7 +9,7 @@
 
 #include <lockstep/assembly.h>
 #include <lockstep/joints.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/step_loop.h>
 #include "tests/support/catch.h"

@@ -10,7 +10,7 @@
 #include <lockstep/assembly.h>
 #include <lockstep/integrators.h>
 #include <lockstep/joints.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
 #include <lockstep/sweep.h>

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include "framework/tools/sweep/step_limit.h"
 #include "tests/support/catch.h"

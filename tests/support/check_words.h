@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include <lockstep/check.h>
+#include <lockstep/author/check.h>
 
 namespace lockstep::test {
 

@@ -8,7 +8,7 @@
 
 #include <lockstep/analysis.h>
 #include <lockstep/joints.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include "tests/support/worst.h"
 

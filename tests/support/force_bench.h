@@ -8,9 +8,9 @@
 #include <memory>
 #include <vector>
 
-#include <lockstep/counted_angle.h>
-#include <lockstep/force.h>
-#include <lockstep/relative.h>
+#include <lockstep/detail/counted_angle.h>
+#include <lockstep/author/force.h>
+#include <lockstep/author/relative.h>
 #include "tests/support/configuration.h"
 
 namespace lockstep::oracle {

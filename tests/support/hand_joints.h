@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include <lockstep/lock.h>
+#include <lockstep/author/lock.h>
 
 namespace lockstep::hand {
 

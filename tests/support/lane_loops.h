@@ -11,7 +11,7 @@
 #include <lockstep/batch.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/solvers.h>
-#include <lockstep/stepping.h>
+#include <lockstep/author/stepping.h>
 #include "framework/tools/batch/batch.h"
 #include "tests/support/catch.h"
 #include "tests/support/copies_of.h"

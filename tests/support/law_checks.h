@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/jet.h>
-#include <lockstep/law.h>
+#include <lockstep/author/jet.h>
+#include <lockstep/author/law.h>
 #include "tests/support/catch.h"
 
 namespace lockstep::test {

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include <lockstep/force.h>
-#include <lockstep/lock.h>
+#include <lockstep/author/force.h>
+#include <lockstep/author/lock.h>
 
 namespace lockstep::testing {
 

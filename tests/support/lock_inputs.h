@@ -6,7 +6,7 @@
 #include <string>
 
 #include <lockstep/joints.h>
-#include <lockstep/kernel.h>
+#include <lockstep/detail/kernel.h>
 #include <lockstep/system.h>
 #include "tests/support/configuration.h"
 #include "tests/support/paper_lock.h"

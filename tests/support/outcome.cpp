@@ -7,7 +7,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <lockstep/error.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/sweep.h>
 

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <iterator>
 
-#include <lockstep/loader.h>
+#include <lockstep/author/loader.h>
 #include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include <lockstep/plugin.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/plugin.h>
+#include <lockstep/author/registry.h>
 
 namespace lockstep::testing {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <lockstep/dynamics.h>
-#include <lockstep/law.h>
+#include <lockstep/author/law.h>
 #include "tests/support/configuration.h"
 
 namespace lockstep::testing {

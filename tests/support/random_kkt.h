@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include <lockstep/solver.h>
+#include <lockstep/author/solver.h>
 
 namespace lockstep::test {
 

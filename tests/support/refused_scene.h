@@ -5,7 +5,7 @@
 #include <string>
 
 #include <lockstep/error.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/sweep.h>
 #include "framework/tools/scene_run/scene_run.h"
 #include "tests/support/catch.h"

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include <lockstep/recorder.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/sweep.h>
 #include "tests/support/paths.h"
 #include "tests/support/run_with_registry.h"

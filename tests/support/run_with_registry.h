@@ -1,7 +1,7 @@
 // Runs a scene with things that do not come with lockstep: plugins of the test's own choice.
 #pragma once
 
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include "tests/support/run_scene.h"
 
 namespace lockstep {

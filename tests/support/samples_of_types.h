@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include <lockstep/params.h>
+#include <lockstep/author/params.h>
 #include "framework/description/scene/examples.h"
 #include "framework/description/scene/json.h"
 

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <string>
 
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 
 namespace lockstep::testing {
 

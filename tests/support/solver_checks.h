@@ -1,7 +1,7 @@
 #pragma once
 /// @file What every linear solver must hold: the same questions to dense, sparse and those to come.
 
-#include <lockstep/solver.h>
+#include <lockstep/author/solver.h>
 #include "tests/support/random_kkt.h"
 
 namespace lockstep::test {

@@ -1,8 +1,8 @@
 // Scenes that are right: what the mechanism is made of.
 #include <lockstep/scene.h>
 
-#include <lockstep/lock.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/lock.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/sweep.h>
 #include "framework/tools/scene_run/scene_run.h"
 #include "tests/support/allocations.h"

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/check.h>
+#include <lockstep/author/check.h>
 #include <lockstep/error.h>
 #include <lockstep/laws.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/splines.h>
 #include "framework/description/scene/json.h"
 #include "tests/support/catch.h"

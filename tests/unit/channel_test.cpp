@@ -9,7 +9,7 @@
 #include <lockstep/forces.h>
 #include <lockstep/joints.h>
 #include <lockstep/laws.h>
-#include <lockstep/params.h>
+#include <lockstep/author/params.h>
 #include <lockstep/solvers.h>
 #include "framework/tools/record/quadrature.h"
 #include "tests/support/catch.h"

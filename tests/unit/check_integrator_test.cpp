@@ -1,10 +1,10 @@
 // check_integrator: right methods pass, wrong ones are named in words.
-#include <lockstep/check.h>
+#include <lockstep/author/check.h>
 
 #include <boost/math/special_functions/jacobi_elliptic.hpp>
 
 #include <lockstep/error.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include "framework/tools/check/closed_motion.h"
 #include "tests/support/catch.h"
 #include "tests/support/check_words.h"

@@ -1,10 +1,10 @@
 // check_law: right laws pass, wrong ones are named in words.
-#include <lockstep/check.h>
+#include <lockstep/author/check.h>
 
 #include <cmath>
 
 #include <lockstep/laws.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include "framework/tools/check/slope.h"
 #include "tests/support/catch.h"
 #include "tests/support/check_words.h"

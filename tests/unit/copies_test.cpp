@@ -5,9 +5,9 @@
 #include <lockstep/error.h>
 #include <lockstep/forces.h>
 #include <lockstep/integrators.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/step_loop.h>
-#include <lockstep/stepping.h>
+#include <lockstep/author/stepping.h>
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/copies_of.h"

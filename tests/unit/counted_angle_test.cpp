@@ -1,5 +1,5 @@
 // Counted angles: what they are at the start, along motions with few steps, and where they have no value.
-#include <lockstep/counted_angle.h>
+#include <lockstep/detail/counted_angle.h>
 
 #include <array>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include <lockstep/forces.h>
 #include <lockstep/integrators.h>
 #include <lockstep/joints.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>
 #include <lockstep/system.h>

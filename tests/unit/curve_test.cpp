@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/check.h>
+#include <lockstep/author/check.h>
 #include <lockstep/error.h>
 #include <lockstep/frame_laws.h>
 #include <lockstep/laws.h>

@@ -1,6 +1,6 @@
 #include <lockstep/solvers.h>
 
-#include <lockstep/params.h>
+#include <lockstep/author/params.h>
 #include <lockstep/error.h>
 #include "tests/support/allocations.h"
 #include "tests/support/messages.h"

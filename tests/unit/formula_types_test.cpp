@@ -1,9 +1,9 @@
 // The law, the link and the force by a formula: derivatives and jumps as they say, motions in closed form.
 #include <cmath>
 
-#include <lockstep/check.h>
+#include <lockstep/author/check.h>
 #include <lockstep/error.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include "framework/description/scene/json.h"
 #include "tests/support/allocations.h"

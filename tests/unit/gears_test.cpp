@@ -7,7 +7,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/joints.h>
-#include <lockstep/check.h>
+#include <lockstep/author/check.h>
 #include <lockstep/laws.h>
 #include "tests/support/catch.h"
 #include "tests/support/link_bench.h"

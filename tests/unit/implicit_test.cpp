@@ -1,7 +1,7 @@
-#include <lockstep/newton.h>
+#include <lockstep/detail/newton.h>
 
 #include <lockstep/dynamics.h>
-#include <lockstep/force.h>
+#include <lockstep/author/force.h>
 #include <lockstep/forces.h>
 #include <lockstep/solvers.h>
 #include <lockstep/joints.h>

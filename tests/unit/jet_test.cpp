@@ -1,6 +1,6 @@
 // Jets against the oracle's dual numbers: every operator and every function, alone and in one another; value, gradient,
 // first and second derivative along a motion. What the dual numbers lack is made from what they have.
-#include <lockstep/jet.h>
+#include <lockstep/author/jet.h>
 
 #include <array>
 #include <cmath>
@@ -351,7 +351,7 @@ TEST_CASE("every function of jets has its derivatives in closed form", "[unit][m
 }
 
 TEST_CASE("the authors' page lists the functions that jets know", "[unit][math]") {
-  const std::string header = text_of("/framework/include/lockstep/jet.h"), page = text_of("/framework/docs/joints.md");
+  const std::string header = text_of("/framework/include/lockstep/author/jet.h"), page = text_of("/framework/docs/joints.md");
   std::set<std::string> known, listed, tried;
   const std::regex function("inline Jet<N, T, D> ([a-z0-9]+)\\("), row("\\n\\| `([a-z0-9_]+)\\([a-z, ]*\\)` \\|");
   for (std::sregex_iterator it(header.begin(), header.end(), function), end; it != end; ++it) known.insert((*it)[1]);

@@ -7,8 +7,8 @@
 #include <type_traits>
 #include <vector>
 
-#include <lockstep/jet.h>
-#include <lockstep/kernel.h>
+#include <lockstep/author/jet.h>
+#include <lockstep/detail/kernel.h>
 #include "tests/support/catch.h"
 #include "tests/support/lock_inputs.h"
 #include "tests/support/worst.h"

@@ -1,4 +1,4 @@
-#include <lockstep/solver.h>
+#include <lockstep/author/solver.h>
 
 #include "tests/support/catch.h"
 #include "tests/support/dense.h"

@@ -1,5 +1,5 @@
 // Masks and axes in words, both ways, and what is no word.
-#include <lockstep/kernel.h>
+#include <lockstep/detail/kernel.h>
 
 #include <string>
 

@@ -7,7 +7,7 @@
 #include <thread>
 
 #include <lockstep/error.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/solid.h>
 #include "tests/support/catch.h"

@@ -4,7 +4,7 @@
 #include <functional>
 
 #include <lockstep/math.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/error.h>
 #include <lockstep/laws.h>
 #include <lockstep/splines.h>

@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 
-#include <lockstep/registry.h>
-#include <lockstep/relative.h>
+#include <lockstep/author/registry.h>
+#include <lockstep/author/relative.h>
 #include <lockstep/scene.h>
 #include "framework/description/scene/system_of.h"
 #include "framework/dynamics/tree/joint_cost.h"

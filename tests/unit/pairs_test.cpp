@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/error.h>
 #include "framework/description/scene/system_of.h"

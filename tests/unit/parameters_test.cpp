@@ -7,7 +7,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/laws.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include "framework/description/scene/json.h"
 #include "tests/support/catch.h"

@@ -1,9 +1,9 @@
-#include <lockstep/params.h>
+#include <lockstep/author/params.h>
 
 #include <cmath>
 #include <limits>
 
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include "framework/description/scene/json.h"
 #include <lockstep/error.h>
 #include "framework/mechanism/params/read.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/check.h>
+#include <lockstep/author/check.h>
 #include <lockstep/couplings.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/error.h>

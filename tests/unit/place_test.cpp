@@ -1,6 +1,6 @@
 #include "framework/description/scene/place.h"
 
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include "framework/description/scene/json.h"
 #include <lockstep/error.h>
 #include "tests/support/catch.h"

@@ -5,7 +5,7 @@
 #include <sstream>
 #include <vector>
 
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include "framework/description/scene/describe.h"
 #include "framework/description/scene/tables.h"
 #include "framework/mechanism/params/units.h"

@@ -9,7 +9,7 @@
 #include <lockstep/error.h>
 #include <lockstep/joints.h>
 #include <lockstep/laws.h>
-#include <lockstep/memory.h>
+#include <lockstep/author/memory.h>
 #include <lockstep/simulation.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>

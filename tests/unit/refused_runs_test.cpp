@@ -9,7 +9,7 @@
 #include <lockstep/integrators.h>
 #include <lockstep/joints.h>
 #include <lockstep/laws.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/simulation.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>

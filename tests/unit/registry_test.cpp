@@ -1,4 +1,4 @@
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 
 #include "framework/description/scene/json.h"
 #include <lockstep/error.h>

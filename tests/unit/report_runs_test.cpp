@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/sweep.h>
 #include "framework/description/scene/system_of.h"

@@ -1,4 +1,4 @@
-#include <lockstep/stepping.h>
+#include <lockstep/author/stepping.h>
 
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"

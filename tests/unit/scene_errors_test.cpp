@@ -6,7 +6,7 @@
 #include <vector>
 
 #include <lockstep/error.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/sweep.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"

@@ -11,7 +11,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/log.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include "framework/description/scene/read.h"
 #include "framework/description/scene/reading.h"

@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include <lockstep/error.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include "framework/description/scene/describe.h"
 #include "framework/description/scene/tables.h"
 #include "tests/support/catch.h"

@@ -3,7 +3,7 @@
 #include <lockstep/dynamics.h>
 
 #include "framework/dynamics/solvers/schur_plan.h"
-#include <lockstep/params.h>
+#include <lockstep/author/params.h>
 #include "tests/support/allocations.h"
 #include "tests/support/mechanism.h"
 #include "tests/support/schur_on_kkt.h"

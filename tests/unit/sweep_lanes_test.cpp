@@ -8,7 +8,7 @@
 #include <initializer_list>
 
 #include <lockstep/assembly.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/solvers.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include <lockstep/analysis.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 

@@ -1,4 +1,4 @@
-#include <lockstep/rows.h>
+#include <lockstep/detail/rows.h>
 
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"

@@ -13,7 +13,7 @@
 #include <lockstep/forces.h>
 #include <lockstep/integrators.h>
 #include <lockstep/joints.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/simulation.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>

@@ -7,7 +7,7 @@
 #include <lockstep/batch.h>
 #include <lockstep/error.h>
 #include <lockstep/laws.h>
-#include <lockstep/stepping.h>
+#include <lockstep/author/stepping.h>
 #include "framework/tools/batch/batch.h"
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"

@@ -5,7 +5,7 @@
 
 #include <lockstep/forces.h>
 #include <lockstep/laws.h>
-#include <lockstep/stepping.h>
+#include <lockstep/author/stepping.h>
 #include "tests/support/catch.h"
 #include "tests/support/copies_of.h"
 #include "tests/support/messages.h"

@@ -14,7 +14,7 @@
 #include <lockstep/forces.h>
 #include <lockstep/integrators.h>
 #include <lockstep/recorder.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include "framework/dynamics/simulate/detail_observer.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"

@@ -1,6 +1,6 @@
 #include <lockstep/scene.h>
 
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include "framework/description/scene/describe.h"
 #include "framework/description/scene/examples.h"

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <sstream>
 
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include "framework/description/scene/system_of.h"
 #include "tests/benchmark/peers/scenes.h"

@@ -11,7 +11,7 @@
 #include <lockstep/assembly.h>
 #include <lockstep/error.h>
 #include <lockstep/log.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/sweep.h>
 #include "framework/tools/rank/singular_watch.h"
 #include "framework/tools/scene_run/scene_run.h"

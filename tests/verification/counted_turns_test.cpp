@@ -5,7 +5,7 @@
 #include <lockstep/assembly.h>
 #include <lockstep/body.h>
 #include <lockstep/couplings.h>
-#include <lockstep/force.h>
+#include <lockstep/author/force.h>
 #include <lockstep/integrators.h>
 #include <lockstep/joints.h>
 #include <lockstep/laws.h>

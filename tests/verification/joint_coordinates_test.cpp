@@ -7,7 +7,7 @@
 #include <lockstep/joints.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>
-#include <lockstep/stepping.h>
+#include <lockstep/author/stepping.h>
 #include "framework/dynamics/tree/joint_tree.h"
 #include "framework/dynamics/tree/tree_layout.h"
 #include "tests/support/catch.h"

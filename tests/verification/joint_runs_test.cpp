@@ -9,7 +9,7 @@
 #include <lockstep/laws.h>
 #include <lockstep/linearization.h>
 #include <lockstep/recorder.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>
 #include "tests/support/allocations.h"

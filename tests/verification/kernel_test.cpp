@@ -7,7 +7,7 @@
 #include <initializer_list>
 #include <utility>
 
-#include <lockstep/relative.h>
+#include <lockstep/author/relative.h>
 #include "tests/support/catch.h"
 #include "tests/support/constraint.h"
 #include "tests/support/lock_checks.h"

@@ -9,7 +9,7 @@
 #include <lockstep/dynamics.h>
 #include <lockstep/integrators.h>
 #include <lockstep/joints.h>
-#include <lockstep/memory.h>
+#include <lockstep/author/memory.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>
 #include "tests/support/allocations.h"

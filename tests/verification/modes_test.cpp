@@ -12,7 +12,7 @@
 #include <lockstep/forces.h>
 #include <lockstep/joints.h>
 #include <lockstep/modes.h>
-#include <lockstep/phi_links.h>
+#include <lockstep/author/phi_links.h>
 #include <lockstep/solvers.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"

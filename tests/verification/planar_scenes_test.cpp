@@ -8,11 +8,11 @@
 #include <vector>
 
 #include <lockstep/error.h>
-#include <lockstep/force.h>
+#include <lockstep/author/force.h>
 #include <lockstep/joints.h>
-#include <lockstep/law.h>
-#include <lockstep/loader.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/law.h>
+#include <lockstep/author/loader.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"

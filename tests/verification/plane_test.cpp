@@ -8,8 +8,8 @@
 #include <lockstep/frame_laws.h>
 #include <lockstep/joints.h>
 #include <lockstep/laws.h>
-#include <lockstep/phi_links.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/phi_links.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
 #include <lockstep/splines.h>

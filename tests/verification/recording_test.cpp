@@ -11,8 +11,8 @@
 #include <vector>
 
 #include <lockstep/batch.h>
-#include <lockstep/jet.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/jet.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
 #include "framework/description/scene/system_of.h"

@@ -9,7 +9,7 @@
 #include <lockstep/joints.h>
 #include <lockstep/kinematics.h>
 #include <lockstep/laws.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>

@@ -6,7 +6,7 @@
 #include <lockstep/assembly.h>
 #include <lockstep/error.h>
 #include <lockstep/joints.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/simulation.h>
 #include <lockstep/solvers.h>

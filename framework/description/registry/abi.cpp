@@ -1,10 +1,10 @@
-#include <lockstep/plugin.h>
+#include <lockstep/author/plugin.h>
 
 #include <algorithm>
 #include <cstring>
 
 #include <lockstep/error.h>
-#include <lockstep/loader.h>
+#include <lockstep/author/loader.h>
 #include "framework/description/registry/plugin_file.h"
 
 namespace lockstep {

@@ -1,5 +1,5 @@
 // Registers everything built in; the only file that knows every room's register function.
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 
 #include <algorithm>
 #include <array>
@@ -13,7 +13,7 @@
 #include "motionlaws/register.h"
 #else
 #include <lockstep/error.h>
-#include <lockstep/loader.h>
+#include <lockstep/author/loader.h>
 #endif
 
 namespace lockstep {

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include <lockstep/loader.h>
+#include <lockstep/author/loader.h>
 
 namespace lockstep {
 

@@ -1,6 +1,6 @@
 #include "framework/description/registry/law_units.h"
 
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include "framework/mechanism/expression/dimensions.h"
 #include "framework/mechanism/params/csv_reader.h"
 #include "framework/mechanism/params/read.h"

@@ -1,4 +1,4 @@
-#include <lockstep/loader.h>
+#include <lockstep/author/loader.h>
 
 #include <spdlog/fmt/fmt.h>
 

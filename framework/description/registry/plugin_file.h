@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include <lockstep/loader.h>
+#include <lockstep/author/loader.h>
 
 namespace lockstep {
 

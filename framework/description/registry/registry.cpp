@@ -1,4 +1,4 @@
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include <lockstep/loader.h>
+#include <lockstep/author/loader.h>
 
 #include <sys/stat.h>
 #include <unistd.h>

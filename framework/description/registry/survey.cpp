@@ -3,7 +3,7 @@
 #include <map>
 
 #include <lockstep/error.h>
-#include <lockstep/loader.h>
+#include <lockstep/author/loader.h>
 #include <lockstep/log.h>
 #include "framework/description/registry/builtins.h"
 #include "framework/description/registry/elf_image.h"

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include <lockstep/loader.h>
+#include <lockstep/author/loader.h>
 
 namespace lockstep {
 

@@ -1,8 +1,8 @@
 // build_mechanism(): makes the parts of a scene in order, and what those parts share.
 #include <algorithm>
 
-#include <lockstep/integrator.h>
-#include <lockstep/loader.h>
+#include <lockstep/author/integrator.h>
+#include <lockstep/author/loader.h>
 #include <lockstep/text.h>
 #include "framework/description/registry/law_units.h"
 #include "framework/description/scene/builder.h"

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <lockstep/lock.h>
+#include <lockstep/author/lock.h>
 #include <lockstep/log.h>
 #include <lockstep/text.h>
 #include "framework/description/registry/law_units.h"

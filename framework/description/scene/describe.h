@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include "framework/description/scene/tables.h"
 
 namespace lockstep {

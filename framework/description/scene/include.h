@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include <lockstep/params.h>
+#include <lockstep/author/params.h>
 #include "framework/description/scene/reading.h"
 
 namespace lockstep {

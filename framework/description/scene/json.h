@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <string>
 
-#include <lockstep/params.h>
-#include <lockstep/export.h>
+#include <lockstep/author/params.h>
+#include <lockstep/detail/export.h>
 
 namespace lockstep {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <lockstep/math.h>
-#include <lockstep/params.h>
+#include <lockstep/author/params.h>
 
 namespace lockstep {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include <lockstep/params.h>
+#include <lockstep/author/params.h>
 
 namespace lockstep {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/params.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/params.h>
+#include <lockstep/author/registry.h>
 
 namespace lockstep {
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "framework/description/scene/json.h"
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 
 namespace lockstep {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 #include <lockstep/scene.h>
 
 namespace lockstep {

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include <lockstep/export.h>
-#include <lockstep/registry.h>
+#include <lockstep/detail/export.h>
+#include <lockstep/author/registry.h>
 
 namespace lockstep {
 

@@ -1,7 +1,7 @@
 // Parts of a scene that are repeated.
 #pragma once
 
-#include <lockstep/params.h>
+#include <lockstep/author/params.h>
 
 namespace lockstep {
 

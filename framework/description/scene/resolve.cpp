@@ -10,7 +10,7 @@
 #include <utility>
 
 #include <lockstep/error.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/definitions.h"

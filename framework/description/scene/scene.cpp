@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include <lockstep/loader.h>
+#include <lockstep/author/loader.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/include.h"

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 
 namespace lockstep {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/text.h>
 #include "framework/description/registry/law_units.h"
 #include "framework/description/scene/tables.h"

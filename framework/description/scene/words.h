@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/export.h>
-#include <lockstep/registry.h>
+#include <lockstep/detail/export.h>
+#include <lockstep/author/registry.h>
 
 namespace lockstep {
 

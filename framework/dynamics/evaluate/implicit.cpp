@@ -1,4 +1,4 @@
-#include <lockstep/newton.h>
+#include <lockstep/detail/newton.h>
 
 #include <algorithm>
 #include <array>

@@ -9,9 +9,9 @@
 
 #include "framework/dynamics/solvers/block_factor.h"
 #include "framework/dynamics/solvers/stop_rule.h"
-#include <lockstep/solver.h>
+#include <lockstep/author/solver.h>
 #include <lockstep/body.h>
-#include <lockstep/rows.h>
+#include <lockstep/detail/rows.h>
 
 namespace lockstep {
 

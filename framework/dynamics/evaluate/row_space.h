@@ -10,7 +10,7 @@
 #include "framework/foundation/math/sparse.h"
 
 #include <lockstep/body.h>
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 
 namespace lockstep {
 

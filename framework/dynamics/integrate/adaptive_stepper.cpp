@@ -1,4 +1,4 @@
-#include <lockstep/stepping.h>
+#include <lockstep/author/stepping.h>
 
 #include <spdlog/fmt/fmt.h>
 

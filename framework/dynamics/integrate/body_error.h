@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <lockstep/stepping.h>
+#include <lockstep/author/stepping.h>
 
 namespace lockstep {
 

@@ -1,4 +1,4 @@
-#include <lockstep/integrator.h>
+#include <lockstep/author/integrator.h>
 
 #include <cmath>
 #include <limits>

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include <lockstep/stepping.h>
+#include <lockstep/author/stepping.h>
 #include "framework/dynamics/evaluate/singular_rate.h"
 
 namespace lockstep {

@@ -1,4 +1,4 @@
-#include <lockstep/stepping.h>
+#include <lockstep/author/stepping.h>
 
 namespace lockstep {
 

@@ -5,7 +5,7 @@
 
 #include <lockstep/dynamics.h>
 #include <lockstep/error.h>
-#include <lockstep/integrator.h>
+#include <lockstep/author/integrator.h>
 
 namespace lockstep {
 

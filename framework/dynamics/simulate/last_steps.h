@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string>
 
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 
 namespace lockstep {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include <lockstep/error.h>
-#include <lockstep/relative.h>
+#include <lockstep/author/relative.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/simulate/consistency.h"
 #include "framework/foundation/math/decompositions.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include <lockstep/assembly.h>
-#include <lockstep/kernel.h>
+#include <lockstep/detail/kernel.h>
 
 namespace lockstep {
 

@@ -1,7 +1,7 @@
 // StepInterval: the last step, the states inside it, and where it is cut. Internal to the step loop.
 #pragma once
 
-#include <lockstep/integrator.h>
+#include <lockstep/author/integrator.h>
 #include "framework/dynamics/simulate/step_watch.h"
 
 namespace lockstep {

@@ -1,7 +1,7 @@
 // What the step loop finds out about each step itself, whatever the method reports. Internal to the step loop.
 #pragma once
 
-#include <lockstep/integrator.h>
+#include <lockstep/author/integrator.h>
 
 namespace lockstep {
 

@@ -1,6 +1,6 @@
 #include "framework/dynamics/solvers/block_factor.h"
 
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 #include "framework/dynamics/solvers/block_kernels.h"
 
 namespace lockstep {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 #include "framework/dynamics/solvers/stop_rule.h"
 
 namespace lockstep {

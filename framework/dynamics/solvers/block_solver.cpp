@@ -4,7 +4,7 @@
 #include <limits>
 
 #include <lockstep/error.h>
-#include <lockstep/params.h>
+#include <lockstep/author/params.h>
 #include "framework/dynamics/solvers/block_factor.h"
 #include "framework/dynamics/solvers/products.h"
 #include "framework/dynamics/solvers/stop_rule.h"

@@ -6,7 +6,7 @@
 #include <boost/graph/adjacency_list.hpp>
 #include <boost/graph/biconnected_components.hpp>
 
-#include <lockstep/lock.h>
+#include <lockstep/author/lock.h>
 
 namespace lockstep {
 namespace {

@@ -10,7 +10,7 @@
 
 #include <boost/container/small_vector.hpp>
 
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 #include <lockstep/system.h>
 
 namespace lockstep {

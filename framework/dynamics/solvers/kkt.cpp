@@ -1,4 +1,4 @@
-#include <lockstep/solver.h>
+#include <lockstep/author/solver.h>
 
 #include "framework/dynamics/solvers/products.h"
 #include "framework/dynamics/solvers/scales.h"

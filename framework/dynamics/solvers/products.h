@@ -1,7 +1,7 @@
 // Products with the blocks of the saddle-point matrix. Plain loops: the blocks are small, and nothing is allocated.
 #pragma once
 
-#include <lockstep/solver.h>
+#include <lockstep/author/solver.h>
 
 namespace lockstep {
 

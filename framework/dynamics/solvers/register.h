@@ -1,7 +1,7 @@
 // Registers the solvers of this room.
 #pragma once
 
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 
 namespace lockstep {
 

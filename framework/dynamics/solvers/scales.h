@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include <lockstep/rows.h>
+#include <lockstep/detail/rows.h>
 
 namespace lockstep {
 

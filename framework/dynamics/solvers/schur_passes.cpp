@@ -1,6 +1,6 @@
 #include "framework/dynamics/solvers/schur_passes.h"
 
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 #include "framework/dynamics/solvers/elimination_rows.h"
 
 namespace lockstep::schur {

@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include <lockstep/export.h>
-#include <lockstep/rows.h>
+#include <lockstep/detail/export.h>
+#include <lockstep/detail/rows.h>
 #include "framework/dynamics/solvers/operations.h"
 #include "framework/dynamics/solvers/scales.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include <lockstep/body.h>
-#include <lockstep/memory.h>
+#include <lockstep/author/memory.h>
 #include "framework/dynamics/solvers/conjugate.h"
 #include "framework/dynamics/solvers/schur_passes.h"
 #include "framework/dynamics/solvers/stop_rule.h"

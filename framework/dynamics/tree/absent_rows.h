@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include <lockstep/rows.h>
+#include <lockstep/detail/rows.h>
 
 namespace lockstep {
 

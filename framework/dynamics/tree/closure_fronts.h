@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <vector>
 
-#include <lockstep/export.h>
-#include <lockstep/rows.h>
+#include <lockstep/detail/export.h>
+#include <lockstep/detail/rows.h>
 #include "framework/dynamics/tree/joint_tree.h"
 
 namespace lockstep {

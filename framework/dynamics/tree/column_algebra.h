@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-#include <lockstep/jet.h>
+#include <lockstep/author/jet.h>
 #include <lockstep/math.h>
 
 // Here and in what includes it: all of it is inlined, no Column is passed between functions.

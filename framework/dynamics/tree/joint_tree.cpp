@@ -7,7 +7,7 @@
 #include <span>
 #include <utility>
 
-#include <lockstep/lock.h>
+#include <lockstep/author/lock.h>
 #include "framework/dynamics/tree/buckets.h"
 #include "framework/dynamics/tree/moving_markers.h"
 #include "framework/dynamics/tree/spanning_tree.h"

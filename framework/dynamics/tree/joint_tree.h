@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include <lockstep/lock.h>
+#include <lockstep/author/lock.h>
 #include <lockstep/state.h>
 #include <lockstep/system.h>
 #include "framework/dynamics/tree/planar_joints.h"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 
 namespace lockstep {
 

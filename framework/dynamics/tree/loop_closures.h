@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include <lockstep/rows.h>
+#include <lockstep/detail/rows.h>
 #include "framework/dynamics/tree/closure_rows.h"
 #include "framework/dynamics/tree/open_rows.h"
 

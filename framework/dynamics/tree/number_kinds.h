@@ -2,7 +2,7 @@
 #pragma once
 
 #include <lockstep/math.h>
-#include <lockstep/vec.h>
+#include <lockstep/detail/vec.h>
 
 namespace lockstep {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include <lockstep/body.h>
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 #include <lockstep/state.h>
 
 namespace lockstep {

@@ -1,7 +1,7 @@
 // Rows of closures of a tree that moves in a plane: those normal to the plane, which its joints meet at all times.
 #pragma once
 
-#include <lockstep/rows.h>
+#include <lockstep/detail/rows.h>
 #include <lockstep/system.h>
 #include "framework/dynamics/tree/joint_tree.h"
 

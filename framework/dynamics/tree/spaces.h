@@ -6,7 +6,7 @@
 #include <type_traits>
 #include <utility>
 
-#include <lockstep/vec.h>
+#include <lockstep/detail/vec.h>
 #include "framework/dynamics/tree/column_algebra.h"
 #include "framework/dynamics/tree/planar_joints.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/rows.h>
+#include <lockstep/detail/rows.h>
 #include "framework/dynamics/tree/closure_fronts.h"
 #include "framework/dynamics/tree/joint_tree.h"
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include <lockstep/rows.h>
+#include <lockstep/detail/rows.h>
 #include <lockstep/system.h>
 #include "framework/dynamics/tree/joint_tree.h"
 

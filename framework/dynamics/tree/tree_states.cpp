@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include <lockstep/lock.h>
+#include <lockstep/author/lock.h>
 #include "framework/dynamics/tree/joint_tree.h"
 #include "framework/dynamics/tree/moving_markers.h"
 #include "framework/dynamics/tree/tree_motion.h"

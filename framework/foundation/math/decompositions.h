@@ -1,7 +1,7 @@
 // Decompositions of dense matrices, compiled once: Eigen's cost seconds in each file that names them.
 #pragma once
 
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 #include <lockstep/math.h>
 
 namespace lockstep {

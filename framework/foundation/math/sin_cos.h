@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 
 namespace lockstep {
 

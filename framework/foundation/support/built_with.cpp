@@ -1,4 +1,4 @@
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 
 namespace lockstep::built_with {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 
 namespace lockstep {
 

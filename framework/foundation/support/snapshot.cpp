@@ -1,4 +1,4 @@
-#include <lockstep/memory.h>
+#include <lockstep/author/memory.h>
 
 #include <lockstep/error.h>
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <typeinfo>
 
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 
 namespace lockstep {
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include <lockstep/dynamics.h>
-#include <lockstep/integrator.h>
+#include <lockstep/author/integrator.h>
 
 namespace lockstep {
 

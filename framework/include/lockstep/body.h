@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/export.h>
-#include <lockstep/law.h>
+#include <lockstep/detail/export.h>
+#include <lockstep/author/law.h>
 #include <lockstep/math.h>
 
 namespace lockstep {

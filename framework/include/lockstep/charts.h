@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 #include <lockstep/recorder.h>
 
 namespace lockstep {

@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
-#include <lockstep/params.h>
-#include <lockstep/phi_links.h>
+#include <lockstep/author/params.h>
+#include <lockstep/author/phi_links.h>
 
 namespace lockstep {
 

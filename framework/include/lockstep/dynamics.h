@@ -9,7 +9,7 @@
 #include <vector>
 
 #include <lockstep/body.h>
-#include <lockstep/solver.h>
+#include <lockstep/author/solver.h>
 #include <lockstep/system.h>
 
 namespace lockstep {

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 
 namespace lockstep {
 

@@ -6,7 +6,7 @@
 
 #include <lockstep/analysis.h>
 #include <lockstep/dynamics.h>
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 
 namespace lockstep {
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/force.h>
-#include <lockstep/params.h>
+#include <lockstep/author/force.h>
+#include <lockstep/author/params.h>
 
 namespace lockstep {
 

@@ -4,8 +4,8 @@
 #include <array>
 #include <vector>
 
-#include <lockstep/export.h>
-#include <lockstep/params.h>
+#include <lockstep/detail/export.h>
+#include <lockstep/author/params.h>
 
 namespace lockstep {
 

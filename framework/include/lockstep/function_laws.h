@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include <lockstep/jet.h>
-#include <lockstep/law.h>
+#include <lockstep/author/jet.h>
+#include <lockstep/author/law.h>
 #include <lockstep/math.h>
 
 namespace lockstep {

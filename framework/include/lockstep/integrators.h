@@ -6,14 +6,14 @@
 #include <vector>
 
 #include <lockstep/dynamics.h>
-#include <lockstep/export.h>
-#include <lockstep/integrator.h>
+#include <lockstep/detail/export.h>
+#include <lockstep/author/integrator.h>
 #include <lockstep/math.h>
-#include <lockstep/memory.h>
-#include <lockstep/newton.h>
-#include <lockstep/params.h>
+#include <lockstep/author/memory.h>
+#include <lockstep/detail/newton.h>
+#include <lockstep/author/params.h>
 #include <lockstep/state.h>
-#include <lockstep/stepping.h>
+#include <lockstep/author/stepping.h>
 
 namespace lockstep {
 

@@ -6,9 +6,9 @@
 #include <string>
 
 #include <lockstep/body.h>
-#include <lockstep/lock.h>
-#include <lockstep/params.h>
-#include <lockstep/phi_links.h>
+#include <lockstep/author/lock.h>
+#include <lockstep/author/params.h>
+#include <lockstep/author/phi_links.h>
 
 namespace lockstep {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <lockstep/dynamics.h>
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 
 namespace lockstep {
 

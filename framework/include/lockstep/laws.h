@@ -8,11 +8,11 @@
 #include <vector>
 
 #include <lockstep/combined_laws.h>
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 #include <lockstep/function_laws.h>
-#include <lockstep/law.h>
-#include <lockstep/law_checks.h>
-#include <lockstep/params.h>
+#include <lockstep/author/law.h>
+#include <lockstep/author/law_checks.h>
+#include <lockstep/author/params.h>
 
 namespace lockstep {
 

@@ -14,7 +14,7 @@
 #include <Eigen/SparseCore>
 
 #include <lockstep/dynamics.h>
-#include <lockstep/law.h>
+#include <lockstep/author/law.h>
 #include <lockstep/recorder.h>
 
 namespace lockstep {

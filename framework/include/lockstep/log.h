@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 
 namespace spdlog {
 class logger;

@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 
 namespace lockstep {
 

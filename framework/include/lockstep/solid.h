@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 #include <lockstep/math.h>
 
 namespace lockstep {

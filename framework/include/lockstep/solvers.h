@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include <lockstep/params.h>
-#include <lockstep/solver.h>
+#include <lockstep/author/params.h>
+#include <lockstep/author/solver.h>
 
 namespace lockstep {
 

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include <lockstep/body.h>
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 #include <lockstep/math.h>
-#include <lockstep/memory.h>
+#include <lockstep/author/memory.h>
 
 namespace lockstep {
 

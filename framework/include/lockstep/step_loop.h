@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include <lockstep/integrator.h>
-#include <lockstep/lock.h>
+#include <lockstep/author/integrator.h>
+#include <lockstep/author/lock.h>
 
 namespace lockstep {
 

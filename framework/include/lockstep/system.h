@@ -16,9 +16,9 @@
 
 #include <lockstep/body.h>
 #include <lockstep/error.h>
-#include <lockstep/force.h>
-#include <lockstep/lock.h>
-#include <lockstep/rows.h>
+#include <lockstep/author/force.h>
+#include <lockstep/author/lock.h>
+#include <lockstep/detail/rows.h>
 #include <lockstep/state.h>
 
 namespace lockstep {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 #include "framework/mechanism/expression/function.h"
 
 namespace lockstep::expression {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <type_traits>
 
-#include <lockstep/jet.h>
+#include <lockstep/author/jet.h>
 #include "framework/mechanism/expression/function.h"
 
 namespace lockstep::expression {

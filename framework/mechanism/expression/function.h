@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/export.h>
-#include <lockstep/jet.h>
-#include <lockstep/params.h>
+#include <lockstep/detail/export.h>
+#include <lockstep/author/jet.h>
+#include <lockstep/author/params.h>
 #include "framework/mechanism/expression/expression.h"
 #include "framework/mechanism/expression/interval.h"
 

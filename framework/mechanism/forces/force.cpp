@@ -1,4 +1,4 @@
-#include <lockstep/force.h>
+#include <lockstep/author/force.h>
 
 #include <algorithm>
 

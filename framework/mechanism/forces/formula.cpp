@@ -1,4 +1,4 @@
-#include <lockstep/formula.h>
+#include <lockstep/author/formula.h>
 
 namespace lockstep::formula {
 

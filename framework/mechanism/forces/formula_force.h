@@ -3,10 +3,10 @@
 
 #include <algorithm>
 
-#include <lockstep/force.h>
+#include <lockstep/author/force.h>
 #include <lockstep/forces.h>
-#include <lockstep/mask.h>
-#include <lockstep/params.h>
+#include <lockstep/author/mask.h>
+#include <lockstep/author/params.h>
 #include "framework/mechanism/expression/function.h"
 
 namespace lockstep {

@@ -1,7 +1,7 @@
-#include <lockstep/force.h>
+#include <lockstep/author/force.h>
 
 #include <lockstep/error.h>
-#include <lockstep/relative.h>
+#include <lockstep/author/relative.h>
 
 namespace lockstep {
 

@@ -5,7 +5,7 @@
 #include <tuple>
 
 #include <lockstep/text.h>
-#include <lockstep/force.h>
+#include <lockstep/author/force.h>
 
 namespace lockstep {
 

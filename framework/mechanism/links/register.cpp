@@ -2,7 +2,7 @@
 
 #include <lockstep/couplings.h>
 #include <lockstep/joints.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include "framework/mechanism/links/formula_joint.h"
 
 namespace lockstep {

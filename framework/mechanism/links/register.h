@@ -1,7 +1,7 @@
 // Registers the built-in links.
 #pragma once
 
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 
 namespace lockstep {
 class Registry;

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include <lockstep/error.h>
-#include <lockstep/kernel.h>
+#include <lockstep/detail/kernel.h>
 #include <lockstep/text.h>
 #include "framework/mechanism/params/read.h"
 

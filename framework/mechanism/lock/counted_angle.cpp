@@ -1,4 +1,4 @@
-#include <lockstep/counted_angle.h>
+#include <lockstep/detail/counted_angle.h>
 
 #include <algorithm>
 #include <cmath>

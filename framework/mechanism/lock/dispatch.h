@@ -4,7 +4,7 @@
 
 #include <type_traits>
 
-#include <lockstep/kernel.h>
+#include <lockstep/detail/kernel.h>
 
 namespace lockstep {
 

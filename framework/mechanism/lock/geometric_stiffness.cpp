@@ -1,5 +1,5 @@
 // Geometric stiffness of the rows of a lock.
-#include <lockstep/phi_function.h>
+#include <lockstep/detail/phi_function.h>
 
 namespace lockstep {
 

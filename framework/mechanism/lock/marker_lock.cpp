@@ -1,11 +1,11 @@
-#include <lockstep/lock.h>
+#include <lockstep/author/lock.h>
 
 #include <algorithm>
 
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 #include <lockstep/error.h>
 #include "framework/mechanism/lock/dispatch.h"
-#include <lockstep/phi_function.h>
+#include <lockstep/detail/phi_function.h>
 #include <lockstep/body.h>
 
 namespace lockstep {

@@ -1,5 +1,5 @@
-#include <lockstep/phi_function.h>
-#include <lockstep/lock.h>
+#include <lockstep/detail/phi_function.h>
+#include <lockstep/author/lock.h>
 
 namespace lockstep {
 

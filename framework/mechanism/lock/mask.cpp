@@ -1,4 +1,4 @@
-#include <lockstep/mask.h>
+#include <lockstep/author/mask.h>
 
 #include <array>
 #include <vector>

@@ -1,4 +1,4 @@
-#include <lockstep/phi_function.h>
+#include <lockstep/detail/phi_function.h>
 
 #include <lockstep/error.h>
 

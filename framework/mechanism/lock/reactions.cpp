@@ -1,4 +1,4 @@
-#include <lockstep/lock.h>
+#include <lockstep/author/lock.h>
 
 namespace lockstep {
 namespace {

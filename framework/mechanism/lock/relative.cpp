@@ -1,4 +1,4 @@
-#include <lockstep/relative.h>
+#include <lockstep/author/relative.h>
 
 namespace lockstep {
 

@@ -1,4 +1,4 @@
-#include <lockstep/law.h>
+#include <lockstep/author/law.h>
 
 #include <utility>
 

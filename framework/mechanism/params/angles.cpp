@@ -1,4 +1,4 @@
-#include <lockstep/params.h>
+#include <lockstep/author/params.h>
 
 #include <cmath>
 

@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 #include <lockstep/math.h>
-#include <lockstep/params.h>
+#include <lockstep/author/params.h>
 
 namespace lockstep {
 

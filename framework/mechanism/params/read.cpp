@@ -6,7 +6,7 @@
 #include <limits>
 
 #include <lockstep/error.h>
-#include <lockstep/params.h>
+#include <lockstep/author/params.h>
 #include <lockstep/text.h>
 #include "framework/mechanism/params/units.h"
 

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include <lockstep/error.h>
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 #include <lockstep/math.h>
-#include <lockstep/params.h>
+#include <lockstep/author/params.h>
 
 namespace lockstep {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include <lockstep/error.h>
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 
 namespace lockstep {
 

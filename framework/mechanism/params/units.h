@@ -6,8 +6,8 @@
 #include <string>
 #include <string_view>
 
-#include <lockstep/params.h>
-#include <lockstep/export.h>
+#include <lockstep/author/params.h>
+#include <lockstep/detail/export.h>
 
 namespace lockstep {
 

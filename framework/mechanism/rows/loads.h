@@ -4,7 +4,7 @@
 #include <array>
 
 #include <lockstep/math.h>
-#include <lockstep/rows.h>
+#include <lockstep/detail/rows.h>
 
 namespace lockstep {
 

@@ -4,8 +4,8 @@
 #include <string>
 
 #include <lockstep/error.h>
-#include <lockstep/force.h>
-#include <lockstep/lock.h>
+#include <lockstep/author/force.h>
+#include <lockstep/author/lock.h>
 
 namespace lockstep {
 

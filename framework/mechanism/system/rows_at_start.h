@@ -10,9 +10,9 @@
 #include <vector>
 
 #include <lockstep/body.h>
-#include <lockstep/export.h>
-#include <lockstep/lock.h>
-#include <lockstep/rows.h>
+#include <lockstep/detail/export.h>
+#include <lockstep/author/lock.h>
+#include <lockstep/detail/rows.h>
 #include "framework/foundation/math/limits.h"
 
 namespace lockstep {

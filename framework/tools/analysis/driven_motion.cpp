@@ -8,8 +8,8 @@
 #include <cmath>
 
 #include <lockstep/error.h>
-#include <lockstep/lock.h>
-#include <lockstep/stepping.h>
+#include <lockstep/author/lock.h>
+#include <lockstep/author/stepping.h>
 #include <lockstep/text.h>
 #include "framework/foundation/math/limits.h"
 #include "framework/tools/analysis/wild_starts.h"

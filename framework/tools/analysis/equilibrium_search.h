@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <lockstep/equilibrium.h>
-#include <lockstep/newton.h>
+#include <lockstep/detail/newton.h>
 #include "framework/dynamics/simulate/contacts.h"
 #include "framework/tools/analysis/forces_at_rest.h"
 #include "framework/foundation/math/limits.h"

@@ -6,8 +6,8 @@
 #include <ranges>
 
 #include <lockstep/error.h>
-#include <lockstep/lock.h>
-#include <lockstep/relative.h>
+#include <lockstep/author/lock.h>
+#include <lockstep/author/relative.h>
 #include "framework/mechanism/system/diagnose.h"
 #include "framework/tools/analysis/forces_at_rest.h"
 #include "framework/tools/analysis/mechanism_matrices.h"

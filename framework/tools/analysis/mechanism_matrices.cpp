@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include <lockstep/linearization.h>
-#include <lockstep/newton.h>
+#include <lockstep/detail/newton.h>
 #include "framework/foundation/math/limits.h"
 #include "framework/mechanism/system/diagnose.h"
 #include "framework/tools/analysis/forces_at_rest.h"

@@ -6,7 +6,7 @@
 #include <complex>
 #include <limits>
 
-#include <lockstep/newton.h>
+#include <lockstep/detail/newton.h>
 #include "framework/foundation/math/limits.h"
 #include "framework/tools/analysis/eigenvectors.h"
 #include "framework/tools/analysis/forces_at_rest.h"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include <lockstep/lock.h>
+#include <lockstep/author/lock.h>
 #include "framework/tools/batch/link_numbers.h"
 
 namespace lockstep::lanes {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include <lockstep/error.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/step_loop.h>
 #include <lockstep/text.h>
 #include "framework/tools/batch/copy_run.h"

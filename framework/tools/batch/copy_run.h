@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <lockstep/batch.h>
-#include <lockstep/stepping.h>
+#include <lockstep/author/stepping.h>
 #include "framework/dynamics/simulate/last_steps.h"
 #include "framework/tools/batch/batch.h"
 

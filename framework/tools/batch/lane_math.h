@@ -5,7 +5,7 @@
 // memory there are always eight lanes side by side; narrower packs make several rounds (lane_all.h).
 #pragma once
 
-#include <lockstep/jet.h>
+#include <lockstep/author/jet.h>
 #include "framework/tools/batch/lane_plan.h"
 #include "framework/tools/batch/number_arrays.h"
 

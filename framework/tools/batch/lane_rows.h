@@ -1,8 +1,8 @@
-// LinkRows: the rows of one link: the equations of <lockstep/equations.h> on arrays of any numbers, translations in world
+// LinkRows: the rows of one link: the equations of <lockstep/detail/equations.h> on arrays of any numbers, translations in world
 // axes. Private to the room.
 #pragma once
 
-#include <lockstep/kernel.h>
+#include <lockstep/detail/kernel.h>
 #include "framework/tools/batch/closure_plan.h"
 
 namespace lockstep::lanes {

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include <lockstep/stepping.h>
+#include <lockstep/author/stepping.h>
 #include "framework/dynamics/integrate/singular_passage.h"
 #include "framework/dynamics/simulate/step_rules.h"
 #include "framework/tools/batch/copy_run.h"

@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 
-#include <lockstep/lock.h>
+#include <lockstep/author/lock.h>
 #include <lockstep/state.h>
 #include "framework/tools/batch/lane_plan.h"
 

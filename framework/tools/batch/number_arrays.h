@@ -5,7 +5,7 @@
 #include <type_traits>
 #include <utility>
 
-#include <lockstep/vec.h>
+#include <lockstep/detail/vec.h>
 #include "framework/dynamics/tree/number_kinds.h"
 #include "framework/dynamics/tree/spaces.h"
 

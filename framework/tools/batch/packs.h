@@ -8,7 +8,7 @@
 #include <vector>
 
 #include <lockstep/math.h>
-#include <lockstep/memory.h>
+#include <lockstep/author/memory.h>
 #include "framework/tools/batch/lane_plan.h"
 
 namespace lockstep::lanes {

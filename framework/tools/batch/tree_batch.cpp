@@ -5,7 +5,7 @@
 
 #include <lockstep/body.h>
 #include <lockstep/error.h>
-#include <lockstep/lock.h>
+#include <lockstep/author/lock.h>
 #include "framework/dynamics/evaluate/slot_coordinates.h"
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/dynamics/tree/moving_markers.h"

@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include <lockstep/memory.h>
+#include <lockstep/author/memory.h>
 #include "framework/tools/batch/lane_passes.h"
 #include "framework/tools/batch/packs.h"
 

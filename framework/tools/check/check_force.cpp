@@ -1,5 +1,5 @@
 // check_force: a force against the energies that it reports, and its tangent against differences.
-#include <lockstep/check.h>
+#include <lockstep/author/check.h>
 
 #include <spdlog/fmt/fmt.h>
 
@@ -7,7 +7,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/joints.h>
-#include <lockstep/relative.h>
+#include <lockstep/author/relative.h>
 #include <lockstep/text.h>
 #include "framework/tools/check/jumps.h"
 #include "framework/tools/check/sample_system.h"

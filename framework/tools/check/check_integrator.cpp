@@ -1,5 +1,5 @@
 // check_integrator: what the step loop relies on: steps, throws, repetitions, steps taken back.
-#include <lockstep/check.h>
+#include <lockstep/author/check.h>
 
 #include <spdlog/fmt/fmt.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include <lockstep/error.h>
-#include <lockstep/force.h>
+#include <lockstep/author/force.h>
 #include <lockstep/solvers.h>
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/check/integrator_orders.h"

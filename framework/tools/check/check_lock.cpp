@@ -1,5 +1,5 @@
 // check_lock: the link's description, its memory, and what its rows may depend on.
-#include <lockstep/check.h>
+#include <lockstep/author/check.h>
 
 #include <spdlog/fmt/fmt.h>
 
@@ -8,7 +8,7 @@
 #include <set>
 
 #include <lockstep/error.h>
-#include <lockstep/relative.h>
+#include <lockstep/author/relative.h>
 #include <lockstep/text.h>
 #include "framework/tools/check/jumps.h"
 #include "framework/tools/check/lock_check.h"

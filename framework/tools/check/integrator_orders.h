@@ -1,7 +1,7 @@
 // The measured orders of an integrator on a motion with a closed form.
 #pragma once
 
-#include <lockstep/check.h>
+#include <lockstep/author/check.h>
 #include "framework/tools/check/closed_motion.h"
 
 namespace lockstep {

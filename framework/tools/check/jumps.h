@@ -5,7 +5,7 @@
 #include <map>
 #include <vector>
 
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 #include <lockstep/math.h>
 
 namespace lockstep {

@@ -1,4 +1,4 @@
-#include <lockstep/check.h>
+#include <lockstep/author/check.h>
 
 #include <spdlog/fmt/fmt.h>
 

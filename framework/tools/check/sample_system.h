@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/check.h>
-#include <lockstep/params.h>
+#include <lockstep/author/check.h>
+#include <lockstep/author/params.h>
 #include <lockstep/system.h>
 
 namespace lockstep {

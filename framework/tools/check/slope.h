@@ -11,7 +11,7 @@
 #include <functional>
 
 #include <lockstep/math.h>
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 
 namespace lockstep {
 

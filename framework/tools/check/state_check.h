@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/check.h>
+#include <lockstep/author/check.h>
 #include <lockstep/system.h>
 #include "framework/tools/check/draw.h"
 #include "framework/tools/check/slope.h"

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include <lockstep/kinematics.h>
-#include <lockstep/lock.h>
+#include <lockstep/author/lock.h>
 #include <lockstep/log.h>
 #include <lockstep/text.h>
 #include "framework/mechanism/params/read.h"

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include <lockstep/error.h>
-#include <lockstep/force.h>
+#include <lockstep/author/force.h>
 
 namespace lockstep {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <lockstep/linearization.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 
 namespace lockstep {
 

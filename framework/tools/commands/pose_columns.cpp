@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <lockstep/lock.h>
+#include <lockstep/author/lock.h>
 
 namespace lockstep {
 namespace {

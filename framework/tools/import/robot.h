@@ -10,7 +10,7 @@
 #include <vector>
 
 #include <lockstep/math.h>
-#include <lockstep/params.h>
+#include <lockstep/author/params.h>
 
 namespace lockstep::urdf {
 

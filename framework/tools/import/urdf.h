@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/export.h>
-#include <lockstep/params.h>
+#include <lockstep/detail/export.h>
+#include <lockstep/author/params.h>
 
 namespace lockstep {
 

@@ -10,7 +10,7 @@
 
 #include <lockstep/analysis.h>
 #include <lockstep/error.h>
-#include <lockstep/lock.h>
+#include <lockstep/author/lock.h>
 #include <lockstep/text.h>
 #include <lockstep/uniqueness.h>
 #include "framework/dynamics/solvers/graph.h"

@@ -17,7 +17,7 @@
 
 #include <lockstep/charts.h>
 #include <lockstep/error.h>
-#include <lockstep/loader.h>
+#include <lockstep/author/loader.h>
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/charts/chart_path.h"
 #include "framework/tools/charts/gnuplot.h"

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include <lockstep/memory.h>
+#include <lockstep/author/memory.h>
 #include <lockstep/step_loop.h>
 
 namespace lockstep {

@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <set>
 
-#include <lockstep/loader.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/loader.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/read.h"
 #include "framework/description/scene/reading.h"

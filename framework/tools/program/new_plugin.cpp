@@ -9,7 +9,7 @@
 #include <fstream>
 #include <string_view>
 
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include "framework/tools/program/commands.h"
 
 namespace lockstep {

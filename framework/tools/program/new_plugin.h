@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 
 namespace lockstep {
 

@@ -12,8 +12,8 @@
 #include <nlohmann/json.hpp>
 
 #include <lockstep/error.h>
-#include <lockstep/loader.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/loader.h>
+#include <lockstep/author/registry.h>
 #include "framework/description/registry/survey.h"
 #include "framework/foundation/support/child.h"
 #include "framework/tools/program/commands.h"

@@ -7,8 +7,8 @@
 
 #include <lockstep/analysis.h>
 #include <lockstep/error.h>
-#include <lockstep/integrator.h>
-#include <lockstep/lock.h>
+#include <lockstep/author/integrator.h>
+#include <lockstep/author/lock.h>
 #include <lockstep/step_loop.h>
 #include "framework/dynamics/simulate/along_laws.h"
 #include "framework/mechanism/params/read.h"

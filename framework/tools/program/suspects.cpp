@@ -4,7 +4,7 @@
 
 #include <exception>
 
-#include <lockstep/check.h>
+#include <lockstep/author/check.h>
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/tools/program/check_dependencies.h"
 

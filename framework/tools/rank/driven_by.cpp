@@ -10,8 +10,8 @@
 #include <Eigen/QR>
 
 #include <lockstep/analysis.h>
-#include <lockstep/lock.h>
-#include <lockstep/relative.h>
+#include <lockstep/author/lock.h>
+#include <lockstep/author/relative.h>
 #include <lockstep/text.h>
 #include "framework/foundation/math/limits.h"
 #include "framework/tools/rank/motion_words.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 #include <lockstep/step_loop.h>
 
 namespace lockstep {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <memory>
 
-#include <lockstep/params.h>
+#include <lockstep/author/params.h>
 #include "framework/tools/record/channel_entry.h"
 
 namespace lockstep::channels {

@@ -1,7 +1,7 @@
 // Reactions of links and the share of their drives, from multipliers and rows alone, for every type of link.
 #include <spdlog/fmt/fmt.h>
 
-#include <lockstep/lock.h>
+#include <lockstep/author/lock.h>
 #include "framework/tools/record/channel_entry.h"
 
 namespace lockstep::channels {

@@ -1,7 +1,7 @@
 // Frame: a body's frame, a marker or the world, and its coordinates relative to another one.
 #pragma once
 
-#include <lockstep/relative.h>
+#include <lockstep/author/relative.h>
 #include <lockstep/step_loop.h>
 
 namespace lockstep::channels {

@@ -5,7 +5,7 @@
 
 #include <lockstep/dynamics.h>
 #include <lockstep/error.h>
-#include <lockstep/relative.h>
+#include <lockstep/author/relative.h>
 #include <lockstep/system.h>
 #include "framework/dynamics/simulate/uncounted.h"
 #include "framework/mechanism/system/diagnose.h"

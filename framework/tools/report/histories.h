@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 #include <lockstep/report.h>
 #include <lockstep/scene.h>
 #include "framework/tools/report/run_data.h"

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 
 namespace lockstep::report {
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 #include <lockstep/report.h>
 #include <lockstep/scene.h>
 #include <lockstep/step_loop.h>

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 
 namespace lockstep::report {
 

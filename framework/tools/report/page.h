@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 #include <lockstep/report.h>
 
 namespace lockstep::report {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 #include <lockstep/recorder.h>
 #include <lockstep/solid.h>
 #include <lockstep/step_loop.h>

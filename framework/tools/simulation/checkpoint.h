@@ -12,8 +12,8 @@
 #include <string>
 #include <string_view>
 
-#include <lockstep/export.h>
-#include <lockstep/memory.h>
+#include <lockstep/detail/export.h>
+#include <lockstep/author/memory.h>
 #include "framework/foundation/support/hash.h"
 
 namespace lockstep {

@@ -4,7 +4,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/log.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/simulate/start_positions.h"
 #include "framework/mechanism/params/read.h"

@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <cstring>
 
-#include <lockstep/registry.h>
-#include <lockstep/loader.h>
+#include <lockstep/author/registry.h>
+#include <lockstep/author/loader.h>
 #include <lockstep/version.h>
 #include <lockstep/integrators.h>
 #include <lockstep/laws.h>

@@ -1,5 +1,5 @@
 // The smallest law: y = slope t.
-#include <lockstep/plugin.h>
+#include <lockstep/author/plugin.h>
 
 namespace {
 

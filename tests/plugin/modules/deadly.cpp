@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <string>
 
-#include <lockstep/plugin.h>
+#include <lockstep/author/plugin.h>
 
 namespace {
 

@@ -1,4 +1,4 @@
 // A plugin that brings nothing.
-#include <lockstep/plugin.h>
+#include <lockstep/author/plugin.h>
 
 LOCKSTEP_PLUGIN(registry) { (void)registry; }

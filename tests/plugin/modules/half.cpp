@@ -1,5 +1,5 @@
 // A plugin that gives up half way: nothing of it may stay.
-#include <lockstep/plugin.h>
+#include <lockstep/author/plugin.h>
 #include <lockstep/error.h>
 
 namespace {

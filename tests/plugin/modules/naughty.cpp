@@ -2,9 +2,9 @@
 #include <cmath>
 #include <stdexcept>
 
-#include <lockstep/integrator.h>
-#include <lockstep/relative.h>
-#include <lockstep/plugin.h>
+#include <lockstep/author/integrator.h>
+#include <lockstep/author/relative.h>
+#include <lockstep/author/plugin.h>
 
 namespace {
 

@@ -1,7 +1,7 @@
 // A plugin that leaves a trace as soon as any of its code runs.
 #include <cstdlib>
 
-#include <lockstep/plugin.h>
+#include <lockstep/author/plugin.h>
 
 namespace {
 

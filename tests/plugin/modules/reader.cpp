@@ -1,7 +1,7 @@
 // A law, a link and a force that read a file, and say in their refusal what is in it.
 #include <fstream>
 
-#include <lockstep/plugin.h>
+#include <lockstep/author/plugin.h>
 #include <lockstep/splines.h>
 
 namespace {

@@ -5,7 +5,7 @@
 #include <exception>
 #include <stdexcept>
 
-#include <lockstep/plugin.h>
+#include <lockstep/author/plugin.h>
 
 namespace {
 

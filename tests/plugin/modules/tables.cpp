@@ -2,7 +2,7 @@
 // says so to the linker), a variable of each thread, and functions that run when it is opened and closed.
 #include <string>
 
-#include <lockstep/plugin.h>
+#include <lockstep/author/plugin.h>
 
 namespace {
 

@@ -1,5 +1,5 @@
 // A plugin that needs what no lockstep has.
-#include <lockstep/plugin.h>
+#include <lockstep/author/plugin.h>
 
 namespace lockstep {
 LOCKSTEP_API double gone_since(const std::string& version);

@@ -1,9 +1,9 @@
 // The coupling template_coupling: two wheels in joints of their own, geared so that the second one lags and gains.
 //
 // Change three things: the function phi, the keys in info(), and what make() refuses. Then build and run the test.
-#include <lockstep/plugin.h>
+#include <lockstep/author/plugin.h>
 
-#include <lockstep/phi_links.h>
+#include <lockstep/author/phi_links.h>
 
 namespace {
 

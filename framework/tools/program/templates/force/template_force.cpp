@@ -1,8 +1,8 @@
 // The force template_force: P and S attract each other with the inverse square of their distance.
 //
 // Change three things: the formula in act(), the keys in info(), and what make() refuses. Then build and run the test.
-#include <lockstep/force.h>
-#include <lockstep/plugin.h>
+#include <lockstep/author/force.h>
+#include <lockstep/author/plugin.h>
 
 namespace {
 

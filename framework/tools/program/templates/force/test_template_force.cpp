@@ -2,9 +2,9 @@
 // plugin.
 #include <cstdio>
 
-#include <lockstep/registry.h>
-#include <lockstep/check.h>
-#include <lockstep/loader.h>
+#include <lockstep/author/registry.h>
+#include <lockstep/author/check.h>
+#include <lockstep/author/loader.h>
 
 int main(int argc, char** argv) try {
   using namespace lockstep;

@@ -4,7 +4,7 @@
 // order.
 #include <spdlog/fmt/fmt.h>
 
-#include <lockstep/plugin.h>
+#include <lockstep/author/plugin.h>
 
 namespace {
 

@@ -3,7 +3,7 @@
 // Change three things: the formulas in at(), the keys in info(), and what make() refuses. Then build and run the test.
 #include <cmath>
 
-#include <lockstep/plugin.h>
+#include <lockstep/author/plugin.h>
 
 namespace {
 

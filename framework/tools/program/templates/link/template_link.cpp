@@ -1,7 +1,7 @@
 // The joint template_link: the point P rides on a wavy rail that is fixed to S.
 //
 // Change three things: the function phi, the keys in info(), and what make() refuses. Then build and run the test.
-#include <lockstep/plugin.h>
+#include <lockstep/author/plugin.h>
 
 namespace {
 

@@ -10,12 +10,12 @@
 #include <vector>
 
 #include <lockstep/error.h>
-#include <lockstep/export.h>
-#include <lockstep/formula.h>
-#include <lockstep/lock.h>
-#include <lockstep/params.h>
-#include <lockstep/relative.h>
-#include <lockstep/rows.h>
+#include <lockstep/detail/export.h>
+#include <lockstep/author/formula.h>
+#include <lockstep/author/lock.h>
+#include <lockstep/author/params.h>
+#include <lockstep/author/relative.h>
+#include <lockstep/detail/rows.h>
 
 namespace lockstep {
 

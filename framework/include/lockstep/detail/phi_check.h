@@ -6,7 +6,7 @@
 #include <type_traits>
 #include <utility>
 
-#include <lockstep/phi.h>
+#include <lockstep/author/phi.h>
 
 /// @cond
 /// Left out of the pages: only PhiFunction refers to these names.

@@ -11,8 +11,8 @@
 #include <Eigen/Core>
 
 #include <lockstep/error.h>
-#include <lockstep/phi_links.h>
-#include <lockstep/registry.h>
+#include <lockstep/author/phi_links.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/text.h>
 #include <lockstep/version.h>
 

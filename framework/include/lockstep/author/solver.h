@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
-#include <lockstep/export.h>
-#include <lockstep/memory.h>
-#include <lockstep/rows.h>
+#include <lockstep/detail/export.h>
+#include <lockstep/author/memory.h>
+#include <lockstep/detail/rows.h>
 
 namespace lockstep {
 

@@ -12,8 +12,8 @@
 
 #include <lockstep/body.h>
 #include <lockstep/error.h>
-#include <lockstep/export.h>
-#include <lockstep/law.h>
+#include <lockstep/detail/export.h>
+#include <lockstep/author/law.h>
 #include <lockstep/math.h>
 
 namespace lockstep {

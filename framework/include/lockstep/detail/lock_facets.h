@@ -7,11 +7,11 @@
 #include <vector>
 
 #include <lockstep/body.h>
-#include <lockstep/export.h>
-#include <lockstep/kernel.h>
-#include <lockstep/law.h>
-#include <lockstep/relative.h>
-#include <lockstep/rows.h>
+#include <lockstep/detail/export.h>
+#include <lockstep/detail/kernel.h>
+#include <lockstep/author/law.h>
+#include <lockstep/author/relative.h>
+#include <lockstep/detail/rows.h>
 #include <lockstep/state.h>
 
 namespace lockstep {

@@ -12,13 +12,13 @@
 #include <vector>
 
 #include <lockstep/body.h>
-#include <lockstep/counted_angle.h>
-#include <lockstep/export.h>
-#include <lockstep/kernel.h>
-#include <lockstep/law.h>
-#include <lockstep/lock_facets.h>
-#include <lockstep/relative.h>
-#include <lockstep/rows.h>
+#include <lockstep/detail/counted_angle.h>
+#include <lockstep/detail/export.h>
+#include <lockstep/detail/kernel.h>
+#include <lockstep/author/law.h>
+#include <lockstep/detail/lock_facets.h>
+#include <lockstep/author/relative.h>
+#include <lockstep/detail/rows.h>
 #include <lockstep/state.h>
 
 namespace lockstep {

@@ -10,10 +10,10 @@
 #include <utility>
 #include <vector>
 
-#include <lockstep/jet.h>
-#include <lockstep/law.h>
-#include <lockstep/lock.h>
-#include <lockstep/relative.h>
+#include <lockstep/author/jet.h>
+#include <lockstep/author/law.h>
+#include <lockstep/author/lock.h>
+#include <lockstep/author/relative.h>
 
 namespace lockstep {
 

@@ -5,10 +5,10 @@
 #include <cstddef>
 #include <span>
 
-#include <lockstep/export.h>
-#include <lockstep/jet.h>
-#include <lockstep/relative.h>
-#include <lockstep/rows.h>
+#include <lockstep/detail/export.h>
+#include <lockstep/author/jet.h>
+#include <lockstep/author/relative.h>
+#include <lockstep/detail/rows.h>
 
 namespace lockstep {
 

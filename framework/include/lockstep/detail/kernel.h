@@ -1,12 +1,12 @@
 // The kernel of the lock: rows of one pair of markers.
 #pragma once
 
-#include <lockstep/equations.h>
-#include <lockstep/export.h>
-#include <lockstep/mask.h>
+#include <lockstep/detail/equations.h>
+#include <lockstep/detail/export.h>
+#include <lockstep/author/mask.h>
 #include <lockstep/math.h>
 #include <lockstep/state.h>
-#include <lockstep/vec.h>
+#include <lockstep/detail/vec.h>
 
 namespace lockstep {
 

@@ -10,12 +10,12 @@
 #include <utility>
 #include <vector>
 
-#include <lockstep/counted_angle.h>
+#include <lockstep/detail/counted_angle.h>
 #include <lockstep/error.h>
-#include <lockstep/kernel.h>
-#include <lockstep/phi_check.h>
-#include <lockstep/relative.h>
-#include <lockstep/rows.h>
+#include <lockstep/detail/kernel.h>
+#include <lockstep/detail/phi_check.h>
+#include <lockstep/author/relative.h>
+#include <lockstep/detail/rows.h>
 
 namespace lockstep {
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include <lockstep/error.h>
-#include <lockstep/law.h>
+#include <lockstep/author/law.h>
 #include <lockstep/math.h>
 #include <lockstep/text.h>
 

@@ -11,9 +11,9 @@
 
 #include <lockstep/dynamics.h>
 #include <lockstep/error.h>
-#include <lockstep/export.h>
-#include <lockstep/integrator.h>
-#include <lockstep/memory.h>
+#include <lockstep/detail/export.h>
+#include <lockstep/author/integrator.h>
+#include <lockstep/author/memory.h>
 
 namespace lockstep {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <lockstep/body.h>
-#include <lockstep/kernel.h>
+#include <lockstep/detail/kernel.h>
 
 namespace lockstep {
 

@@ -5,7 +5,7 @@
 
 #include <lockstep/dynamics.h>
 #include <lockstep/error.h>
-#include <lockstep/memory.h>
+#include <lockstep/author/memory.h>
 #include <lockstep/state.h>
 
 namespace lockstep {

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include <lockstep/body.h>
-#include <lockstep/export.h>
-#include <lockstep/jet.h>
+#include <lockstep/detail/export.h>
+#include <lockstep/author/jet.h>
 #include <lockstep/math.h>
-#include <lockstep/memory.h>
+#include <lockstep/author/memory.h>
 #include <lockstep/state.h>
 
 namespace lockstep {

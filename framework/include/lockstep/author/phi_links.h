@@ -10,9 +10,9 @@
 #include <vector>
 
 #include <lockstep/error.h>
-#include <lockstep/lock.h>
-#include <lockstep/params.h>
-#include <lockstep/phi_function.h>
+#include <lockstep/author/lock.h>
+#include <lockstep/author/params.h>
+#include <lockstep/detail/phi_function.h>
 
 namespace lockstep {
 

@@ -10,8 +10,8 @@
 #include <memory>
 
 #include <lockstep/dynamics.h>
-#include <lockstep/rows.h>
-#include <lockstep/solver.h>
+#include <lockstep/detail/rows.h>
+#include <lockstep/author/solver.h>
 
 namespace lockstep {
 

@@ -10,7 +10,7 @@
 #include <type_traits>
 #include <vector>
 
-#include <lockstep/export.h>
+#include <lockstep/detail/export.h>
 
 namespace lockstep {
 

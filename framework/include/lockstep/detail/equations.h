@@ -1,8 +1,8 @@
 // The equations of the lock on numbers of any kind.
 #pragma once
 
-#include <lockstep/export.h>
-#include <lockstep/vec.h>
+#include <lockstep/detail/export.h>
+#include <lockstep/detail/vec.h>
 
 // The equations of the lock, (3.8)-(3.12) and (4.1)-(4.14) of the theory, written once. All code that needs them calls
 // these functions: the rows of a link in space (kernel.h) and in a plane (marker_lock_plane.cpp), relative kinematics

@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
-#include <lockstep/force.h>
-#include <lockstep/integrator.h>
-#include <lockstep/lock.h>
-#include <lockstep/params.h>
-#include <lockstep/solver.h>
+#include <lockstep/author/force.h>
+#include <lockstep/author/integrator.h>
+#include <lockstep/author/lock.h>
+#include <lockstep/author/params.h>
+#include <lockstep/author/solver.h>
 
 namespace lockstep {
 

@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/export.h>
-#include <lockstep/integrator.h>
-#include <lockstep/law.h>
-#include <lockstep/lock.h>
-#include <lockstep/params.h>
-#include <lockstep/registry.h>
+#include <lockstep/detail/export.h>
+#include <lockstep/author/integrator.h>
+#include <lockstep/author/law.h>
+#include <lockstep/author/lock.h>
+#include <lockstep/author/params.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/system.h>
 
 namespace lockstep {
