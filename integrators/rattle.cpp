@@ -9,8 +9,8 @@
 #include <array>
 #include <cmath>
 
-#include <lockstep/error.h>
 #include <lockstep/author/stepping.h>
+#include <lockstep/error.h>
 #include "framework/dynamics/evaluate/projection_rule.h"
 #include "framework/foundation/math/limits.h"
 #include "framework/mechanism/system/diagnose.h"

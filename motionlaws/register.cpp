@@ -1,8 +1,8 @@
 #include "motionlaws/register.h"
 
+#include <lockstep/author/registry.h>
 #include <lockstep/frame_laws.h>
 #include <lockstep/laws.h>
-#include <lockstep/author/registry.h>
 #include <lockstep/splines.h>
 #include "motionlaws/formula.h"
 

@@ -13,8 +13,8 @@
 #include <exception>
 #include <limits>
 
-#include <lockstep/author/stepping.h>
 #include <lockstep/author/plugin.h>
+#include <lockstep/author/stepping.h>
 #include "ida_memory.h"
 
 namespace {

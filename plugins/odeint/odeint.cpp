@@ -10,8 +10,8 @@
 #include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_cash_karp54.hpp>
 
-#include <lockstep/author/stepping.h>
 #include <lockstep/author/plugin.h>
+#include <lockstep/author/stepping.h>
 
 namespace {
 

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <vector>
 
-#include <lockstep/error.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/error.h>
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
 #include "framework/description/scene/system_of.h"

@@ -4,11 +4,11 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <lockstep/assembly.h>
-#include "framework/tools/precision/work_precision.h"
-#include <lockstep/detail/newton.h>
 #include <lockstep/charts.h>
-#include <lockstep/recorder.h>
+#include <lockstep/detail/newton.h>
 #include <lockstep/integrators.h>
+#include <lockstep/recorder.h>
+#include "framework/tools/precision/work_precision.h"
 #include "samples/shared/output.h"
 #include "tests/support/economies.h"
 

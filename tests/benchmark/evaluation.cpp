@@ -9,9 +9,9 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <lockstep/analysis.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/joints.h>
-#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
 #include "framework/description/scene/system_of.h"

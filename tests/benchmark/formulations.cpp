@@ -8,8 +8,8 @@
 #include <vector>
 
 #include <lockstep/assembly.h>
-#include <lockstep/error.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/error.h>
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
 #include "framework/description/scene/system_of.h"

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include <lockstep/author/formula.h>
-#include <lockstep/function_laws.h>
 #include <lockstep/author/phi_links.h>
+#include <lockstep/function_laws.h>
 
 namespace lockstep {
 

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <limits>
 
-#include <lockstep/log.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/log.h>
 #include <lockstep/scene.h>
 #include <lockstep/step_loop.h>
 #include <lockstep/sweep.h>

@@ -7,13 +7,13 @@
 #include <spdlog/spdlog.h>
 
 #include <lockstep/assembly.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/forces.h>
 #include <lockstep/joints.h>
 #include <lockstep/laws.h>
 #include <lockstep/log.h>
 #include <lockstep/recorder.h>
-#include <lockstep/author/registry.h>
 #include <lockstep/simulation.h>
 #include <lockstep/step_loop.h>
 #include "tests/fuzz/answered.h"

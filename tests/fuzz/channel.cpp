@@ -1,7 +1,7 @@
 #include <optional>
 
-#include <lockstep/recorder.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/recorder.h>
 #include <lockstep/scene.h>
 #include "framework/description/scene/system_of.h"
 #include "tests/fuzz/answered.h"

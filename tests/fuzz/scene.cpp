@@ -3,8 +3,8 @@
 
 #include <spdlog/spdlog.h>
 
-#include <lockstep/log.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/log.h>
 #include <lockstep/scene.h>
 #include <lockstep/sweep.h>
 #include "framework/tools/scene_run/scene_run.h"

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include <lockstep/assembly.h>
+#include <lockstep/author/registry.h>
+#include <lockstep/author/stepping.h>
 #include <lockstep/error.h>
 #include <lockstep/forces.h>
 #include <lockstep/frame_laws.h>
@@ -15,10 +17,8 @@
 #include <lockstep/joints.h>
 #include <lockstep/laws.h>
 #include <lockstep/recorder.h>
-#include <lockstep/author/registry.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>
-#include <lockstep/author/stepping.h>
 #include <lockstep/system.h>
 #include "framework/dynamics/evaluate/singular_rate.h"
 #include "framework/tools/record/quadrature.h"

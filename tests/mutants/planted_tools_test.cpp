@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <lockstep/assembly.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/batch.h>
 #include <lockstep/error.h>
 #include <lockstep/forces.h>
@@ -14,7 +15,6 @@
 #include <lockstep/laws.h>
 #include <lockstep/linearization.h>
 #include <lockstep/modes.h>
-#include <lockstep/author/registry.h>
 #include <lockstep/report.h>
 #include <lockstep/scene.h>
 #include <lockstep/simulation.h>

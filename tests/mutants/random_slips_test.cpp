@@ -6,17 +6,17 @@
 #include <string>
 #include <vector>
 
+#include <lockstep/author/memory.h>
+#include <lockstep/author/registry.h>
+#include <lockstep/author/relative.h>
 #include <lockstep/error.h>
 #include <lockstep/frame_laws.h>
 #include <lockstep/joints.h>
 #include <lockstep/laws.h>
 #include <lockstep/linearization.h>
 #include <lockstep/math.h>
-#include <lockstep/author/memory.h>
 #include <lockstep/modes.h>
 #include <lockstep/recorder.h>
-#include <lockstep/author/registry.h>
-#include <lockstep/author/relative.h>
 #include <lockstep/scene.h>
 #include <lockstep/simulation.h>
 #include <lockstep/solvers.h>

@@ -9,8 +9,8 @@
 #include <set>
 #include <sstream>
 
-#include <lockstep/recorder.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/recorder.h>
 #include <lockstep/scene.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"

@@ -2,8 +2,8 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include <lockstep/author/registry.h>
 #include <lockstep/author/loader.h>
+#include <lockstep/author/registry.h>
 #include "framework/description/scene/schema.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"

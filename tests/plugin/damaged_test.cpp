@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include <lockstep/error.h>
 #include <lockstep/author/loader.h>
+#include <lockstep/error.h>
 #include "framework/foundation/support/hash.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"

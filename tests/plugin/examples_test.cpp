@@ -2,10 +2,10 @@
 #include <cmath>
 
 #include <lockstep/author/check.h>
-#include <lockstep/error.h>
-#include <lockstep/joints.h>
 #include <lockstep/author/loader.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/error.h>
+#include <lockstep/joints.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>
 #include "tests/support/catch.h"

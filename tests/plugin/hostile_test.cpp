@@ -8,9 +8,9 @@
 #include <filesystem>
 #include <functional>
 
-#include <lockstep/error.h>
 #include <lockstep/author/loader.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/plugin_files.h"

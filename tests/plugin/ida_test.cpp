@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <string>
 
-#include <lockstep/error.h>
-#include <lockstep/joints.h>
 #include <lockstep/author/loader.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/error.h>
+#include <lockstep/joints.h>
 #include <lockstep/solvers.h>
 #include "tests/support/catch.h"
 #include "tests/support/course.h"

@@ -11,8 +11,8 @@
 #include <filesystem>
 #include <random>
 
-#include <lockstep/error.h>
 #include <lockstep/author/loader.h>
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/plugin_files.h"

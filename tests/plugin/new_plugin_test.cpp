@@ -8,8 +8,8 @@
 #include <sstream>
 
 #include <lockstep/author/registry.h>
-#include "framework/tools/program/commands.h"
 #include <lockstep/error.h>
+#include "framework/tools/program/commands.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/program.h"

@@ -1,9 +1,9 @@
 // The plugin odeint: a foreign explicit method, its order and its error against the tolerance.
 #include <string>
 
-#include <lockstep/error.h>
 #include <lockstep/author/loader.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/course.h"
 #include "tests/support/run_scene.h"

@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
+#include <lockstep/author/registry.h>
 #include <lockstep/error.h>
 #include <lockstep/integrators.h>
 #include <lockstep/math.h>
-#include <lockstep/author/registry.h>
 #include <lockstep/solvers.h>
 #include <lockstep/sweep.h>
 #include "framework/tools/program/detail_rows.h"

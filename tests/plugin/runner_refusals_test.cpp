@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/error.h>
 #include <lockstep/author/memory.h>
+#include <lockstep/error.h>
 #include "framework/tools/simulation/checkpoint.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"

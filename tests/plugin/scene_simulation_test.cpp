@@ -9,10 +9,10 @@
 #include <thread>
 #include <type_traits>
 
+#include <lockstep/author/registry.h>
 #include <lockstep/error.h>
 #include <lockstep/forces.h>
 #include <lockstep/joints.h>
-#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"

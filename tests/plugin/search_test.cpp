@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include <lockstep/author/registry.h>
-#include "framework/description/registry/survey.h"
-#include <lockstep/scene.h>
 #include <lockstep/error.h>
+#include <lockstep/scene.h>
+#include "framework/description/registry/survey.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/plugin_files.h"

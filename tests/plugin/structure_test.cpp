@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <functional>
 
-#include <lockstep/error.h>
 #include <lockstep/author/loader.h>
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/plugin_files.h"
 #include "tests/support/program.h"

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include <lockstep/assembly.h>
-#include <lockstep/joints.h>
 #include <lockstep/author/loader.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/joints.h>
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
 #include <lockstep/system.h>

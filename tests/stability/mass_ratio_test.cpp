@@ -4,8 +4,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <lockstep/recorder.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/recorder.h>
 #include <lockstep/scene.h>
 #include <lockstep/simulation.h>
 #include <lockstep/sweep.h>

@@ -10,11 +10,11 @@
 #include <Eigen/LU>
 
 #include <lockstep/analysis.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/explain.h>
 #include <lockstep/forces.h>
 #include <lockstep/frame_laws.h>
 #include <lockstep/joints.h>
-#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/uniqueness.h>
 #include "tests/support/catch.h"

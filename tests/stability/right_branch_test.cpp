@@ -8,8 +8,8 @@
 #include <vector>
 
 #include <lockstep/assembly.h>
-#include <lockstep/joints.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/joints.h>
 #include <lockstep/scene.h>
 #include <lockstep/step_loop.h>
 #include "tests/support/catch.h"

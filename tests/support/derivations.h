@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/author/relative.h>
-#include <lockstep/author/lock.h>
 #include <lockstep/author/jet.h>
+#include <lockstep/author/lock.h>
+#include <lockstep/author/relative.h>
 #include <lockstep/system.h>
 #include "tests/support/constraint.h"
 #include "tests/support/counted.h"

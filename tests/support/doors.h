@@ -7,8 +7,8 @@
 #include <vector>
 
 #include <lockstep/analysis.h>
-#include <lockstep/joints.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/joints.h>
 #include <lockstep/scene.h>
 #include "tests/support/worst.h"
 

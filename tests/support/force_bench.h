@@ -8,9 +8,9 @@
 #include <memory>
 #include <vector>
 
-#include <lockstep/detail/counted_angle.h>
 #include <lockstep/author/force.h>
 #include <lockstep/author/relative.h>
+#include <lockstep/detail/counted_angle.h>
 #include "tests/support/configuration.h"
 
 namespace lockstep::oracle {

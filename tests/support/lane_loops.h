@@ -8,10 +8,10 @@
 #include <vector>
 
 #include <lockstep/assembly.h>
+#include <lockstep/author/stepping.h>
 #include <lockstep/batch.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/solvers.h>
-#include <lockstep/author/stepping.h>
 #include "framework/tools/batch/batch.h"
 #include "tests/support/catch.h"
 #include "tests/support/copies_of.h"

@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
-#include <lockstep/joints.h>
 #include <lockstep/detail/kernel.h>
+#include <lockstep/joints.h>
 #include <lockstep/system.h>
 #include "tests/support/configuration.h"
 #include "tests/support/paper_lock.h"

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <memory>
 
+#include <lockstep/author/integrator.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/forces.h>
-#include <lockstep/author/integrator.h>
 #include <lockstep/joints.h>
 #include <lockstep/solvers.h>
 #include "tests/support/worst.h"

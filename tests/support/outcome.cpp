@@ -6,8 +6,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <lockstep/error.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/error.h>
 #include <lockstep/scene.h>
 #include <lockstep/sweep.h>
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include <lockstep/dynamics.h>
 #include <lockstep/author/law.h>
+#include <lockstep/dynamics.h>
 #include "tests/support/configuration.h"
 
 namespace lockstep::testing {

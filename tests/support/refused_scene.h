@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
-#include <lockstep/error.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/error.h>
 #include <lockstep/sweep.h>
 #include "framework/tools/scene_run/scene_run.h"
 #include "tests/support/catch.h"

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include <lockstep/recorder.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/recorder.h>
 #include <lockstep/sweep.h>
 #include "tests/support/paths.h"
 #include "tests/support/run_with_registry.h"

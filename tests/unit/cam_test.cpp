@@ -7,9 +7,9 @@
 #include <vector>
 
 #include <lockstep/author/check.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/error.h>
 #include <lockstep/laws.h>
-#include <lockstep/author/registry.h>
 #include <lockstep/splines.h>
 #include "framework/description/scene/json.h"
 #include "tests/support/catch.h"

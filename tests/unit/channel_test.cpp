@@ -5,11 +5,11 @@
 #include <map>
 #include <set>
 
+#include <lockstep/author/params.h>
 #include <lockstep/error.h>
 #include <lockstep/forces.h>
 #include <lockstep/joints.h>
 #include <lockstep/laws.h>
-#include <lockstep/author/params.h>
 #include <lockstep/solvers.h>
 #include "framework/tools/record/quadrature.h"
 #include "tests/support/catch.h"

@@ -1,10 +1,10 @@
 // check_force: right forces pass, wrong ones are named in words.
 #include <lockstep/author/check.h>
 
-#include <lockstep/error.h>
 #include <lockstep/author/force.h>
 #include <lockstep/author/registry.h>
 #include <lockstep/author/relative.h>
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/check_words.h"
 #include "tests/support/samples_of_types.h"

@@ -3,8 +3,8 @@
 
 #include <boost/math/special_functions/jacobi_elliptic.hpp>
 
-#include <lockstep/error.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/error.h>
 #include "framework/tools/check/closed_motion.h"
 #include "tests/support/catch.h"
 #include "tests/support/check_words.h"

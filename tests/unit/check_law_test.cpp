@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include <lockstep/laws.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/laws.h>
 #include "framework/tools/check/slope.h"
 #include "tests/support/catch.h"
 #include "tests/support/check_words.h"

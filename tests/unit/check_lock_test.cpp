@@ -1,10 +1,10 @@
 // check_lock: right links pass, wrong ones are named in words.
 #include <lockstep/author/check.h>
 
-#include <lockstep/error.h>
-#include <lockstep/joints.h>
 #include <lockstep/author/phi_links.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/error.h>
+#include <lockstep/joints.h>
 #include "tests/support/catch.h"
 #include "tests/support/check_words.h"
 #include "tests/support/messages.h"

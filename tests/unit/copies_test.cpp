@@ -2,12 +2,12 @@
 
 #include <cmath>
 
+#include <lockstep/author/registry.h>
+#include <lockstep/author/stepping.h>
 #include <lockstep/error.h>
 #include <lockstep/forces.h>
 #include <lockstep/integrators.h>
-#include <lockstep/author/registry.h>
 #include <lockstep/step_loop.h>
-#include <lockstep/author/stepping.h>
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/copies_of.h"

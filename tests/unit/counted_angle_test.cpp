@@ -7,10 +7,10 @@
 #include <string>
 #include <utility>
 
+#include <lockstep/author/registry.h>
 #include <lockstep/forces.h>
 #include <lockstep/integrators.h>
 #include <lockstep/joints.h>
-#include <lockstep/author/registry.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>
 #include <lockstep/system.h>

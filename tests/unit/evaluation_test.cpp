@@ -1,7 +1,7 @@
 // Evaluation, Factor, StateEditor: what a caller may hold, and what of it stays true when the state moves on.
+#include <lockstep/detail/newton.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/joints.h>
-#include <lockstep/detail/newton.h>
 #include <lockstep/solvers.h>
 #include "tests/support/catch.h"
 #include "tests/support/loops.h"

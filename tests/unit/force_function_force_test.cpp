@@ -1,5 +1,5 @@
-#include <lockstep/error.h>
 #include <lockstep/author/force.h>
+#include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/force_bench.h"
 #include "tests/support/messages.h"

@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include <lockstep/author/check.h>
-#include <lockstep/error.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/error.h>
 #include <lockstep/scene.h>
 #include "framework/description/scene/json.h"
 #include "tests/support/allocations.h"

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include <lockstep/author/check.h>
 #include <lockstep/error.h>
 #include <lockstep/joints.h>
-#include <lockstep/author/check.h>
 #include <lockstep/laws.h>
 #include "tests/support/catch.h"
 #include "tests/support/link_bench.h"

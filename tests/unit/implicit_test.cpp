@@ -1,10 +1,10 @@
 #include <lockstep/detail/newton.h>
 
-#include <lockstep/dynamics.h>
 #include <lockstep/author/force.h>
+#include <lockstep/dynamics.h>
 #include <lockstep/forces.h>
-#include <lockstep/solvers.h>
 #include <lockstep/joints.h>
+#include <lockstep/solvers.h>
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/configuration.h"

@@ -6,8 +6,8 @@
 #include <fstream>
 #include <thread>
 
-#include <lockstep/error.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/error.h>
 #include <lockstep/scene.h>
 #include <lockstep/solid.h>
 #include "tests/support/catch.h"

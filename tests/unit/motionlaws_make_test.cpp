@@ -3,13 +3,13 @@
 #include <fstream>
 #include <functional>
 
-#include <lockstep/math.h>
 #include <lockstep/author/registry.h>
 #include <lockstep/error.h>
+#include <lockstep/frame_laws.h>
 #include <lockstep/laws.h>
+#include <lockstep/math.h>
 #include <lockstep/splines.h>
 #include "motionlaws/register.h"
-#include <lockstep/frame_laws.h>
 #include "tests/support/law_checks.h"
 
 namespace motionlaws_make_test {

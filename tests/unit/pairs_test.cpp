@@ -5,8 +5,8 @@
 #include <vector>
 
 #include <lockstep/author/registry.h>
-#include <lockstep/scene.h>
 #include <lockstep/error.h>
+#include <lockstep/scene.h>
 #include "framework/description/scene/system_of.h"
 #include "tests/support/catch.h"
 

@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <fstream>
 
+#include <lockstep/author/registry.h>
 #include <lockstep/error.h>
 #include <lockstep/laws.h>
-#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include "framework/description/scene/json.h"
 #include "tests/support/catch.h"

@@ -4,8 +4,8 @@
 #include <limits>
 
 #include <lockstep/author/registry.h>
-#include "framework/description/scene/json.h"
 #include <lockstep/error.h>
+#include "framework/description/scene/json.h"
 #include "framework/mechanism/params/read.h"
 #include "tests/support/messages.h"
 

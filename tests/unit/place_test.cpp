@@ -1,8 +1,8 @@
 #include "framework/description/scene/place.h"
 
 #include <lockstep/author/registry.h>
-#include "framework/description/scene/json.h"
 #include <lockstep/error.h>
+#include "framework/description/scene/json.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 

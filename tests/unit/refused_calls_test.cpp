@@ -8,18 +8,18 @@
 #include <vector>
 
 #include <lockstep/analysis.h>
+#include <lockstep/author/check.h>
+#include <lockstep/author/params.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/batch.h>
 #include <lockstep/charts.h>
-#include <lockstep/author/check.h>
 #include <lockstep/couplings.h>
 #include <lockstep/forces.h>
 #include <lockstep/frame_laws.h>
 #include <lockstep/integrators.h>
 #include <lockstep/joints.h>
 #include <lockstep/laws.h>
-#include <lockstep/author/params.h>
 #include <lockstep/recorder.h>
-#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/simulation.h>
 #include <lockstep/solvers.h>

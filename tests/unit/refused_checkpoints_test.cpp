@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include <lockstep/author/memory.h>
 #include <lockstep/error.h>
 #include <lockstep/joints.h>
 #include <lockstep/laws.h>
-#include <lockstep/author/memory.h>
 #include <lockstep/simulation.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>

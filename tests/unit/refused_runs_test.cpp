@@ -6,10 +6,10 @@
 
 #include <lockstep/analysis.h>
 #include <lockstep/assembly.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/integrators.h>
 #include <lockstep/joints.h>
 #include <lockstep/laws.h>
-#include <lockstep/author/registry.h>
 #include <lockstep/simulation.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>

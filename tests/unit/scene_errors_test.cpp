@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/error.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/error.h>
 #include <lockstep/sweep.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"

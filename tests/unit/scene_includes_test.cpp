@@ -9,9 +9,9 @@
 #include <spdlog/sinks/ostream_sink.h>
 #include <spdlog/spdlog.h>
 
+#include <lockstep/author/registry.h>
 #include <lockstep/error.h>
 #include <lockstep/log.h>
-#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include "framework/description/scene/read.h"
 #include "framework/description/scene/reading.h"

@@ -7,9 +7,9 @@
 #include <spdlog/sinks/ostream_sink.h>
 #include <spdlog/spdlog.h>
 
+#include <lockstep/author/registry.h>
 #include <lockstep/error.h>
 #include <lockstep/log.h>
-#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"

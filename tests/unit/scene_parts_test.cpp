@@ -6,9 +6,9 @@
 #include <fstream>
 #include <sstream>
 
+#include <lockstep/author/registry.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/error.h>
-#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
 #include "framework/description/scene/system_of.h"

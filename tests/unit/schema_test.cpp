@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include <lockstep/error.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/error.h>
 #include "framework/description/scene/describe.h"
 #include "framework/description/scene/tables.h"
 #include "tests/support/catch.h"

@@ -2,8 +2,8 @@
 
 #include <lockstep/dynamics.h>
 
-#include "framework/dynamics/solvers/schur_plan.h"
 #include <lockstep/author/params.h>
+#include "framework/dynamics/solvers/schur_plan.h"
 #include "tests/support/allocations.h"
 #include "tests/support/mechanism.h"
 #include "tests/support/schur_on_kkt.h"

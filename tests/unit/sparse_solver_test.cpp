@@ -1,7 +1,7 @@
 #include <lockstep/solvers.h>
 
-#include <lockstep/error.h>
 #include <lockstep/author/params.h>
+#include <lockstep/error.h>
 #include "tests/support/messages.h"
 #include "tests/support/solver_checks.h"
 

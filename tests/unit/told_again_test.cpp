@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
+#include <lockstep/author/registry.h>
 #include <lockstep/error.h>
 #include <lockstep/forces.h>
 #include <lockstep/integrators.h>
 #include <lockstep/joints.h>
-#include <lockstep/author/registry.h>
 #include <lockstep/simulation.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>

@@ -4,10 +4,10 @@
 #include <functional>
 #include <memory>
 
+#include <lockstep/author/stepping.h>
 #include <lockstep/batch.h>
 #include <lockstep/error.h>
 #include <lockstep/laws.h>
-#include <lockstep/author/stepping.h>
 #include "framework/tools/batch/batch.h"
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"

@@ -3,9 +3,9 @@
 
 #include <cmath>
 
+#include <lockstep/author/stepping.h>
 #include <lockstep/forces.h>
 #include <lockstep/laws.h>
-#include <lockstep/author/stepping.h>
 #include "tests/support/catch.h"
 #include "tests/support/copies_of.h"
 #include "tests/support/messages.h"

@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <fstream>
 
+#include <lockstep/author/registry.h>
 #include <lockstep/error.h>
 #include <lockstep/forces.h>
 #include <lockstep/joints.h>
-#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/simulation.h>
 #include <Eigen/Geometry>

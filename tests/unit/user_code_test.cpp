@@ -10,11 +10,11 @@
 #include <vector>
 
 #include <lockstep/assembly.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/error.h>
 #include <lockstep/forces.h>
 #include <lockstep/integrators.h>
 #include <lockstep/recorder.h>
-#include <lockstep/author/registry.h>
 #include "framework/dynamics/simulate/detail_observer.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"

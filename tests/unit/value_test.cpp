@@ -50,8 +50,8 @@ TEST_CASE("members can be left out", "[unit][model]") {
 }
 
 TEST_CASE("a place is written as file, line and column", "[unit][model]") {
-  CHECK(Where{std::make_shared<const std::string>("four_bar.json"), 4, 64}.text() == "four_bar.json:4:64");
-  CHECK(Where{}.text().empty());
+  CHECK(SourceLocation{std::make_shared<const std::string>("four_bar.json"), 4, 64}.text() == "four_bar.json:4:64");
+  CHECK(SourceLocation{}.text().empty());
 }
 
 }  // namespace value_test

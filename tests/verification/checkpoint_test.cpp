@@ -9,9 +9,9 @@
 #include <vector>
 
 #include <lockstep/assembly.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/error.h>
 #include <lockstep/log.h>
-#include <lockstep/author/registry.h>
 #include <lockstep/sweep.h>
 #include "framework/tools/rank/singular_watch.h"
 #include "framework/tools/scene_run/scene_run.h"

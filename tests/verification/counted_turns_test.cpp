@@ -3,9 +3,9 @@
 #include <numbers>
 
 #include <lockstep/assembly.h>
+#include <lockstep/author/force.h>
 #include <lockstep/body.h>
 #include <lockstep/couplings.h>
-#include <lockstep/author/force.h>
 #include <lockstep/integrators.h>
 #include <lockstep/joints.h>
 #include <lockstep/laws.h>

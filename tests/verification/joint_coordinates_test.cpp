@@ -2,12 +2,12 @@
 // variations; motions of masks with one turn alone. Other runs: joint_runs_test.cpp.
 #include <cmath>
 
+#include <lockstep/author/stepping.h>
 #include <lockstep/forces.h>
 #include <lockstep/integrators.h>
 #include <lockstep/joints.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>
-#include <lockstep/author/stepping.h>
 #include "framework/dynamics/tree/joint_tree.h"
 #include "framework/dynamics/tree/tree_layout.h"
 #include "tests/support/catch.h"

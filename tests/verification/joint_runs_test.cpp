@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include <lockstep/assembly.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/body.h>
 #include <lockstep/forces.h>
 #include <lockstep/integrators.h>
@@ -9,7 +10,6 @@
 #include <lockstep/laws.h>
 #include <lockstep/linearization.h>
 #include <lockstep/recorder.h>
-#include <lockstep/author/registry.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>
 #include "tests/support/allocations.h"

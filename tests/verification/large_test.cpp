@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
+#include <lockstep/author/memory.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/integrators.h>
 #include <lockstep/joints.h>
-#include <lockstep/author/memory.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>
 #include "tests/support/allocations.h"

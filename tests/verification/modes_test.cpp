@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
+#include <lockstep/author/phi_links.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/forces.h>
 #include <lockstep/joints.h>
 #include <lockstep/modes.h>
-#include <lockstep/author/phi_links.h>
 #include <lockstep/solvers.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"

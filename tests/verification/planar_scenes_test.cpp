@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/error.h>
 #include <lockstep/author/force.h>
-#include <lockstep/joints.h>
 #include <lockstep/author/law.h>
 #include <lockstep/author/loader.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/error.h>
+#include <lockstep/joints.h>
 #include <lockstep/scene.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"

@@ -1,6 +1,8 @@
 // Planar mechanisms: the same motion as in space, half the unknowns; and who leaves the plane is told by name.
 #include <algorithm>
 
+#include <lockstep/author/phi_links.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/combined_laws.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/error.h>
@@ -8,8 +10,6 @@
 #include <lockstep/frame_laws.h>
 #include <lockstep/joints.h>
 #include <lockstep/laws.h>
-#include <lockstep/author/phi_links.h>
-#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
 #include <lockstep/splines.h>

@@ -10,9 +10,9 @@
 #include <type_traits>
 #include <vector>
 
-#include <lockstep/batch.h>
 #include <lockstep/author/jet.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/batch.h>
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
 #include "framework/description/scene/system_of.h"

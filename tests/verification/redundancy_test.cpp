@@ -4,9 +4,9 @@
 #include <string>
 
 #include <lockstep/assembly.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/integrators.h>
 #include <lockstep/lockstep.h>
-#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/simulation.h>
 #include <lockstep/solvers.h>

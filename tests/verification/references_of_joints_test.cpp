@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
+#include <lockstep/author/registry.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/joints.h>
 #include <lockstep/kinematics.h>
 #include <lockstep/laws.h>
-#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>

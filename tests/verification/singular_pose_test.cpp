@@ -4,9 +4,9 @@
 #include <vector>
 
 #include <lockstep/assembly.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/error.h>
 #include <lockstep/joints.h>
-#include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include <lockstep/simulation.h>
 #include <lockstep/solvers.h>

@@ -6,8 +6,8 @@
 #include <string>
 
 #include <lockstep/assembly.h>
-#include <lockstep/error.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/error.h>
 #include <lockstep/scene.h>
 #include <lockstep/sweep.h>
 #include "framework/description/scene/system_of.h"

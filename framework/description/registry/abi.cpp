@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
-#include <lockstep/error.h>
 #include <lockstep/author/loader.h>
+#include <lockstep/error.h>
 #include "framework/description/registry/plugin_file.h"
 
 namespace lockstep {

@@ -12,8 +12,8 @@
 #include "integrators/register.h"
 #include "motionlaws/register.h"
 #else
-#include <lockstep/error.h>
 #include <lockstep/author/loader.h>
+#include <lockstep/error.h>
 #endif
 
 namespace lockstep {

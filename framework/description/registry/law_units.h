@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/author/params.h>
+#include <lockstep/detail/export.h>
 
 namespace lockstep {
 

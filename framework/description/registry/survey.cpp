@@ -2,8 +2,8 @@
 
 #include <map>
 
-#include <lockstep/error.h>
 #include <lockstep/author/loader.h>
+#include <lockstep/error.h>
 #include <lockstep/log.h>
 #include "framework/description/registry/builtins.h"
 #include "framework/description/registry/elf_image.h"

@@ -37,8 +37,8 @@ const Value::List& objects_of(const Params& parent, const std::string& key) {
   return *v.list();
 }
 
-std::vector<std::pair<std::string, Where>> texts_of(const Params& parent, const std::string& key) {
-  std::vector<std::pair<std::string, Where>> texts;
+std::vector<std::pair<std::string, SourceLocation>> texts_of(const Params& parent, const std::string& key) {
+  std::vector<std::pair<std::string, SourceLocation>> texts;
   if (!parent.has(key)) return texts;
   const Value& v = parent.value(key);
   if (v.list() == nullptr) parent.refuse(key, "expected a list of texts, got " + shown(v));
@@ -70,7 +70,7 @@ bool names_one(const Value& v, const std::set<std::string, std::less<>>& names) 
 
 // The value within this one, or the one of a key within it, at the place of an error; null: there is none.
 const Value* refused_value(const Value& v, const ErrorData& error) {
-  const auto is_there = [&](const Where& where) {
+  const auto is_there = [&](const SourceLocation& where) {
     return where.line > 0 && where.line == error.line && where.column == error.column;
   };
   const auto within = [&](const Value& each) { return is_there(each.where) ? &each : refused_value(each, error); };
@@ -124,7 +124,7 @@ std::string Builder::claim(const Value& name, const std::string& kind) {
 
 std::string Builder::unnamed() { return "(unnamed " + std::to_string(++n_unnamed_) + ")"; }
 
-void Builder::check_name(const std::string& name, const Where& where, const std::string& kind) const {
+void Builder::check_name(const std::string& name, const SourceLocation& where, const std::string& kind) const {
   const std::string owner = owner_of(kind, name);
   if (name.empty()) refuse(where, kind, "the name is empty; give it one");
   for (const char c : name)

@@ -34,14 +34,14 @@ Params params_of(Value&&, const std::string&, const std::string&, const Registry
 const Value::List& objects_of(const Params& parent, const std::string& key);
 
 /// The texts under a key of Holds::texts.
-std::vector<std::pair<std::string, Where>> texts_of(const Params& parent, const std::string& key);
+std::vector<std::pair<std::string, SourceLocation>> texts_of(const Params& parent, const std::string& key);
 
 /// A number that must be greater than zero.
 double positive(const Params&, const std::string& key, const std::string& what);
 
 /// Runs f; a ModelError becomes a SceneError at `where`, with `context` before its message.
 template <class F>
-decltype(auto) placed(const Where& where, const std::string& context, F&& f) {
+decltype(auto) placed(const SourceLocation& where, const std::string& context, F&& f) {
   try {
     return std::forward<F>(f)();
   } catch (const ModelError& error) {
@@ -49,7 +49,7 @@ decltype(auto) placed(const Where& where, const std::string& context, F&& f) {
   }
 }
 template <class F>
-decltype(auto) placed(const Where& where, F&& f) {
+decltype(auto) placed(const SourceLocation& where, F&& f) {
   return placed(where, "", std::forward<F>(f));
 }
 
@@ -164,7 +164,7 @@ class Builder {
 
   // Takes the name of a new thing; one that is taken, empty or ambiguous in channels is noted, and another taken.
   std::string claim(const Value& name, const std::string& kind);
-  void check_name(const std::string& name, const Where&, const std::string& kind) const;
+  void check_name(const std::string& name, const SourceLocation&, const std::string& kind) const;
   std::string unnamed();  // a name for what cannot have its own
   bool is_taken(const std::string& kind, const std::string& name) const;
   std::vector<std::string> names(const std::string& kind) const;  // all; for words of a refusal
@@ -174,7 +174,7 @@ class Builder {
   Mechanism& out_;
   System& system_;  // of out_
   const AlsoWrong& also_;
-  using Names = std::unordered_map<std::string, std::pair<std::string, Where>>;  // with their kinds and places
+  using Names = std::unordered_map<std::string, std::pair<std::string, SourceLocation>>;  // with their kinds and places
   std::array<Names, 2> taken_;  // of bodies, markers, links and forces; of events, which may have the same
   int n_unnamed_ = 0;           // things whose names were refused
   SceneErrors errors_;

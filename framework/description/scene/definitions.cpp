@@ -41,7 +41,7 @@ std::optional<Amount> plain_quantity(const Value& v, const std::string& context)
   return q;
 }
 
-Amount as_point(Amount q, const Where& where, const std::string& context) {
+Amount as_point(Amount q, const SourceLocation& where, const std::string& context) {
   if (!q.is_vector) refuse(where, context, "a point is [x, y, z], and this is " + article_name_of(q));
   const expression::Exponents length{1, 0, 0, 0};
   if (q.measured && !(q.dimension == length))
@@ -108,7 +108,7 @@ Value Definitions::resolved(Value v, const std::string& context) {
   return v;
 }
 
-Value Definitions::placed_value(const Amount& q, const Where& where) {
+Value Definitions::placed_value(const Amount& q, const SourceLocation& where) {
   Value v = expression::value_of(q);
   v.where = where;
   if (Value::List* items = v.list())
@@ -263,7 +263,7 @@ Amount Definitions::given(const Value& v, const std::string& context, bool point
   Value::List* items = plain.list();
   for (std::size_t k = 0; items != nullptr && k < items->size(); ++k) {
     Value& each = (*items)[k];
-    const Where where = each.where;
+    const SourceLocation where = each.where;
     if (is_formula(each)) each = placed_value(evaluate(each, item(context, k)), where);
     if (point && each.number() != nullptr) each = Value(text::number(read_number(each, Unit::length, context)) + " m");
     each.where = where;

@@ -41,7 +41,7 @@ class Definitions {
   Value resolved(Value, const std::string& context);
 
   /// As a scene holds it, at this place of the file.
-  static Value placed_value(const expression::Amount&, const Where&);
+  static Value placed_value(const expression::Amount&, const SourceLocation&);
 
  private:
   struct Entry {

@@ -65,7 +65,7 @@ class Renaming {
   }
 
   void put(Value& v, std::string text) const {
-    const Where where = v.where;
+    const SourceLocation where = v.where;
     v = Value(std::move(text));
     v.where = where;
   }
@@ -94,7 +94,7 @@ class Renaming {
   std::string prefix_;
 };
 
-using Formulas = std::vector<std::pair<Where, std::string>>;
+using Formulas = std::vector<std::pair<SourceLocation, std::string>>;
 
 // Gives the included scene's parameters the values that are asked for.
 void set_parameters(Value& scene, const Params& p, Definitions& outer, Formulas& formulas) {
@@ -197,7 +197,7 @@ Value* brought_under(Value& scene, const std::string& key) {
 void append(Value& all, Value& inner, const char* key) {
   Value *from = brought_under(inner, key), *to = brought_under(all, key);
   if (from == nullptr) return;
-  const Where where = from->where;
+  const SourceLocation where = from->where;
   if (to == nullptr)
     all.object()->push_back({key, std::move(*from), where});
   else if (from->list() != nullptr)
@@ -212,7 +212,7 @@ void put_before(Value& own, Value brought) {
     if (member(brought, key) == nullptr) continue;
     append(brought, own, key);
     Value& all = *member(brought, key);
-    const Where where = all.where;
+    const SourceLocation where = all.where;
     if (Value* to = member(own, key))
       *to = std::move(all);
     else

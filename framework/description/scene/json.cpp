@@ -92,7 +92,7 @@ class TreeBuilder {
   };
 
   // Line and column of a byte, which is at or after the last one asked for.
-  Where at(std::size_t byte) {
+  SourceLocation at(std::size_t byte) {
     for (; counted_ < byte && counted_ < text_.size(); ++counted_) {
       const auto c = static_cast<unsigned char>(text_[counted_]);
       if (c == '\n')
@@ -107,7 +107,7 @@ class TreeBuilder {
     while (byte < text_.size() && (text_[byte] == ',' || text_[byte] == ':')) byte = behind_spaces(byte + 1);
     return byte;
   }
-  Where here() { return at(begin()); }
+  SourceLocation here() { return at(begin()); }
   bool done(Last last) {
     last_ = last;
     end_ = read_;
@@ -123,7 +123,7 @@ class TreeBuilder {
     end_ = static_cast<std::size_t>(end - text_.data());
     return true;
   }
-  bool put(Value v, Where where) {
+  bool put(Value v, SourceLocation where) {
     v.where = std::move(where);
     if (open_.empty()) {
       root_ = std::move(v);
@@ -148,7 +148,7 @@ class TreeBuilder {
     Value whole = std::move(open_.back().value);
     open_.pop_back();
     if (whole.object() != nullptr) check_keys(*whole.object());
-    Where where = whole.where;
+    SourceLocation where = whole.where;
     return put(std::move(whole), std::move(where));
   }
   static void check_keys(const Value::Object& members) {
@@ -228,7 +228,7 @@ std::string TreeBuilder::syntax_problem(std::size_t byte, const ParseError& erro
 
 Value read_json(const std::string& text, const std::string& file_name) {
   if (text.size() > kMostBytes) {
-    const Where where{std::make_shared<const std::string>(file_name), 0, 0};
+    const SourceLocation where{std::make_shared<const std::string>(file_name), 0, 0};
     refuse(where, "",
            "the text has " + std::to_string(text.size()) + " bytes, the limit is " + std::to_string(kMostBytes) +
                "; put large tables into CSV files");

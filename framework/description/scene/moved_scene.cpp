@@ -27,7 +27,7 @@ std::string text_of(Value& object, const std::string& key) {
 void put(Value& object, const std::string& key, std::initializer_list<double> numbers) {
   Value v = Value::list(numbers);
   Value* old = member_of(object, key);
-  const Where where = old != nullptr ? old->where : object.where;
+  const SourceLocation where = old != nullptr ? old->where : object.where;
   v.where = where;
   for (Value& each : *v.list()) each.where = where;
   if (old != nullptr)

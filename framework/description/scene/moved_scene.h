@@ -1,8 +1,8 @@
 // Scenes somewhere else: what the pose of an included scene does to its things.
 #pragma once
 
-#include <lockstep/math.h>
 #include <lockstep/author/params.h>
+#include <lockstep/math.h>
 
 namespace lockstep {
 

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "framework/description/scene/json.h"
 #include <lockstep/detail/export.h>
+#include "framework/description/scene/json.h"
 
 namespace lockstep {
 

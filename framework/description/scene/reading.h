@@ -16,7 +16,7 @@ using IncludeRule = std::function<void(const Value& named, const std::string& fi
 
 /// A key of an included scene that is read and left out: the whole has one of its own, or none.
 struct LeftOutKey {
-  Where where;
+  SourceLocation where;
   std::string key, value;
 };
 

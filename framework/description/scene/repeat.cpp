@@ -47,7 +47,7 @@ class Copy {
 
   void fill(Value& v, const std::string& context) const {
     if (const std::string* text = v.text()) {
-      const Where where = v.where;
+      const SourceLocation where = v.where;
       std::string now = filled(*text, is_formula(v), where, context);
       if (is_formula(v)) now = with_index(now, index_, number_);
       v = Value(std::move(now));
@@ -61,7 +61,7 @@ class Copy {
 
  private:
   // The text with "{i+1}" replaced.
-  std::string filled(const std::string& text, bool formula_around, const Where& where,
+  std::string filled(const std::string& text, bool formula_around, const SourceLocation& where,
                      const std::string& context) const {
     std::string out;
     for (std::size_t i = 0;;) {

@@ -9,8 +9,8 @@
 #include <string>
 #include <utility>
 
-#include <lockstep/error.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/definitions.h"

@@ -20,7 +20,7 @@ namespace {
 constexpr int kFormat = 1;
 
 // A plugin is named; where it may come from is given outside of the scene.
-void check_plugin(std::string name, const Where& where) {
+void check_plugin(std::string name, const SourceLocation& where) {
   if (is_bare_name(name)) return;
   std::replace_if(
       name.begin(), name.end(), [](char c) { return c >= 0 && c < ' '; }, '?');
@@ -36,7 +36,7 @@ void read_plain(Scene& scene) {
   if (p.has("title")) scene.title = p.text("title");
   if (p.has("description")) scene.description = p.text("description");
   Refusals wrong;
-  for (const std::pair<std::string, Where>& plugin : texts_of(p, "requires")) {
+  for (const std::pair<std::string, SourceLocation>& plugin : texts_of(p, "requires")) {
     wrong.attempt([&] { check_plugin(plugin.first, plugin.second); });
     scene.plugins.push_back(plugin.first);
   }

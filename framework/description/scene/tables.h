@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/author/params.h>
+#include <lockstep/detail/export.h>
 
 namespace lockstep {
 

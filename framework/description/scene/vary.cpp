@@ -256,7 +256,7 @@ void set_value(Value& root, const std::string& text, const Scene& scene, const R
   rename_old_keys(path);
   if (word.starts_with('='))
     if (Value* vector = vector_named(root, path, scene)) {
-      const Where where = vector->where;
+      const SourceLocation where = vector->where;
       *vector = Value(word);
       vector->where = where;
       return;
@@ -335,7 +335,7 @@ Scene vary_scene(const Scene& scene, const std::vector<Variable>& variables, con
   Value root = written_root(scene);
   for (std::size_t k = 0; k < variables.size(); ++k) {
     Value& value = value_at(root, variables[k].place, registry);
-    const Where where = value.where;
+    const SourceLocation where = value.where;
     value = variables[k].values[choice[k]];
     if (!variables[k].given_unit.empty() && value.number() != nullptr)
       value = Value(text::number(*value.number()) + " " + variables[k].given_unit);

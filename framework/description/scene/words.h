@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/detail/export.h>
 
 namespace lockstep {
 

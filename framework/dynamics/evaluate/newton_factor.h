@@ -7,11 +7,11 @@
 #include <complex>
 #include <vector>
 
-#include "framework/dynamics/solvers/block_factor.h"
-#include "framework/dynamics/solvers/stop_rule.h"
 #include <lockstep/author/solver.h>
 #include <lockstep/body.h>
 #include <lockstep/detail/rows.h>
+#include "framework/dynamics/solvers/block_factor.h"
+#include "framework/dynamics/solvers/stop_rule.h"
 
 namespace lockstep {
 

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <vector>
 
-#include <lockstep/error.h>
 #include <lockstep/author/stepping.h>
+#include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/solvers/stop_rule.h"
 #include "framework/mechanism/system/diagnose.h"

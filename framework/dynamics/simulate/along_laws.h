@@ -3,9 +3,9 @@
 
 #include <string>
 
+#include <lockstep/author/integrator.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/error.h>
-#include <lockstep/author/integrator.h>
 
 namespace lockstep {
 

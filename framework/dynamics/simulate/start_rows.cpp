@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <lockstep/error.h>
 #include <lockstep/author/relative.h>
+#include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/simulate/consistency.h"
 #include "framework/foundation/math/decompositions.h"

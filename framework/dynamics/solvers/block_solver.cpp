@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
-#include <lockstep/error.h>
 #include <lockstep/author/params.h>
+#include <lockstep/error.h>
 #include "framework/dynamics/solvers/block_factor.h"
 #include "framework/dynamics/solvers/products.h"
 #include "framework/dynamics/solvers/stop_rule.h"

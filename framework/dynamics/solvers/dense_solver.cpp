@@ -7,8 +7,8 @@
 #include <cmath>
 #include <limits>
 
-#include <lockstep/error.h>
 #include <lockstep/author/params.h>
+#include <lockstep/error.h>
 #include "framework/dynamics/solvers/products.h"
 #include "framework/dynamics/solvers/stop_rule.h"
 

@@ -1,7 +1,7 @@
 #include "framework/dynamics/solvers/register.h"
 
-#include <lockstep/solvers.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/solvers.h>
 
 namespace lockstep {
 

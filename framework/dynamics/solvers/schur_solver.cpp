@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <lockstep/body.h>
 #include <lockstep/author/memory.h>
+#include <lockstep/body.h>
 #include "framework/dynamics/solvers/conjugate.h"
 #include "framework/dynamics/solvers/schur_passes.h"
 #include "framework/dynamics/solvers/stop_rule.h"

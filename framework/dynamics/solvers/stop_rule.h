@@ -8,8 +8,8 @@
 #include <limits>
 #include <vector>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/author/solver.h>
+#include <lockstep/detail/export.h>
 #include "framework/dynamics/solvers/conjugate.h"
 
 namespace lockstep {

@@ -1,8 +1,8 @@
 // Where Eigen's vectors, matrices and quaternions are spelt otherwise than those of vec.h, for texts that serve both.
 #pragma once
 
-#include <lockstep/math.h>
 #include <lockstep/detail/vec.h>
+#include <lockstep/math.h>
 
 namespace lockstep {
 

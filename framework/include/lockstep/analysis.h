@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/dynamics.h>
 #include <lockstep/detail/export.h>
+#include <lockstep/dynamics.h>
 
 namespace lockstep {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/dynamics.h>
 #include <lockstep/detail/kernel.h>
+#include <lockstep/dynamics.h>
 
 namespace lockstep {
 

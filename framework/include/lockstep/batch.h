@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/dynamics.h>
 #include <lockstep/author/integrator.h>
+#include <lockstep/dynamics.h>
 
 namespace lockstep {
 

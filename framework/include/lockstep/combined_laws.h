@@ -4,9 +4,9 @@
 #include <memory>
 #include <vector>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/author/law.h>
 #include <lockstep/author/params.h>
+#include <lockstep/detail/export.h>
 
 namespace lockstep {
 

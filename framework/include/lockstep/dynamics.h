@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include <lockstep/body.h>
 #include <lockstep/author/solver.h>
+#include <lockstep/body.h>
 #include <lockstep/system.h>
 
 namespace lockstep {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include <lockstep/analysis.h>
-#include <lockstep/dynamics.h>
 #include <lockstep/detail/export.h>
+#include <lockstep/dynamics.h>
 
 namespace lockstep {
 

@@ -4,8 +4,8 @@
 #include <array>
 #include <vector>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/author/params.h>
+#include <lockstep/detail/export.h>
 
 namespace lockstep {
 

@@ -5,15 +5,15 @@
 #include <optional>
 #include <vector>
 
-#include <lockstep/dynamics.h>
-#include <lockstep/detail/export.h>
 #include <lockstep/author/integrator.h>
-#include <lockstep/math.h>
 #include <lockstep/author/memory.h>
-#include <lockstep/detail/newton.h>
 #include <lockstep/author/params.h>
-#include <lockstep/state.h>
 #include <lockstep/author/stepping.h>
+#include <lockstep/detail/export.h>
+#include <lockstep/detail/newton.h>
+#include <lockstep/dynamics.h>
+#include <lockstep/math.h>
+#include <lockstep/state.h>
 
 namespace lockstep {
 

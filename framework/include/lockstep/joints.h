@@ -5,10 +5,10 @@
 #include <memory>
 #include <string>
 
-#include <lockstep/body.h>
 #include <lockstep/author/lock.h>
 #include <lockstep/author/params.h>
 #include <lockstep/author/phi_links.h>
+#include <lockstep/body.h>
 
 namespace lockstep {
 

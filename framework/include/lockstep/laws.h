@@ -7,12 +7,12 @@
 #include <utility>
 #include <vector>
 
-#include <lockstep/combined_laws.h>
-#include <lockstep/detail/export.h>
-#include <lockstep/function_laws.h>
 #include <lockstep/author/law.h>
 #include <lockstep/author/law_checks.h>
 #include <lockstep/author/params.h>
+#include <lockstep/combined_laws.h>
+#include <lockstep/detail/export.h>
+#include <lockstep/function_laws.h>
 
 namespace lockstep {
 

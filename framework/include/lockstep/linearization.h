@@ -13,8 +13,8 @@
 
 #include <Eigen/SparseCore>
 
-#include <lockstep/dynamics.h>
 #include <lockstep/author/law.h>
+#include <lockstep/dynamics.h>
 #include <lockstep/recorder.h>
 
 namespace lockstep {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include <lockstep/assembly.h>
-#include <lockstep/detail/kernel.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/detail/kernel.h>
 #include <lockstep/solid.h>
 #include <lockstep/step_loop.h>
 #include <lockstep/system.h>
@@ -22,7 +22,7 @@ namespace lockstep {
 struct ChannelRequest {
   std::string channel,  ///< name of the channel
       name;             ///< name of its column; "": the channel's
-  Where where{};        ///< its place in the file
+  SourceLocation where{};  ///< its place in the file
 
   const std::string& column() const { return name.empty() ? channel : name; }  ///< the name that its column has
 };
@@ -46,7 +46,7 @@ struct RunSettings {
   std::vector<ChannelRequest> record{};          ///< channels to record
   /// Panels of the picture: the recorded names in each. Empty: one panel per unit.
   std::vector<std::vector<std::string>> draw{};
-  Where where{};  ///< place of the object in the file
+  SourceLocation where{};  ///< place of the object in the file
 };
 
 /// By its word: "auto", "told", "free" or "held". Throws ModelError for another.
@@ -71,7 +71,7 @@ struct Scene {
   RunSettings run;                     ///< "run"; may be changed before build_mechanism()
   std::vector<SceneParameter> parameters{};  ///< "parameters", then "points", in their order
   /// Places of formulas in the file with their texts, for messages.
-  std::vector<std::pair<Where, std::string>> formulas{};
+  std::vector<std::pair<SourceLocation, std::string>> formulas{};
   MeshFiles meshes{};  ///< that bodies show; shared with copies and with scenes that differ in values
 };
 
@@ -95,9 +95,9 @@ struct EventRequest {
   Event event;            ///< without the condition
   std::string channel{};  ///< name of the channel; "": the event has no condition
   double crosses = 0;     ///< value that the channel crosses, in its unit
-  Where where{};          ///< the channel's place in the file
+  SourceLocation where{};  ///< the channel's place in the file
   std::string given{};    ///< `crosses` as it was written, if it has a unit
-  Where given_where{};    ///< its place in the file
+  SourceLocation given_where{};  ///< its place in the file
 };
 
 /// A system that is read here, and changed by what takes it over.

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include <lockstep/assembly.h>
-#include <lockstep/recorder.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/recorder.h>
 #include <lockstep/scene.h>
 #include <lockstep/step_loop.h>
 

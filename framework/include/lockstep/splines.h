@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include <lockstep/author/params.h>
 #include <lockstep/detail/export.h>
 #include <lockstep/math.h>
-#include <lockstep/author/params.h>
 
 namespace lockstep {
 

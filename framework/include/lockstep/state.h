@@ -6,10 +6,10 @@
 #include <string_view>
 #include <vector>
 
+#include <lockstep/author/memory.h>
 #include <lockstep/body.h>
 #include <lockstep/detail/export.h>
 #include <lockstep/math.h>
-#include <lockstep/author/memory.h>
 
 namespace lockstep {
 

@@ -14,11 +14,11 @@
 #include <utility>
 #include <vector>
 
-#include <lockstep/body.h>
-#include <lockstep/error.h>
 #include <lockstep/author/force.h>
 #include <lockstep/author/lock.h>
+#include <lockstep/body.h>
 #include <lockstep/detail/rows.h>
+#include <lockstep/error.h>
 #include <lockstep/state.h>
 
 namespace lockstep {

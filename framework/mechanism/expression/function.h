@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/author/jet.h>
 #include <lockstep/author/params.h>
+#include <lockstep/detail/export.h>
 #include "framework/mechanism/expression/expression.h"
 #include "framework/mechanism/expression/interval.h"
 

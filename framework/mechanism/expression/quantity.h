@@ -4,8 +4,8 @@
 #include <functional>
 #include <string>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/author/params.h>
+#include <lockstep/detail/export.h>
 #include "framework/mechanism/expression/expression.h"
 
 namespace lockstep::expression {

@@ -4,9 +4,9 @@
 #include <algorithm>
 
 #include <lockstep/author/force.h>
-#include <lockstep/forces.h>
 #include <lockstep/author/mask.h>
 #include <lockstep/author/params.h>
+#include <lockstep/forces.h>
 #include "framework/mechanism/expression/function.h"
 
 namespace lockstep {

@@ -1,7 +1,7 @@
 #include <lockstep/author/force.h>
 
-#include <lockstep/error.h>
 #include <lockstep/author/relative.h>
+#include <lockstep/error.h>
 
 namespace lockstep {
 

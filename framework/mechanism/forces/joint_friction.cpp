@@ -4,8 +4,8 @@
 #include <cmath>
 #include <tuple>
 
-#include <lockstep/text.h>
 #include <lockstep/author/force.h>
+#include <lockstep/text.h>
 
 namespace lockstep {
 

@@ -1,7 +1,7 @@
 #include "framework/mechanism/forces/register.h"
 
-#include <lockstep/forces.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/forces.h>
 #include "framework/mechanism/forces/formula_force.h"
 
 namespace lockstep {

@@ -1,8 +1,8 @@
 #include "framework/mechanism/links/register.h"
 
+#include <lockstep/author/registry.h>
 #include <lockstep/couplings.h>
 #include <lockstep/joints.h>
-#include <lockstep/author/registry.h>
 #include "framework/mechanism/links/formula_joint.h"
 
 namespace lockstep {

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include <lockstep/error.h>
 #include <lockstep/detail/kernel.h>
+#include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/mechanism/params/read.h"
 

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
+#include <lockstep/body.h>
 #include <lockstep/detail/export.h>
+#include <lockstep/detail/phi_function.h>
 #include <lockstep/error.h>
 #include "framework/mechanism/lock/dispatch.h"
-#include <lockstep/detail/phi_function.h>
-#include <lockstep/body.h>
 
 namespace lockstep {
 namespace {

@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include <lockstep/author/lock.h>
 #include <lockstep/detail/export.h>
 #include <lockstep/error.h>
 #include <lockstep/text.h>
-#include <lockstep/author/lock.h>
 
 namespace lockstep {
 namespace {

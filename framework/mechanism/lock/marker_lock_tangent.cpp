@@ -1,5 +1,5 @@
-#include <lockstep/detail/phi_function.h>
 #include <lockstep/author/lock.h>
+#include <lockstep/detail/phi_function.h>
 
 namespace lockstep {
 

@@ -3,9 +3,9 @@
 
 #include <string>
 
+#include <lockstep/author/params.h>
 #include <lockstep/detail/export.h>
 #include <lockstep/math.h>
-#include <lockstep/author/params.h>
 
 namespace lockstep {
 

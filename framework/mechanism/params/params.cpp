@@ -99,7 +99,7 @@ std::string description(const Key& key) {
   return " (" + words + (key.help.empty() ? "" : ": " + key.help) + ")";
 }
 
-[[noreturn]] void refuse_missing(const Where& where, const Key& key, const std::string& owner) {
+[[noreturn]] void refuse_missing(const SourceLocation& where, const Key& key, const std::string& owner) {
   lockstep::refuse(where, owner, "missing key \"" + key.name + "\"" + description(key) + "; add it");
 }
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include <lockstep/error.h>
 #include <lockstep/author/params.h>
+#include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/mechanism/params/units.h"
 
@@ -141,7 +141,7 @@ void check_members(const Value& v, std::span<const std::string> known, const std
 
 }  // namespace
 
-void refuse(const Where& where, const std::string& context, const std::string& problem, ErrorData about) {
+void refuse(const SourceLocation& where, const std::string& context, const std::string& problem, ErrorData about) {
   const std::string place = where.text();
   std::string message = place.empty() ? "" : place + ": ";
   if (!context.empty()) message += context + ": ";

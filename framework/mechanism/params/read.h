@@ -6,15 +6,15 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/error.h>
-#include <lockstep/detail/export.h>
-#include <lockstep/math.h>
 #include <lockstep/author/params.h>
+#include <lockstep/detail/export.h>
+#include <lockstep/error.h>
+#include <lockstep/math.h>
 
 namespace lockstep {
 
 /// Throws SceneError "file:line:column: context: problem" (empty parts are left out), with that place in its data.
-[[noreturn]] LOCKSTEP_API void refuse(const Where&, const std::string& context, const std::string& problem,
+[[noreturn]] LOCKSTEP_API void refuse(const SourceLocation&, const std::string& context, const std::string& problem,
                                       ErrorData about = {});
 
 /// A value as messages show it: `a text ("fast")`, `a number (2.5)`, "a list of 3".

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include <lockstep/error.h>
 #include <lockstep/detail/export.h>
+#include <lockstep/error.h>
 
 namespace lockstep {
 

@@ -4,7 +4,7 @@
 
 namespace lockstep {
 
-std::string Where::text() const {
+std::string SourceLocation::text() const {
   if (line == 0) return file ? *file : std::string();
   return (file ? *file : std::string("text")) + ":" + std::to_string(line) + ":" + std::to_string(column);
 }

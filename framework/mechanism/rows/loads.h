@@ -3,8 +3,8 @@
 
 #include <array>
 
-#include <lockstep/math.h>
 #include <lockstep/detail/rows.h>
+#include <lockstep/math.h>
 
 namespace lockstep {
 

@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include <lockstep/error.h>
 #include <lockstep/author/force.h>
 #include <lockstep/author/lock.h>
+#include <lockstep/error.h>
 
 namespace lockstep {
 

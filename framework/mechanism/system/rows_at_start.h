@@ -9,9 +9,9 @@
 #include <span>
 #include <vector>
 
+#include <lockstep/author/lock.h>
 #include <lockstep/body.h>
 #include <lockstep/detail/export.h>
-#include <lockstep/author/lock.h>
 #include <lockstep/detail/rows.h>
 #include "framework/foundation/math/limits.h"
 

@@ -7,9 +7,9 @@
 #include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 
-#include <lockstep/error.h>
 #include <lockstep/author/lock.h>
 #include <lockstep/author/stepping.h>
+#include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/foundation/math/limits.h"
 #include "framework/tools/analysis/wild_starts.h"

@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/equilibrium.h>
 #include <lockstep/detail/newton.h>
+#include <lockstep/equilibrium.h>
 #include "framework/dynamics/simulate/contacts.h"
-#include "framework/tools/analysis/forces_at_rest.h"
 #include "framework/foundation/math/limits.h"
+#include "framework/tools/analysis/forces_at_rest.h"
 
 namespace lockstep {
 

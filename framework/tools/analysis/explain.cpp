@@ -5,9 +5,9 @@
 #include <array>
 #include <ranges>
 
-#include <lockstep/error.h>
 #include <lockstep/author/lock.h>
 #include <lockstep/author/relative.h>
+#include <lockstep/error.h>
 #include "framework/mechanism/system/diagnose.h"
 #include "framework/tools/analysis/forces_at_rest.h"
 #include "framework/tools/analysis/mechanism_matrices.h"

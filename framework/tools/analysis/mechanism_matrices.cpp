@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <lockstep/linearization.h>
 #include <lockstep/detail/newton.h>
+#include <lockstep/linearization.h>
 #include "framework/foundation/math/limits.h"
 #include "framework/mechanism/system/diagnose.h"
 #include "framework/tools/analysis/forces_at_rest.h"

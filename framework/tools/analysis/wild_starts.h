@@ -4,8 +4,8 @@
 #include <random>
 #include <string>
 
-#include <lockstep/dynamics.h>
 #include <lockstep/detail/export.h>
+#include <lockstep/dynamics.h>
 
 namespace lockstep {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <lockstep/error.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/error.h>
 #include <lockstep/step_loop.h>
 #include <lockstep/text.h>
 #include "framework/tools/batch/copy_run.h"

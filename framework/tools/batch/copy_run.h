@@ -4,8 +4,8 @@
 #include <exception>
 #include <vector>
 
-#include <lockstep/batch.h>
 #include <lockstep/author/stepping.h>
+#include <lockstep/batch.h>
 #include "framework/dynamics/simulate/last_steps.h"
 #include "framework/tools/batch/batch.h"
 

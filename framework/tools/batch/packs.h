@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include <lockstep/math.h>
 #include <lockstep/author/memory.h>
+#include <lockstep/math.h>
 #include "framework/tools/batch/lane_plan.h"
 
 namespace lockstep::lanes {

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 
+#include <lockstep/author/relative.h>
 #include <lockstep/error.h>
 #include <lockstep/joints.h>
-#include <lockstep/author/relative.h>
 #include <lockstep/text.h>
 #include "framework/tools/check/jumps.h"
 #include "framework/tools/check/sample_system.h"

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <lockstep/error.h>
 #include <lockstep/author/force.h>
+#include <lockstep/error.h>
 #include <lockstep/solvers.h>
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/check/integrator_orders.h"

@@ -7,8 +7,8 @@
 #include <limits>
 #include <set>
 
-#include <lockstep/error.h>
 #include <lockstep/author/relative.h>
+#include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/tools/check/jumps.h"
 #include "framework/tools/check/lock_check.h"

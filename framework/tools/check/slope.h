@@ -10,8 +10,8 @@
 
 #include <functional>
 
-#include <lockstep/math.h>
 #include <lockstep/detail/export.h>
+#include <lockstep/math.h>
 
 namespace lockstep {
 

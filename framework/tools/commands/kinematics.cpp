@@ -6,8 +6,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include <lockstep/kinematics.h>
 #include <lockstep/author/lock.h>
+#include <lockstep/kinematics.h>
 #include <lockstep/log.h>
 #include <lockstep/text.h>
 #include "framework/mechanism/params/read.h"

@@ -3,8 +3,8 @@
 #include <string>
 #include <utility>
 
-#include <lockstep/error.h>
 #include <lockstep/author/force.h>
+#include <lockstep/error.h>
 
 namespace lockstep {
 namespace {

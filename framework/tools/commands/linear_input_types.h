@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include <lockstep/linearization.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/linearization.h>
 
 namespace lockstep {
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/math.h>
 #include <lockstep/author/params.h>
+#include <lockstep/math.h>
 
 namespace lockstep::urdf {
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include <lockstep/analysis.h>
-#include <lockstep/error.h>
 #include <lockstep/author/lock.h>
+#include <lockstep/error.h>
 #include <lockstep/text.h>
 #include <lockstep/uniqueness.h>
 #include "framework/dynamics/solvers/graph.h"

@@ -15,9 +15,9 @@
 #include <set>
 #include <thread>
 
+#include <lockstep/author/loader.h>
 #include <lockstep/charts.h>
 #include <lockstep/error.h>
-#include <lockstep/author/loader.h>
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/charts/chart_path.h"
 #include "framework/tools/charts/gnuplot.h"

@@ -11,9 +11,9 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include <lockstep/error.h>
 #include <lockstep/author/loader.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/error.h>
 #include "framework/description/registry/survey.h"
 #include "framework/foundation/support/child.h"
 #include "framework/tools/program/commands.h"

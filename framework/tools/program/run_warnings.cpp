@@ -6,9 +6,9 @@
 #include <new>
 
 #include <lockstep/analysis.h>
-#include <lockstep/error.h>
 #include <lockstep/author/integrator.h>
 #include <lockstep/author/lock.h>
+#include <lockstep/error.h>
 #include <lockstep/step_loop.h>
 #include "framework/dynamics/simulate/along_laws.h"
 #include "framework/mechanism/params/read.h"

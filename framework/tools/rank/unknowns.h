@@ -4,8 +4,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include <lockstep/dynamics.h>
 #include <lockstep/detail/export.h>
+#include <lockstep/dynamics.h>
 #include "framework/foundation/math/sparse.h"
 
 namespace lockstep {

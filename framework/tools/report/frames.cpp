@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <limits>
 
+#include <lockstep/author/relative.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/error.h>
-#include <lockstep/author/relative.h>
 #include <lockstep/system.h>
 #include "framework/dynamics/simulate/uncounted.h"
 #include "framework/mechanism/system/diagnose.h"

@@ -57,7 +57,7 @@ Event make_event(Mechanism& m, const EventRequest& request, Recorder& recorder) 
 Mechanism build_observed(const Scene& scene, const Registry& registry) {
   return build_mechanism(scene, registry, [](Mechanism& m, SceneErrors& wrong) {
     if (!wrong.attempt(Value(), [&] { system_of(m).setup(); })) return;
-    const auto look_for = [&](const std::string& channel, const Where& where, const std::string& context) {
+    const auto look_for = [&](const std::string& channel, const SourceLocation& where, const std::string& context) {
       if (channel.empty()) return;
       Value name(channel);
       name.where = where;

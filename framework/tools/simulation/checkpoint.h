@@ -12,8 +12,8 @@
 #include <string>
 #include <string_view>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/author/memory.h>
+#include <lockstep/detail/export.h>
 #include "framework/foundation/support/hash.h"
 
 namespace lockstep {

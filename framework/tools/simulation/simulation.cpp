@@ -2,9 +2,9 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <lockstep/author/registry.h>
 #include <lockstep/error.h>
 #include <lockstep/log.h>
-#include <lockstep/author/registry.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/simulate/start_positions.h"
 #include "framework/mechanism/params/read.h"

@@ -4,11 +4,11 @@
 #include <cstdio>
 #include <cstring>
 
-#include <lockstep/author/registry.h>
 #include <lockstep/author/loader.h>
-#include <lockstep/version.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/integrators.h>
 #include <lockstep/laws.h>
+#include <lockstep/version.h>
 
 using namespace lockstep;
 

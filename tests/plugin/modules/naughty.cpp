@@ -3,8 +3,8 @@
 #include <stdexcept>
 
 #include <lockstep/author/integrator.h>
-#include <lockstep/author/relative.h>
 #include <lockstep/author/plugin.h>
+#include <lockstep/author/relative.h>
 
 namespace {
 

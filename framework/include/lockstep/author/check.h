@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/author/integrator.h>
 #include <lockstep/author/law.h>
 #include <lockstep/author/lock.h>
 #include <lockstep/author/params.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/detail/export.h>
 #include <lockstep/system.h>
 
 namespace lockstep {

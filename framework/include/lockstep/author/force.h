@@ -9,13 +9,13 @@
 #include <type_traits>
 #include <vector>
 
-#include <lockstep/error.h>
-#include <lockstep/detail/export.h>
 #include <lockstep/author/formula.h>
 #include <lockstep/author/lock.h>
 #include <lockstep/author/params.h>
 #include <lockstep/author/relative.h>
+#include <lockstep/detail/export.h>
 #include <lockstep/detail/rows.h>
+#include <lockstep/error.h>
 
 namespace lockstep {
 

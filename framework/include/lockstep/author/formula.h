@@ -5,9 +5,9 @@
 #include <cstddef>
 #include <span>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/author/jet.h>
 #include <lockstep/author/relative.h>
+#include <lockstep/detail/export.h>
 #include <lockstep/detail/rows.h>
 
 namespace lockstep {

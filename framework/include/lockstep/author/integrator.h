@@ -3,9 +3,9 @@
 
 #include <string>
 
+#include <lockstep/author/memory.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/error.h>
-#include <lockstep/author/memory.h>
 #include <lockstep/state.h>
 
 namespace lockstep {

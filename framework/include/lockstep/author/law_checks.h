@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
-#include <lockstep/error.h>
 #include <lockstep/author/law.h>
+#include <lockstep/error.h>
 #include <lockstep/math.h>
 #include <lockstep/text.h>
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/author/plugin.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/detail/export.h>
 
 namespace lockstep {
 

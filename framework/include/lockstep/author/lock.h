@@ -11,13 +11,13 @@
 #include <utility>
 #include <vector>
 
+#include <lockstep/author/law.h>
+#include <lockstep/author/relative.h>
 #include <lockstep/body.h>
 #include <lockstep/detail/counted_angle.h>
 #include <lockstep/detail/export.h>
 #include <lockstep/detail/kernel.h>
-#include <lockstep/author/law.h>
 #include <lockstep/detail/lock_facets.h>
-#include <lockstep/author/relative.h>
 #include <lockstep/detail/rows.h>
 #include <lockstep/state.h>
 
@@ -33,7 +33,6 @@ struct Unilateral {
   bool below = false;        ///< the free side is C <= 0 (a rope: the distance may be less than its length)
   double sign() const { return below ? -1.0 : 1.0; }  ///< sign of C on the free side
 };
-
 
 // Lock: a constraint between bodies, the root of all links. A link is what the user handles; a lock is the constraint
 // it is made of.
@@ -132,13 +131,13 @@ class LOCKSTEP_API Lock {
   void setup();
   /// Called by System::setup: rows that equal those of another link, by kind, name and drive, are stored once.
   void share_rows(const Lock& with);
-  void set_indices(int number, int first_state, int first_memory);                     ///< called by System::setup
-  int row_count() const { return rows_ ? static_cast<int>(rows_->size()) : 0; }        ///< number of rows, in space
-  const LinkRow& row(int k) const { return (*rows_)[static_cast<std::size_t>(k)]; }    ///< row k in space
-  RowKind row_kind(int k) const { return row(k).kind; }                                ///< what row k measures
-  const std::string& row_name(int k) const { return row(k).name; }                     ///< "x", "e1", "phi"
-  const SlotList& slots() const { return slots_; }                                     ///< moving slots that it touches
-  const LinkPattern& pattern() const { return pattern_; }                              ///< what its group is found by
+  void set_indices(int number, int first_state, int first_memory);                   ///< called by System::setup
+  int row_count() const { return rows_ ? static_cast<int>(rows_->size()) : 0; }      ///< number of rows, in space
+  const LinkRow& row(int k) const { return (*rows_)[static_cast<std::size_t>(k)]; }  ///< row k in space
+  RowKind row_kind(int k) const { return row(k).kind; }                              ///< what row k measures
+  const std::string& row_name(int k) const { return row(k).name; }                   ///< "x", "e1", "phi"
+  const SlotList& slots() const { return slots_; }                                   ///< moving slots that it touches
+  const LinkPattern& pattern() const { return pattern_; }                            ///< what its group is found by
   RowLayout layout() const { return layout_; }  ///< how its jacobian in space is stored
   /// Shape of its rows in space.
   RowShape shape() const { return {row_count(), slots_.n, layout_, sign_, {}}; }
@@ -270,7 +269,7 @@ class LOCKSTEP_API MarkerLock : public Lock,
 
  private:
   void add_drive(Drive drive);
-  double coordinate(const Drive&, Pose rel, double t) const;  // of P against S, where q_D has turned it
+  double coordinate(const Drive&, Pose rel, double t) const;               // of P against S, where q_D has turned it
   void take_states(const Pose& rel, double t, std::span<double> s) const;  // those of P at this pose against S
   void refuse_when_set_up(const std::string& what) const;
   std::span<const double> own_states(const Inputs& in) const {
@@ -321,11 +320,11 @@ class LOCKSTEP_API MarkerLock : public Lock,
   // made by setup()
   signed char side1_ = -1, side2_ = -1;  // positions of O1 and O2 in slots(); -1: the ground
   signed char n_rows_ = 0;
-  std::array<signed char, 6> row_{};  // row k of the link is row row_[k] of the lock
-  unsigned laws_ = 0;                 // with::Bits of the laws present
+  std::array<signed char, 6> row_{};       // row k of the link is row row_[k] of the lock
+  unsigned laws_ = 0;                      // with::Bits of the laws present
   int slot1_ = kGround, slot2_ = kGround;  // of P and S
-  MarkerAtRest P_, S_;                // without the laws of the markers
-  std::unique_ptr<const Flat> flat_;  // null: in space
+  MarkerAtRest P_, S_;                     // without the laws of the markers
+  std::unique_ptr<const Flat> flat_;       // null: in space
 };
 
 // Reactions: the multipliers of the links in force, as forces that depend on them read them.

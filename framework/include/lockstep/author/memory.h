@@ -52,10 +52,10 @@ class LOCKSTEP_API Snapshot {
     put(static_cast<double>(v.size()));
     for (decltype(v.size()) i = 0; i < v.size(); ++i) put(static_cast<double>(v[i]));
   }
-  void put_text(std::string_view text);  ///< appends a text
-  void put_part(const Snapshot& part);   ///< appends another snapshot as one item
-  void put_bits(std::uint64_t bits);     ///< appends a word of 64 bits, as two numbers
-  void clear() { numbers_.clear(); }     ///< removes all numbers
+  void put_text(std::string_view text);                            ///< appends a text
+  void put_part(const Snapshot& part);                             ///< appends another snapshot as one item
+  void put_bits(std::uint64_t bits);                               ///< appends a word of 64 bits, as two numbers
+  void clear() { numbers_.clear(); }                               ///< removes all numbers
   const std::vector<double>& numbers() const { return numbers_; }  ///< all of them, in order
   /// Takes these numbers, of another snapshot, in place of its own.
   void assign(std::vector<double> numbers) { numbers_ = std::move(numbers); }

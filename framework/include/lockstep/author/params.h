@@ -10,10 +10,10 @@
 #include <variant>
 #include <vector>
 
-#include <lockstep/body.h>
-#include <lockstep/error.h>
-#include <lockstep/detail/export.h>
 #include <lockstep/author/law.h>
+#include <lockstep/body.h>
+#include <lockstep/detail/export.h>
+#include <lockstep/error.h>
 #include <lockstep/math.h>
 
 namespace lockstep {
@@ -43,7 +43,7 @@ LOCKSTEP_API std::string angle_sequence(const std::string& name);
 // written.
 
 /// Where a value was written.
-struct Where {
+struct SourceLocation {
   std::shared_ptr<const std::string> file;  ///< path of the file; null: given in C++, or as a text without a file
   int line = 0,                             ///< from 1; 0: given in C++
       column = 0;                           ///< from 1; 0: given in C++
@@ -107,7 +107,7 @@ class Value {
   /// "a number", "a text", "a list of 3", ...; for messages.
   LOCKSTEP_API std::string kind() const;
 
-  Where where;  ///< where it was written
+  SourceLocation where;  ///< where it was written
 
  private:
   std::variant<std::monostate, bool, double, std::string, List, Object> data_;
@@ -115,9 +115,9 @@ class Value {
 
 /// A key of an object with its value.
 struct Value::Member {
-  std::string key;  ///< name of the key, without quotes
-  Value value;      ///< its value
-  Where where;      ///< where the key was written
+  std::string key;       ///< name of the key, without quotes
+  Value value;           ///< its value
+  SourceLocation where;  ///< where the key was written
 };
 
 // Checked parameters of a named thing. One table of keys per registered type serves the parser, the JSON schema,
@@ -256,8 +256,8 @@ class LOCKSTEP_API Params {
   /// The value as written, else the default; null when there is neither.
   Value given_or_default(const Key&) const;
 
-  const std::string& owner() const { return owner_; }    ///< the name of the thing in messages
-  const Where& where() const { return object_->where; }  ///< where the object was written
+  const std::string& owner() const { return owner_; }             ///< the name of the thing in messages
+  const SourceLocation& where() const { return object_->where; }  ///< where the object was written
   /// Throws SceneError with the place of `key`, owner, key and `problem` (value, limit, advice).
   [[noreturn]] void refuse(std::string_view key, const std::string& problem) const;
 

@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include <lockstep/error.h>
 #include <lockstep/author/lock.h>
 #include <lockstep/author/params.h>
 #include <lockstep/detail/phi_function.h>
+#include <lockstep/error.h>
 
 namespace lockstep {
 

@@ -10,9 +10,9 @@
 
 #include <Eigen/Core>
 
-#include <lockstep/error.h>
 #include <lockstep/author/phi_links.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/error.h>
 #include <lockstep/text.h>
 #include <lockstep/version.h>
 

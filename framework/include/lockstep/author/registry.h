@@ -96,7 +96,6 @@ extern template class Shelf<std::unique_ptr<Force>, const Attachment&>;
 extern template class Shelf<std::unique_ptr<Integrator>>;
 extern template class Shelf<std::unique_ptr<LinearSolver>>;
 
-
 // The registry of everything that comes with lockstep.
 
 /// A new registry with all laws, links, forces, integrators and solvers of the library; their origin is "built in". A
@@ -104,15 +103,13 @@ extern template class Shelf<std::unique_ptr<LinearSolver>>;
 /// in plugin_folders(), and throws PluginError if it cannot.
 LOCKSTEP_API Registry builtin_registry();
 
-
 // MethodSpec: an integrator or a solver by name, with the keys of its type.
-
 
 /// An integrator or solver by name, with the keys of its type.
 struct MethodSpec {
-  std::string type;  ///< name in the registry
-  Value keys{};      ///< an object, or null for the defaults
-  Where where{};     ///< its place in a file
+  std::string type;        ///< name in the registry
+  Value keys{};            ///< an object, or null for the defaults
+  SourceLocation where{};  ///< its place in a file
 };
 
 /// Descriptions of all types of a shelf, by name.

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/author/memory.h>
+#include <lockstep/detail/export.h>
 #include <lockstep/detail/rows.h>
 
 namespace lockstep {
@@ -58,7 +58,7 @@ struct KktPattern {
 /// Numbers of the matrix. All blocks are row-major.
 struct LOCKSTEP_API Kkt {
   static constexpr int kUnknown = -1;  ///< see redundant
-  KktPattern pattern;  ///< where each block is
+  KktPattern pattern;                  ///< where each block is
   /// How many rows depend on others in all assembled poses of the present branch but singular ones
   /// (Dynamics::redundancy). kUnknown: as many as have small pivots.
   int redundant = kUnknown;

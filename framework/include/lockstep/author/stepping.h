@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/dynamics.h>
-#include <lockstep/error.h>
-#include <lockstep/detail/export.h>
 #include <lockstep/author/integrator.h>
 #include <lockstep/author/memory.h>
+#include <lockstep/detail/export.h>
+#include <lockstep/dynamics.h>
+#include <lockstep/error.h>
 
 namespace lockstep {
 
@@ -72,9 +72,9 @@ enum class StagesOn {
 /// Conditioning of one evaluation: near a singular position the accelerations come from what is left of vanishing
 /// pivots.
 struct Conditioning {
-  double detector = NAN;                                      ///< SolveReport::detector
-  double pivot = std::numeric_limits<double>::infinity();     ///< SolveReport::smallest_pivot
-  double residual = 0;                                        ///< SolveReport::residual
+  double detector = NAN;                                   ///< SolveReport::detector
+  double pivot = std::numeric_limits<double>::infinity();  ///< SolveReport::smallest_pivot
+  double residual = 0;                                     ///< SolveReport::residual
   /// The detector, small near a singular position; of a solver without one the smallest pivot, which redundant rows make
   /// small everywhere.
   double indicator() const { return std::isnan(detector) ? pivot : detector; }

@@ -8,9 +8,9 @@
 #include <string>
 #include <utility>
 
+#include <lockstep/author/relative.h>
 #include <lockstep/detail/export.h>
 #include <lockstep/math.h>
-#include <lockstep/author/relative.h>
 #include <lockstep/state.h>
 
 namespace lockstep {

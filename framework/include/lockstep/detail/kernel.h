@@ -1,12 +1,12 @@
 // The kernel of the lock: rows of one pair of markers.
 #pragma once
 
+#include <lockstep/author/mask.h>
 #include <lockstep/detail/equations.h>
 #include <lockstep/detail/export.h>
-#include <lockstep/author/mask.h>
+#include <lockstep/detail/vec.h>
 #include <lockstep/math.h>
 #include <lockstep/state.h>
-#include <lockstep/detail/vec.h>
 
 namespace lockstep {
 
@@ -134,8 +134,8 @@ LOCKSTEP_INLINE auto marker(const MarkerMotionT<T>& m) {
 template <bool kSlides, bool kSpins, class T>
 LOCKSTEP_INLINE auto marker(const MarkerAtRestT<T>& m) {
   static_assert(!kSlides && !kSpins, "a marker at rest has no rates");
-  return Marker{vec::vector(m.u), vec::matrix(m.A), vec::quaternion(m.q),
-                vec::None{},      vec::None{},      vec::None{},          vec::None{}};
+  return Marker{vec::vector(m.u), vec::matrix(m.A), vec::quaternion(m.q), vec::None{},
+                vec::None{},      vec::None{},      vec::None{}};
 }
 /// A marker for the laws kWith (with::Bits); kSlides and kSpins are the bits of the laws on the marker.
 template <unsigned kWith, unsigned kSlides, unsigned kSpins, class M>

@@ -6,11 +6,11 @@
 #include <utility>
 #include <vector>
 
+#include <lockstep/author/law.h>
+#include <lockstep/author/relative.h>
 #include <lockstep/body.h>
 #include <lockstep/detail/export.h>
 #include <lockstep/detail/kernel.h>
-#include <lockstep/author/law.h>
-#include <lockstep/author/relative.h>
 #include <lockstep/detail/rows.h>
 #include <lockstep/state.h>
 

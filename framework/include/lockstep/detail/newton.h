@@ -9,9 +9,9 @@
 #include <complex>
 #include <memory>
 
-#include <lockstep/dynamics.h>
-#include <lockstep/detail/rows.h>
 #include <lockstep/author/solver.h>
+#include <lockstep/detail/rows.h>
+#include <lockstep/dynamics.h>
 
 namespace lockstep {
 

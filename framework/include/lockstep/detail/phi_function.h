@@ -10,12 +10,12 @@
 #include <utility>
 #include <vector>
 
+#include <lockstep/author/relative.h>
 #include <lockstep/detail/counted_angle.h>
-#include <lockstep/error.h>
 #include <lockstep/detail/kernel.h>
 #include <lockstep/detail/phi_check.h>
-#include <lockstep/author/relative.h>
 #include <lockstep/detail/rows.h>
+#include <lockstep/error.h>
 
 namespace lockstep {
 

@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
+#include <lockstep/author/jet.h>
+#include <lockstep/author/memory.h>
 #include <lockstep/body.h>
 #include <lockstep/detail/export.h>
-#include <lockstep/author/jet.h>
 #include <lockstep/math.h>
-#include <lockstep/author/memory.h>
 #include <lockstep/state.h>
 
 namespace lockstep {

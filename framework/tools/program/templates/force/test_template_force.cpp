@@ -2,9 +2,9 @@
 // plugin.
 #include <cstdio>
 
-#include <lockstep/author/registry.h>
 #include <lockstep/author/check.h>
 #include <lockstep/author/loader.h>
+#include <lockstep/author/registry.h>
 
 int main(int argc, char** argv) try {
   using namespace lockstep;

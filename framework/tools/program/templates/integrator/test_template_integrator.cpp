@@ -1,9 +1,9 @@
 // Measures the order of the integrator and tries what a run relies on. Give it the file of the plugin.
 #include <cstdio>
 
-#include <lockstep/author/registry.h>
 #include <lockstep/author/check.h>
 #include <lockstep/author/loader.h>
+#include <lockstep/author/registry.h>
 
 int main(int argc, char** argv) try {
   using namespace lockstep;

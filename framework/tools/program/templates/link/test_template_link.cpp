@@ -1,9 +1,9 @@
 // Holds the joint against differences: jacobian, rates, right side, stiffness. Give it the file of the plugin.
 #include <cstdio>
 
-#include <lockstep/author/registry.h>
 #include <lockstep/author/check.h>
 #include <lockstep/author/loader.h>
+#include <lockstep/author/registry.h>
 
 int main(int argc, char** argv) try {
   using namespace lockstep;
