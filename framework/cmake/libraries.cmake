@@ -28,9 +28,28 @@ set_source_files_properties(integrators/rk4.cpp integrators/dopri5.cpp integrato
                             framework/tools/charts/chart_grid.cpp
                             PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)  # their private names are those of a sibling
 
-# Code that no inner loop calls: compiled quickly.
+# Code that no inner loop calls is compiled quickly. The core is compiled by -O2, its inner loops (CMakeLists.txt) by -O3.
 function(lockstep_cold target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+endfunction()
+
+# lockstep_clones(source...): which variants of the functions marked in these files are compiled (support/clones.h). Native:
+# for this machine and for any x86-64, which runs everywhere and is built in two thirds of the time. Packages take all.
+set(LOCKSTEP_CLONES native CACHE STRING "Variants of inner loops beside that for any x86-64: native, or all")
+set_property(CACHE LOCKSTEP_CLONES PROPERTY STRINGS native all)
+function(lockstep_clones)
+  set(words LOCKSTEP_NO_CLONES)
+  if(LOCKSTEP_CLONES STREQUAL "all")
+    return()
+  elseif(EXISTS /proc/cpuinfo)
+    file(STRINGS /proc/cpuinfo flags REGEX "^flags" LIMIT_COUNT 1)
+    if(flags MATCHES " avx512f( |$)")
+      set(words LOCKSTEP_CLONE="avx512f")
+    elseif(flags MATCHES " fma( |$)")
+      set(words LOCKSTEP_CLONE="fma")
+    endif()
+  endif()
+  set_source_files_properties(${ARGN} PROPERTIES COMPILE_DEFINITIONS "${words}")
 endfunction()
 
 # lockstep_add_library(part file source...): the target lockstep_<part>, lockstep::<part> for clients, lib<file>.so.
@@ -46,6 +65,7 @@ function(lockstep_add_library part file)
                       "LINKER:--version-script=${PROJECT_SOURCE_DIR}/framework/cmake/exports.map")
   lockstep_unity(lockstep_${part} 10)
   if(part STREQUAL "core")
+    target_compile_options(lockstep_core PRIVATE $<$<CONFIG:Release>:-O2>)
     lockstep_precompile(lockstep_core ${lockstep_common_headers} <lockstep/step_loop.h> <lockstep/author/registry.h>)
   elseif(NOT part STREQUAL "batch")
     lockstep_cold(lockstep_${part})

@@ -2,6 +2,7 @@
 
 #include <lockstep/detail/export.h>
 #include "framework/dynamics/solvers/block_kernels.h"
+#include "framework/foundation/support/clones.h"
 
 namespace lockstep {
 namespace block_detail {

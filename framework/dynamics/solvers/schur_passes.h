@@ -2,6 +2,7 @@
 #pragma once
 
 #include "framework/dynamics/solvers/elimination.h"
+#include "framework/foundation/support/clones.h"
 
 namespace lockstep::schur {
 

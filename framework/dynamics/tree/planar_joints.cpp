@@ -3,6 +3,7 @@
 #include "framework/dynamics/tree/joint_tree.h"
 #include "framework/dynamics/tree/planar_motion.h"
 #include "framework/foundation/math/sin_cos.h"
+#include "framework/foundation/support/clones.h"
 
 namespace lockstep {
 

@@ -9,6 +9,7 @@
 #include "framework/dynamics/tree/joint_passes.h"
 #include "framework/dynamics/tree/loop_closures.h"
 #include "framework/dynamics/tree/tree_recursion.h"
+#include "framework/foundation/support/clones.h"
 
 namespace lockstep {
 

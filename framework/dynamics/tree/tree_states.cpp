@@ -11,6 +11,7 @@
 #include "framework/dynamics/tree/moving_markers.h"
 #include "framework/dynamics/tree/tree_motion.h"
 #include "framework/foundation/math/sin_cos.h"
+#include "framework/foundation/support/clones.h"
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {

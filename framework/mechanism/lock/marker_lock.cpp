@@ -6,6 +6,7 @@
 #include <lockstep/detail/export.h>
 #include <lockstep/detail/phi_function.h>
 #include <lockstep/error.h>
+#include "framework/foundation/support/clones.h"
 #include "framework/mechanism/lock/dispatch.h"
 
 namespace lockstep {

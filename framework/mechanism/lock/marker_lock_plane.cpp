@@ -6,6 +6,7 @@
 #include <lockstep/detail/export.h>
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/foundation/support/clones.h"
 
 namespace lockstep {
 namespace {

@@ -65,29 +65,12 @@ LOCKSTEP_API void glibcxx_debug();  // -D_GLIBCXX_DEBUG changes the size of cont
 #endif
 #endif
 
-// Before a function of the inner loop: it is compiled for plain x86-64, for AVX with FMA and for AVX-512, and the
-// loader picks the variant for the machine. Everything the function calls in its loops must be LOCKSTEP_INLINE.
-#if defined(__x86_64__) && defined(__linux__) && !defined(LOCKSTEP_SANITIZED)
-#define LOCKSTEP_CLONES [[gnu::target_clones("avx512f", "fma", "default")]]
-#else
-#define LOCKSTEP_CLONES
-#endif
-
 // Before a function whose callees (Eigen's) leave inlining to the compiler: all calls are inlined. Not with sanitizers,
 // whose checks would make it a function of minutes of compiling.
 #ifdef LOCKSTEP_SANITIZED
 #define LOCKSTEP_FLAT
 #else
 #define LOCKSTEP_FLAT [[gnu::flatten]]
-#endif
-
-// LOCKSTEP_CLONES for functions whose callees (Eigen's) leave inlining to the compiler: all calls are inlined. Clang
-// cannot combine the two and compiles the plain function.
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__linux__) && \
-    !defined(LOCKSTEP_SANITIZED) && defined(__OPTIMIZE__)
-#define LOCKSTEP_FLAT_CLONES LOCKSTEP_FLAT LOCKSTEP_CLONES
-#else
-#define LOCKSTEP_FLAT_CLONES
 #endif
 
 // Before a function that a cloned function calls in its loops: always inlined, so that it is compiled for the caller's
