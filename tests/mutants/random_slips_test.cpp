@@ -338,7 +338,7 @@ TEST_CASE("linear equations have a note on each one-sided link, and on no other"
     std::string all;
     LinearMotionOptions options;
     options.frozen = true;
-    for (const std::string& note : linear_motion(run.dynamics(), run.state(), options).notes) all += note + "\n";
+    for (const Finding& note : linear_motion(run.dynamics(), run.state(), options).notes) all += note.text() + "\n";
     return all;
   };
   CHECK(says(notes_of("bouncing_pendulum"), {"one-sided link 'hinge", "is open and left out"}));
@@ -350,7 +350,7 @@ TEST_CASE("linear equations have a note on friction, and on no other force", "[m
     "links": [{"name": "rail", "type": "prismatic", "p": "b", "s": "ground", "at": [0, 0, 0], "axis": "x",
                "friction": {"mu": 0.3}}],
     "forces": [{"name": "push", "type": "applied_force", "p": "b", "at": [0, 0, 0], "force": [0, 1, 0]}])~"));
-  const std::vector<std::string> notes = linear_motion(run.dynamics(), run.state()).notes;
+  const std::vector<std::string> notes = texts_of(linear_motion(run.dynamics(), run.state()).notes);
   CHECK(notes == std::vector<std::string>{"force 'rail.friction': friction at rest, with the reactions of this state"});
 }
 

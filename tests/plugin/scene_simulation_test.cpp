@@ -141,10 +141,10 @@ TEST_CASE("the verdict of a host's run is that of the program", "[simulation][sc
   const Set fine = {{"run.tolerance", "3e-15"}, {"run.until", "3.3 s"}, {"bodies.bar.rod.mass", "0.77 kg"}};
   const RunVerdict doubtful = verdict(fine);
   CHECK(doubtful.right);
-  REQUIRE(!doubtful.doubts.empty());
+  REQUIRE(!doubtful.findings.empty());
   const Called r = program(fine, "--strict");
   CHECK(r.exit == 11);
-  for (const std::string& doubt : doubtful.doubts) check_words(r.text, {doubt});
+  for (const Finding& f : doubtful.findings) check_words(r.text, {f.text()});
 }
 
 TEST_CASE("columns that a host adds are treated as those of the scene", "[simulation][scene]") {
@@ -167,7 +167,7 @@ TEST_CASE("columns that a host adds are treated as those of the scene", "[simula
     Simulation run(std::move(m));
     run.record({column});
     run.run();
-    return run.verdict().doubts;
+    return texts_of(run.verdict().findings);
   };
   CHECK(doubts_of("left.angle_z").empty());
   check_words(doubts_of("A.force_on_p_link_x").at(0), {"reactions", "uncertain"});

@@ -21,7 +21,7 @@ constexpr const char* kRod = R"({"lockstep": 1, "planar": "off", "gravity": [0, 
 TEST_CASE("start velocities against the constraints are taken away and told, or refused", "[stability][start]") {
   const Outcome taken = outcome_of(filled(filled(kRod, "$v", "[5, 0, 5]"), "$assemble", "true"));
   CHECK(taken.ended());
-  CHECK_FALSE(taken.report.warnings.empty());
+  CHECK_FALSE(taken.report.findings.empty());
   const Outcome refused = outcome_of(filled(filled(kRod, "$v", "[5, 0, 5]"), "$assemble", "false"));
   CHECK_FALSE(refused.ended());
   CHECK(refused.error.find("5 m/s") != std::string::npos);

@@ -41,7 +41,7 @@ Outcome outcome_of(const std::string& text) {
       out.error = error.what();
     }
     out.table = recorder->table(), out.audit = audit.result(), out.report = loop.report();
-    out.report.warnings.insert(out.report.warnings.end(), assembled.warnings.begin(), assembled.warnings.end());
+    out.report.findings.insert(out.report.findings.end(), assembled.findings.begin(), assembled.findings.end());
   } catch (const Error& error) {
     out.error = error.what();
   }

@@ -16,7 +16,7 @@ struct Outcome {
   bool ended() const { return error.empty(); }
   /// Whether somebody who reads the summary learns that it is wrong: an error, a warning, energy or drift out of bounds.
   bool told() const {
-    return !ended() || !report.warnings.empty() || audit.drifted || audit.energy != Audit::Energy::conserved;
+    return !ended() || !report.findings.empty() || audit.drifted || audit.energy != Audit::Energy::conserved;
   }
 };
 

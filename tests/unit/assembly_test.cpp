@@ -284,9 +284,9 @@ TEST_CASE("assembly warns of what was hardly meant, and of whom no velocity is g
     const AssemblyReport report = assemble(dynamics, state);
     CHECK(report.kinetic_before == Approx(0.5 * 25 * 0.04 / 3).epsilon(1e-3));  // a rod about its end
     CHECK(report.kinetic_after < 0.5 * report.kinetic_before);
-    REQUIRE(report.warnings.size() == 1);
-    CHECK(says(report.warnings.front(), {"J of the", "'bar'", "'rocker'"}));
-    CHECK_FALSE(says(report.warnings.front(), {"'crank'"}));
+    REQUIRE(report.findings.size() == 1);
+    CHECK(says(report.findings.front().text(), {"J of the", "'bar'", "'rocker'"}));
+    CHECK_FALSE(says(report.findings.front().text(), {"'crank'"}));
     CHECK(says(report.text(), {"kinetic energy"}));
   }
   SECTION("half of a body's velocity is given") {  // a rod on a hinge at its end: J = m l^2/12 + m l^2/4
@@ -300,39 +300,40 @@ TEST_CASE("assembly warns of what was hardly meant, and of whom no velocity is g
       State state = own.start();
       const AssemblyReport report = assemble(one, state);
       CHECK(report.kinetic_after == Approx(report.kinetic_before / 4).epsilon(1e-3));
-      REQUIRE(report.warnings.size() == 1);
-      CHECK(says(report.warnings.front(), {"no \"velocity\" of the frame's origin is given for 'arm'", "\"start\""}));
-      CHECK_FALSE(says(report.warnings.front(), {"no such motion is free"}));
+      REQUIRE(report.findings.size() == 1);
+      CHECK(says(report.findings.front().text(),
+                 {"no \"velocity\" of the frame's origin is given for 'arm'", "\"start\""}));
+      CHECK_FALSE(says(report.findings.front().text(), {"no such motion is free"}));
     }
     SECTION("that of the origin") {
       arm.start = {Vec3(0, 0.5, 0), Vec3::Zero()};
       State state = own.start();
       const AssemblyReport report = assemble(one, state);
       CHECK(report.kinetic_after == Approx(0.75 * report.kinetic_before).epsilon(1e-3));
-      REQUIRE(report.warnings.size() == 1);
-      CHECK(says(report.warnings.front(), {"no angular one (\"omega_world\") is given for 'arm'"}));
+      REQUIRE(report.findings.size() == 1);
+      CHECK(says(report.findings.front().text(), {"no angular one (\"omega_world\") is given for 'arm'"}));
     }
     SECTION("both") {
       arm.start = {Vec3(0, 0.5, 0), omega};
       State state = own.start();
       const AssemblyReport report = assemble(one, state);
-      CHECK(report.warnings.empty());
+      CHECK(report.findings.empty());
       CHECK_FALSE(says(report.text(), {"kinetic energy"}));  // it stays as it is
     }
     SECTION("one about an axis that is not free") {
       arm.start = {Vec3::Zero(), rotation(arm.home.q).transpose() * Vec3(0, 1, 0)};
       State state = own.start();
       const AssemblyReport report = assemble(one, state);
-      REQUIRE(report.warnings.size() == 1);
-      CHECK(says(report.warnings.front(), {"no such motion is free"}));
+      REQUIRE(report.findings.size() == 1);
+      CHECK(says(report.findings.front().text(), {"no such motion is free"}));
     }
   }
   SECTION("a body far from where it was put") {
     State state = sys.start();
     state.q.segment<3>(7 * sys.body("bar").slot) += Vec3(0.6, 0, 0);
     const AssemblyReport report = assemble(dynamics, state);
-    REQUIRE(report.warnings.size() == 1);
-    CHECK(says(report.warnings.front(), {"assembly moved body '", "lockstep assemble"}));
+    REQUIRE(report.findings.size() == 1);
+    CHECK(says(report.findings.front().text(), {"assembly moved body '", "lockstep assemble"}));
   }
   SECTION("drawn in its zero position, and taken by a law to where it begins") {
     System own;
@@ -342,12 +343,12 @@ TEST_CASE("assembly warns of what was hardly meant, and of whom no velocity is g
     State state = own.start();
     const AssemblyReport report = assemble(driven, state);
     CHECK(report.largest_turn > 0.9);
-    CHECK(report.warnings.empty());
+    CHECK(report.findings.empty());
   }
   SECTION("a sound start") {
     State state = sys.start();
     assemble(dynamics, state, {{"A", Axis::rz, 7.5}});
-    CHECK(assemble(dynamics, state).warnings.empty());
+    CHECK(assemble(dynamics, state).findings.empty());
   }
 }
 

@@ -254,7 +254,7 @@ TEST_CASE("a host may try a failed step as often as it likes", "[unit][dynamics]
   const SimulationReport& report = run.run_until(1);
   CHECK(run.state().v[1] == Approx(3).epsilon(1e-12));
   if (method == "rk4") CHECK(report.steps == 64);
-  CHECK(report.warnings.empty());
+  CHECK(report.findings.empty());
 }
 
 TEST_CASE("one snapshot is loaded twice, and by several threads at once", "[unit][checkpoint]") {

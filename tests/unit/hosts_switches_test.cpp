@@ -77,7 +77,7 @@ TEST_CASE("short steps that a host asked for are no pace of the run that follows
   Flight flight;
   Simulation run(flight.system, {.output = 1000});
   for (int k = 0; k < n; ++k) by_steps ? void(run.loop().step(h)) : void(run.advance(h));
-  CHECK(run.run_until(end).warnings.empty());
+  CHECK(run.run_until(end).findings.empty());
   CHECK(run.state().q[0] == Approx(end).epsilon(1e-12));
 }
 

@@ -59,14 +59,14 @@ TEST_CASE("warnings of a run are said and are in its report", "[unit][support]")
   Dynamics dynamics(system, std::make_unique<SchurSolver>());
   StepLoop run(dynamics, std::make_unique<Rk4>(), {.step = 0.01});
   Heard heard;
-  run.warn("event 'late' never comes");
+  run.add_finding({&finding_kind("event-at-zero"), "event 'late'", "event 'late' never comes"});
   CHECK(heard.has("lockstep/warning: event 'late' never comes"));
-  REQUIRE(run.report().warnings.size() == 1);
-  CHECK(run.report().warnings.front() == "event 'late' never comes");
+  REQUIRE(run.report().findings.size() == 1);
+  CHECK(run.report().findings.front().text() == "event 'late' never comes");
   run.run_until(0.05);
-  CHECK(run.report().warnings.size() == 1);
+  CHECK(run.report().findings.size() == 1);
   run.set_state(system.start());  // a new run
-  CHECK(run.report().warnings.empty());
+  CHECK(run.report().findings.empty());
 }
 
 TEST_CASE("what assembly moves is said", "[unit][support]") {

@@ -147,9 +147,10 @@ TEST_CASE("a coordinate that is missed is told by name", "[unit][assembly]") {
                         at + R"(, "at_s": [0, 0, 0],
                     "axis": "x", "start": {"near": {"z": "30 cm"}}}])");
   CAPTURE(at);
-  REQUIRE(found.report.warnings.size() == (missed ? 1 : 0));
+  REQUIRE(found.report.findings.size() == (missed ? 1 : 0));
   if (missed)
-    testing::check_words(found.report.warnings[0], {"link 'G'", "z begins at 0.15 m", "near 0.3 m", "\"position\""});
+    testing::check_words(found.report.findings[0].text(),
+                         {"link 'G'", "z begins at 0.15 m", "near 0.3 m", "\"position\""});
 }
 
 // A whole turn off is no miss.
@@ -159,8 +160,8 @@ TEST_CASE("an angle that is missed is told in degrees", "[unit][assembly]") {
                         R"(}], "links": [{"name": "A", "type": "revolute", "p": "p", "s": "ground", "at": [0, 0, 0],
                                "start": {"near": {"rz": "420 deg"}}}])");
   CAPTURE(free);
-  REQUIRE(found.report.warnings.size() == (missed ? 1 : 0));
-  if (missed) testing::check_words(found.report.warnings[0], {"link 'A'", "rz begins at", "near 420 deg"});
+  REQUIRE(found.report.findings.size() == (missed ? 1 : 0));
+  if (missed) testing::check_words(found.report.findings[0].text(), {"link 'A'", "rz begins at", "near 420 deg"});
 }
 
 TEST_CASE("what cannot hold together is refused by name", "[unit][assembly]") {

@@ -184,7 +184,7 @@ TEST_CASE("hostile names stay text", "[report]") {
   Report report(run.recorder(), {{name, Solid::Kind::box, {1, 1, 1}}});
   run.add_observer(report);
   run.run_until(0.2);
-  const std::string all = report.page({.title = name, .scene = worst, .command = worst, .warnings = {worst}});
+  const std::string all = report.page({.title = name, .scene = worst, .command = worst, .failure = worst});
   const Page page(all);
   std::string shown = name;
   shown.replace(shown.find('\xff'), 1, "\xef\xbf\xbd");  // no UTF-8: the sign for that

@@ -154,7 +154,7 @@ TEST_CASE("a run without an end is ended by counts", "[unit][dynamics]") {
     StepLoop run(dynamics, std::make_unique<Rk4>(), {.step = 1e-8, .max_steps = 30000});
     check_words(message_of<StepError>([&] { run.run_until(1); }),
                 {"30000 steps", "last 1000 steps were of 1e-08 s", "the rest of the run would take 1e+08"});
-    CHECK(run.report().warnings.empty());
+    CHECK(run.report().findings.empty());
   }
 }
 
@@ -238,7 +238,7 @@ TEST_CASE("a condition that is zero at the start and goes on in its sense does n
     run.add_event(event);
     run.run_until(3);
     met = run.state().t;
-    return run.report().warnings;
+    return texts_of(run.report().findings);
   };
   double met = 0;
   const auto up = told(Event::Crossing::rising, 10, 0, met);
@@ -272,7 +272,7 @@ TEST_CASE("a condition that is zero when its event is added to a run is told wit
   if (beside) run.add_event(far), again.add_event(far);
   run.set_state(stone.thrown(10));
   run.run_until(1.5);  // on its way down
-  REQUIRE(run.report().warnings.empty());
+  REQUIRE(run.report().findings.empty());
   Event event{.name = "level", .stop = true};
   event.value = [level = run.state().q[2]](const Sample& s) { return s.state.q[2] - level; };
   event.crossing = Event::Crossing::falling;
@@ -282,9 +282,9 @@ TEST_CASE("a condition that is zero when its event is added to a run is told wit
   again.load(saved);
   for (StepLoop* loop : {&run, &again}) {
     loop->run_until(3);
-    REQUIRE(loop->report().warnings.size() == 1);
-    check_words(loop->report().warnings[0], {"event 'level'", "zero at t = 1.5 s", "added", "again"});
-    CHECK_FALSE(says(loop->report().warnings[0], {"the start"}));
+    REQUIRE(loop->report().findings.size() == 1);
+    check_words(loop->report().findings[0].text(), {"event 'level'", "zero at t = 1.5 s", "added", "again"});
+    CHECK_FALSE(says(loop->report().findings[0].text(), {"the start"}));
     CHECK(loop->state().t == 3);
   }
 }
@@ -304,8 +304,8 @@ TEST_CASE("events say what they leave out", "[unit][dynamics]") {
   run.add_event(one), run.add_event(two);
   run.run_until(1);
   CHECK(run.report().stopped_by == "one, two");
-  REQUIRE(run.report().warnings.size() == 1);
-  check_words(run.report().warnings[0], {"event 'up'", "at the start already"});
+  REQUIRE(run.report().findings.size() == 1);
+  check_words(run.report().findings[0].text(), {"event 'up'", "at the start already"});
 }
 
 // The steps end at multiples of 1/4 s exactly, so the condition is 0 to the last bit where the third begins.
@@ -322,7 +322,7 @@ TEST_CASE("a condition that a later step leaves from exactly zero has fired ther
   run.add_event(event);
   run.run_until(1.5);
   CHECK(fired == 1);
-  CHECK(run.report().warnings.empty());
+  CHECK(run.report().findings.empty());
 }
 
 TEST_CASE("a law that jumps in position is refused by name, however drift is removed", "[unit][dynamics]") {
@@ -348,7 +348,7 @@ TEST_CASE("fixed steps in which a body turns far are warned of, once and with th
     run.run_until(0.5);
     run.run_until(1);
     CHECK((step == 0 || run.report().largest_turn == Approx(30 * step)));
-    return run.report().warnings;
+    return texts_of(run.report().findings);
   };
   const std::vector<std::string> warnings = warnings_of(std::make_unique<Rk4>(), 0.1);
   REQUIRE(warnings.size() == 1);
@@ -362,8 +362,8 @@ TEST_CASE("a fixed step that is longer than the time between outputs says that t
   Dynamics dynamics = dynamics_of(stone.system);
   StepLoop run(dynamics, std::make_unique<Rk4>(), {.step = 0.1, .output = 0.03});
   run.run_until(0.3);
-  REQUIRE(run.report().warnings.size() == 1);
-  check_words(run.report().warnings.front(), {"rk4", "0.1 s", "0.03 s apart"});
+  REQUIRE(run.report().findings.size() == 1);
+  check_words(run.report().findings.front().text(), {"rk4", "0.1 s", "0.03 s apart"});
 }
 
 TEST_CASE("events switch forces on and off", "[unit][dynamics]") {

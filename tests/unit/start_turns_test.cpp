@@ -255,8 +255,8 @@ TEST_CASE("an angle that has no number of turns is told, and recorded within hal
   Dynamics dynamics(system_of(m), std::make_unique<SchurSolver>(), {Formulation::omega, {}});
   State state = m.system.start();
   const AssemblyReport report = assemble(dynamics, state, {}, m.assembly);
-  REQUIRE(report.warnings.size() == 1);
-  testing::check_words(report.warnings[0], {"start by U.rx", "540 deg is asked for and", "180 deg taken"});
+  REQUIRE(report.findings.size() == 1);
+  testing::check_words(report.findings[0].text(), {"start by U.rx", "540 deg is asked for and", "180 deg taken"});
   CHECK(std::abs(history_of(text).first("U.angle_x")) == Approx(kPi));
 }
 

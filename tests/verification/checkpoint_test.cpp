@@ -124,7 +124,7 @@ std::string difference(Run& a, Run& b) {
   if (ra.largest_violation != rb.largest_violation || ra.stiff_since != rb.stiff_since ||
       ra.largest_turn != rb.largest_turn || ra.turned_most != rb.turned_most)
     return "largest numbers of the report";
-  if (ra.stopped != rb.stopped || ra.stopped_by != rb.stopped_by || ra.warnings != rb.warnings)
+  if (ra.stopped != rb.stopped || ra.stopped_by != rb.stopped_by || texts_of(ra.findings) != texts_of(rb.findings))
     return "words of the report";
   const Audit xa = a.audit->result(), xb = b.audit->result();
   if (xa.imbalance != xb.imbalance || xa.scale != xb.scale || xa.violation != xb.violation || xa.end != xb.end ||

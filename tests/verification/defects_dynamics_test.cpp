@@ -155,12 +155,14 @@ SimulationReport sidesteps(double aside, AuditLimits limits) {
 TEST_CASE("a host is told of an integrator of its own that leaves the constraints", "[verification][defects]") {
   const SimulationReport off = sidesteps(1, {});
   CHECK(off.largest_violation == Approx(1).epsilon(1e-12));
-  REQUIRE(off.warnings.size() == 1);  // once, though it stays there for four steps more
-  CHECK(off.warnings[0].starts_with("sidestep: the constraints are violated by 1 m after the step to t = 0.6 s "));
-  CHECK(contains(off.warnings[0], "(limit 0.0005 m)"));  // a thousandth of the mechanism's length, the arm of 0.5 m
-  CHECK(sidesteps(1, {.violation = 2}).warnings.empty());
-  CHECK(sidesteps(1e-4, {}).warnings.empty());
-  CHECK(sidesteps(1e-4, {.violation = 1e-5}).warnings.size() == 1);
+  REQUIRE(off.findings.size() == 1);  // once, though it stays there for four steps more
+  CHECK(
+      off.findings[0].text().starts_with("sidestep: the constraints are violated by 1 m after the step to t = 0.6 s "));
+  CHECK(contains(off.findings[0].text(),
+                 "(limit 0.0005 m)"));  // a thousandth of the mechanism's length, the arm of 0.5 m
+  CHECK(sidesteps(1, {.violation = 2}).findings.empty());
+  CHECK(sidesteps(1e-4, {}).findings.empty());
+  CHECK(sidesteps(1e-4, {.violation = 1e-5}).findings.size() == 1);
 }
 
 TEST_CASE("not_conserved: energy that is lost is wrong, whatever the method", "[verification][defects]") {
@@ -396,13 +398,13 @@ TEST_CASE("a sweep's row doubts what a run by itself doubts", "[verification][de
   const Table columns = recorded_columns(scene, registry);
   const SweepRun run = sweep_run(scene, registry, columns);
   INFO(run.outcome());
-  REQUIRE(run.doubts.size() == 1);
-  CHECK(run.outcome() == "ok; doubtful: " + run.doubts[0]);
-  CHECK(run.doubts[0].starts_with("the reactions at t = 0 s are uncertain"));
+  REQUIRE(run.findings.size() == 1);
+  CHECK(run.outcome() == "ok; doubtful: " + run.findings[0].text());
+  CHECK(run.findings[0].text().starts_with("the reactions at t = 0 s are uncertain"));
   const std::vector<Scene> scenes(8, scene);
   const std::vector<SweepRun> lanes = sweep_lanes(scenes, registry, columns, {}, nullptr);
   REQUIRE(lanes.size() == 8);
-  for (const SweepRun& lane : lanes) CHECK(lane.doubts == run.doubts);
+  for (const SweepRun& lane : lanes) CHECK(texts_of(lane.findings) == texts_of(run.findings));
   scene.run.times.erase(scene.run.times.begin());
   CHECK(sweep_run(scene, registry, columns).outcome() == "ok");
 }
@@ -415,10 +417,10 @@ TEST_CASE("copies that left the lanes say which tolerance they did not reach", "
   const Table columns = recorded_columns(scene, registry);
   const std::vector<SweepRun> lanes = sweep_lanes(std::vector<Scene>(3, scene), registry, columns, {}, nullptr);
   REQUIRE(lanes.size() == 3);
-  REQUIRE(sweep_run(scene, registry, columns).doubts.size() == 1);
+  REQUIRE(sweep_run(scene, registry, columns).findings.size() == 1);
   for (const SweepRun& lane : lanes) {
-    REQUIRE(lane.doubts.size() == 1);
-    CHECK(contains(lane.doubts[0], "the tolerance of 3e-16 was not reached in "));
+    REQUIRE(lane.findings.size() == 1);
+    CHECK(contains(lane.findings[0].text(), "the tolerance of 3e-16 was not reached in "));
   }
 }
 

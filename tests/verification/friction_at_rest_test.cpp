@@ -95,7 +95,7 @@ TEST_CASE("friction at rest has the coefficient of rest, the preload and the sha
     CHECK(found.stability.kind == Kind::stable);  // where it hangs
     CHECK(found.largest_move > 0);
     REQUIRE(found.notes.size() == 2);
-    CHECK(found.notes.front().find("friction does not hold the start") != std::string::npos);
+    CHECK(found.notes.front().text().find("friction does not hold the start") != std::string::npos);
   }
   // Level, under a push that only a preload resists.
   for (const double push : {4.9, 5.1}) {
@@ -250,7 +250,7 @@ TEST_CASE("friction that could hold the start is not taken where a one-sided lin
   CHECK_FALSE(found.by_friction);
   CHECK(found.largest_move == Approx(mass * kG / stiffness));
   REQUIRE(found.notes.size() == 3);
-  testing::check_words(found.notes.front(), {"friction could hold the start", "'lid' would have to pull there"});
+  testing::check_words(found.notes.front().text(), {"friction could hold the start", "'lid' would have to pull there"});
 }
 
 }  // namespace friction_at_rest_test

@@ -228,7 +228,7 @@ TEST_CASE("gains of a stabilisation have nothing to act on in joint coordinates,
     add_chain(system, 3);
     Dynamics dynamics(system, std::make_unique<SchurSolver>(), {.formulation = formulation, .stabilization = {kind}});
     StepLoop loop(dynamics, std::make_unique<Dopri5>());
-    return loop.run_until(0.01).warnings;
+    return texts_of(loop.run_until(0.01).findings);
   };
   using Kind = Stabilization::Kind;
   for (const Kind kind : {Kind::baumgarte, Kind::none}) {

@@ -126,7 +126,7 @@ TEST_CASE("modes: what is no equilibrium is refused by name, or frozen when aske
   CHECK(frozen.unrest.acceleration_limit == Approx(1e-6 * load).epsilon(1e-12));
   CHECK(frozen.unrest.speed_limit == Approx(1e-6 * std::sqrt(0.5 * load)).epsilon(1e-12));
   REQUIRE_FALSE(frozen.notes.empty());
-  CHECK(says(frozen.notes.front(), {"frozen"}));
+  CHECK(says(frozen.notes.front().text(), {"frozen"}));
 
   // Through its lowest position a pendulum seems to turn steadily; a third of a turn later it does not.
   System swinging({.gravity = {0, -9.81, 0}});

@@ -452,7 +452,7 @@ TEST_CASE("statics: a note names a marker that a law moves under a damper", "[ve
                 "free_length": 1.1}]})";
   Mechanism m = build_mechanism(scene_from_text(text, "marker.json"), builtin_registry());
   const AtRest found(system_of(m));
-  CHECK(found.report.notes ==
+  CHECK(texts_of(found.report.notes) ==
         std::vector<std::string>{"marker 'M' moves by a law: dampers on it act as they do at that instant"});
   CHECK(body_pose(m.system.body("b"), found.state).x[0] == Approx(1.1 + 10.0 / 123).epsilon(1e-10));
 }

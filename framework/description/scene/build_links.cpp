@@ -3,11 +3,11 @@
 #include <cmath>
 
 #include <lockstep/author/lock.h>
-#include <lockstep/log.h>
 #include <lockstep/text.h>
 #include "framework/description/registry/law_units.h"
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/split.h"
+#include "framework/foundation/support/finding_kinds.h"
 
 namespace lockstep {
 namespace {
@@ -50,10 +50,13 @@ void warn_of_held_turns(const Params& p, const std::string& type, const System& 
     if (joint == nullptr || !includes(joint->mask(), row_of(Axis::rz)) || joint->turned()) continue;
     const auto [P, S] = link.pairs().front();
     if (P->rotation_law != nullptr || S->rotation_law != nullptr) continue;
-    const std::string place = items[i].where.text();
-    log_warning((place.empty() ? "" : place + ": ") + part_of(p.owner(), "pairs[" + std::to_string(i) + "]") +
-                ": link '" + *word + "' (" + std::string(link.type()) + ") holds the turn about its z, so that the " +
-                type + " holds that of the other pair too; name a joint that turns about z");
+    Finding f{&finding::held_turn, "link '" + *word + "'",
+              part_of(p.owner(), "pairs[" + std::to_string(i) + "]") + ": link '" + *word + "' (" +
+                  std::string(link.type()) + ") holds the turn about its z, so that the " + type +
+                  " holds that of the other pair too",
+              "name a joint that turns about z"};
+    f.place = items[i].where.text();
+    report_finding(f);
   }
 }
 

@@ -1,4 +1,5 @@
 #include "framework/description/scene/include.h"
+#include "framework/foundation/support/finding_kinds.h"
 
 #include <algorithm>
 #include <deque>
@@ -8,7 +9,6 @@
 #include <span>
 
 #include <lockstep/error.h>
-#include <lockstep/log.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/definitions.h"
@@ -247,10 +247,14 @@ void expand_includes(Value& root, SceneReading& reading, Formulas& formulas) {
 void tell_left_out(const Value& root, const SceneReading& reading) {
   std::set<std::string> told;  // a scene may be included several times
   for (const LeftOutKey& out : reading.left_out)
-    if (root.find(out.key) == nullptr && told.insert(out.where.text()).second)
-      log_warning(out.where.text() + ": scene, " + out.key + ": " + out.value +
-                  " of an included scene is not taken; the scene that includes it gives none: give it \"" + out.key +
-                  "\" there");
+    if (root.find(out.key) == nullptr && told.insert(out.where.text()).second) {
+      Finding f{&finding::not_included, "",
+                "scene, " + out.key + ": " + out.value +
+                    " of an included scene is not taken; the scene that includes it gives none",
+                "give it \"" + out.key + "\" there"};
+      f.place = out.where.text();
+      report_finding(f);
+    }
 }
 
 }  // namespace lockstep

@@ -1,10 +1,9 @@
 #include "framework/description/scene/old_names.h"
+#include "framework/foundation/support/finding_kinds.h"
 
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-
-#include <lockstep/log.h>
 
 #include "framework/mechanism/params/read.h"
 
@@ -21,8 +20,10 @@ constexpr Renamed kRenamed[] = {
 
 // Logs that `old_name` is outdated, at a place or, where that is "", on the command line.
 void warn(const std::string& place, const Renamed& key) {
-  log_warning(fmt::format("{}{}\"{}\" is now called \"{}\"; the next release reads only the new name", place,
-                          place.empty() ? "" : ": ", key.old_name, key.name));
+  Finding f{&finding::renamed_key, "", fmt::format("\"{}\" is now called \"{}\"", key.old_name, key.name),
+            "the next release reads only the new name"};
+  f.place = place;
+  report_finding(f);
 }
 
 void rename(Value::Member& member, const Value& owner, const Renamed& key) {

@@ -14,6 +14,7 @@
 #include "framework/dynamics/simulate/start_positions.h"
 #include "framework/dynamics/simulate/start_rows.h"
 #include "framework/foundation/math/decompositions.h"
+#include "framework/foundation/support/finding_kinds.h"
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
@@ -146,23 +147,28 @@ void add_warnings(Dynamics& dynamics, const State& given, const State& assembled
              turned = report.largest_turn > kMuch * kTwoPi && meant(report.turned_most);
   const bool by_laws = (moved || turned) && only_laws_move(dynamics, given);
   if (moved && !by_laws)
-    report.warnings.push_back(fmt::format(
-        "assembly moved body '{}' by {:.3g} m from where its start pose puts it; give it a position that fits its "
-        "links (`lockstep assemble` prints one)",
-        report.moved_most, report.largest_move));
+    report.findings.push_back({&finding::start_moved, "body '" + report.moved_most + "'",
+                               fmt::format("assembly moved body '{}' by {:.3g} m from where its start pose puts it",
+                                           report.moved_most, report.largest_move),
+                               "give it a position that fits its links (`lockstep assemble` prints one)",
+                               report.largest_move, kMuch * system.length(), "m"});
   else if (turned && !by_laws)
-    report.warnings.push_back(fmt::format(
-        "assembly turned body '{}' by {:.3g} rad from its start pose; give it an orientation that fits its links "
-        "(`lockstep assemble` prints one)",
-        report.turned_most, report.largest_turn));
+    report.findings.push_back({&finding::start_moved, "body '" + report.turned_most + "'",
+                               fmt::format("assembly turned body '{}' by {:.3g} rad from its start pose",
+                                           report.turned_most, report.largest_turn),
+                               "give it an orientation that fits its links (`lockstep assemble` prints one)",
+                               report.largest_turn, kMuch * kTwoPi, "rad"});
   const double lost = report.kinetic_before - report.kinetic_after;
   if (!(lost > kMuch * report.kinetic_before)) return;
   const std::string missing = not_given(system, given, assembled);
-  report.warnings.push_back(fmt::format(
-      "assembly took {:.3g} J of the {:.3g} J that the start velocities give, as the links do not allow them: {}", lost,
-      report.kinetic_before,
-      missing.empty() ? "no such motion is free (lockstep check counts the freedoms)"
-                      : missing + "; give fitting ones, or one start speed of a link (\"start\")"));
+  report.findings.push_back(
+      {&finding::start_speed_lost, "",
+       fmt::format("assembly took {:.3g} J of the {:.3g} J that the start velocities give, as the links do not allow "
+                   "them: {}",
+                   lost, report.kinetic_before, missing.empty() ? "no such motion is free" : missing),
+       missing.empty() ? "lockstep check counts the freedoms"
+                       : "give fitting ones, or one start speed of a link (\"start\")",
+       lost, kMuch * report.kinetic_before, "J"});
 }
 
 // What was asked for by a weight and is not there: against it count the start poses of the bodies, and other coordinates.
@@ -173,13 +179,15 @@ void add_missed(Dynamics& dynamics, const State& assembled, const AssemblyOption
     const double off = target.value(dynamics, assembled, target.asked) - target.asked;
     if ((turns ? 1 : 1 / dynamics.system().length()) * std::abs(off) <= kLittle) continue;
     const auto shown = [&](double x) { return turns ? degrees(x) : x; };
-    report.warnings.push_back(fmt::format(
-        "link '{}': {} begins at {:.4g} {}, near {:.4g} {} was asked for: what else is asked for, start poses of "
-        "bodies among it, counts against it; ask for it exactly (\"position\"), or let its body go anywhere "
-        "(\"assembled\": "
-        "\"free\")",
-        target.link->name(), to_string(target.axis), shown(target.asked + off), turns ? "deg" : "m",
-        shown(target.asked), turns ? "deg" : "m"));
+    const char* const unit = turns ? "deg" : "m";
+    report.findings.push_back(
+        {&finding::start_missed, "link '" + target.link->name() + "'",
+         fmt::format("link '{}': {} begins at {:.4g} {}, near {:.4g} {} was asked for: what else is asked for, start "
+                     "poses of bodies among it, counts against it",
+                     target.link->name(), to_string(target.axis), shown(target.asked + off), unit, shown(target.asked),
+                     unit),
+         "ask for it exactly (\"position\"), or let its body go anywhere (\"assembled\": \"free\")",
+         shown(target.asked + off), shown(target.asked), unit});
   }
 }
 
@@ -224,7 +232,7 @@ AssemblyReport assemble(Dynamics& dynamics, State& state, const std::vector<Velo
   add_missed(dynamics, work, options, report);
   state = work;
   if (report.is_notable()) log_info(report.text());
-  for (const std::string& warning : report.warnings) log_warning(warning);
+  for (const Finding& f : report.findings) report_finding(f);
   return report;
 }
 

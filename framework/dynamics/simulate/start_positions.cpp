@@ -1,4 +1,5 @@
 #include "framework/dynamics/simulate/start_positions.h"
+#include "framework/foundation/support/finding_kinds.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -8,7 +9,6 @@
 #include <utility>
 
 #include <lockstep/error.h>
-#include <lockstep/log.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/evaluate/projection_rule.h"
 #include "framework/dynamics/evaluate/speed_of.h"
@@ -199,9 +199,12 @@ class StartSearch {
   bool is_beyond(const StartTarget& target) const { return target.turns() && std::abs(target.asked) > kPi + goal_; }
 
   void warn(const StartTarget& target, const char* why) {
-    report_.warnings.push_back(
-        fmt::format("{}: {:.9g} deg is asked for and {:.9g} deg taken by what counts its turns: {}", target.who(),
-                    degrees(target.asked), degrees(nearest_branch(target.asked, 0)), why));
+    const double taken = degrees(nearest_branch(target.asked, 0));
+    report_.findings.push_back(
+        {&finding::start_missed, target.who(),
+         fmt::format("{}: {:.9g} deg is asked for and {:.9g} deg taken by what counts its turns: {}", target.who(),
+                     degrees(target.asked), taken, why),
+         "", taken, degrees(target.asked), "deg"});
   }
 
   /// Whether a target is elsewhere than in the poses given.
@@ -361,7 +364,7 @@ void begin_turns(Dynamics& dynamics, State& state) {
   if (dynamics.system().counted_angles().empty() || !turns_begin(dynamics.system(), state)) return;
   AssemblyReport report;
   StartSearch(dynamics, state, {}, report).count_turns();
-  for (const std::string& warning : report.warnings) log_warning(warning);
+  for (const Finding& f : report.findings) report_finding(f);
 }
 
 void count_from(Dynamics& dynamics, State& state) {

@@ -15,6 +15,7 @@
 #include "framework/dynamics/simulate/step_loop_parts.h"
 #include "framework/dynamics/simulate/step_rules.h"
 #include "framework/foundation/math/limits.h"
+#include "framework/foundation/support/finding_kinds.h"
 
 namespace lockstep {
 
@@ -221,19 +222,19 @@ void StepLoop::warn_at_start() {
   const IntegratorInfo& method = parts_->interval.method();
   if (state_.coordinates && !state_.coordinates->has_rows() &&
       dynamics_.options().stabilization.kind != Stabilization::Kind::project)
-    warn(
-        "nothing to stabilise: in joint coordinates the links hold by themselves; take the formulation omega to see "
-        "drift");
+    add_finding({&finding::setting_unused, "",
+                 "nothing to stabilise: in joint coordinates the links hold by themselves",
+                 "take the formulation omega to see drift"});
   if (const double between = parts_->clock.shortest_output();
       !method.adaptive && !parts_->interval.has_dense() && options_.step > (1 + kNegligible) * between)
-    warn(
-        fmt::format("{} steps of {:g} s end at the outputs, {:g} s apart, since it cannot interpolate: ask for outputs "
-                    "less often, or for smaller steps",
-                    method.name, options_.step, between));
+    add_finding({&finding::long_steps, "",
+                 fmt::format("{} steps of {:g} s end at the outputs, {:g} s apart, since it cannot interpolate",
+                             method.name, options_.step, between),
+                 "ask for outputs less often, or for smaller steps", options_.step, between, "s"});
   for (const std::string& name : parts_->events.past_at_start())
-    warn(fmt::format(
-        "event '{}': its condition has passed zero at the start already; it falls due only when it does so again",
-        name));
+    add_finding({&finding::event_at_zero, "event '" + name + "'",
+                 fmt::format("event '{}': its condition has passed zero at the start already", name),
+                 "it falls due only when it does so again"});
 }
 
 // The step is computed, then it stands: from there on what is due of it is kept until it is done.
@@ -300,10 +301,10 @@ const Inputs* StepLoop::end_step(double wanted) {
 void StepLoop::note_step(double t0, const Sample& sample) {
   const StepReport& step = sample.report;
   for (const std::string& name : parts_->events.take_left_zero())
-    warn(
-        fmt::format("event '{}': its condition is zero at {}, from where it did not cross; it falls due only when it "
-                    "passes zero again",
-                    name, report_.steps == 1 ? "the start" : fmt::format("t = {:.9g} s, when it was added", t0)));
+    add_finding({&finding::event_at_zero, "event '" + name + "'",
+                 fmt::format("event '{}': its condition is zero at {}, from where it did not cross", name,
+                             report_.steps == 1 ? "the start" : fmt::format("t = {:.9g} s, when it was added", t0)),
+                 "it falls due only when it passes zero again"});
   measure_turns(step.h, sample);
   parts_->interval.measure(state_, report_.steps);
   report_.rejected += step.rejected;

@@ -7,9 +7,8 @@
 #include <new>
 
 #include <lockstep/error.h>
-#include <lockstep/log.h>
-#include "framework/dynamics/integrate/culprit.h"
 #include "framework/dynamics/evaluate/speed_of.h"
+#include "framework/dynamics/integrate/culprit.h"
 #include "framework/dynamics/simulate/detail_observer.h"
 #include "framework/dynamics/simulate/step_loop_parts.h"
 #include "framework/dynamics/simulate/step_rules.h"
@@ -17,6 +16,7 @@
 #include "framework/dynamics/tree/joint_tree.h"
 #include "framework/dynamics/tree/slender_bodies.h"
 #include "framework/foundation/math/limits.h"
+#include "framework/foundation/support/finding_kinds.h"
 
 namespace lockstep {
 
@@ -199,24 +199,26 @@ void StepLoop::warn_of_turns() {
   const char* next = method_->info().adaptive ? "bound them (--step)"
                                               : "take a smaller step (--step), or a method that chooses its own "
                                                 "(--integrator dopri5)";
-  warn(
-      fmt::format("body '{}' turned by up to {:.3g} rad within a step of {}; beyond {:g} rad steps of this kind are "
-                  "seldom accurate: {}",
-                  report_.turned_most, report_.largest_turn, method_->info().name, kLongTurn, next));
+  add_finding({&finding::long_turn, "body '" + report_.turned_most + "'",
+               fmt::format("body '{}' turned by up to {:.3g} rad within a step of {}; beyond {:g} rad steps of this "
+                           "kind are seldom accurate",
+                           report_.turned_most, report_.largest_turn, method_->info().name, kLongTurn),
+               next, report_.largest_turn, kLongTurn, "rad"});
 }
 
 void StepLoop::warn_of_drift(double largest_before) {
   const double limit = options_.limits.of(system().length()).violation, now = report_.largest_violation;
   if (now <= limit || !(largest_before <= limit)) return;
-  warn(fmt::format(
-      "{}: the constraints are violated by {:.2g} m after the step to t = {:.9g} s (limit {:.2g} m), so the "
-      "result is wrong: project the end of each step (stabilization project, Dynamics::project)",
-      method_->info().name, now, state_.t, limit));
+  add_finding({&finding::violated_in_run, "",
+               fmt::format("{}: the constraints are violated by {:.2g} m after the step to t = {:.9g} s (limit {:.2g} "
+                           "m), so the result is wrong",
+                           method_->info().name, now, state_.t, limit),
+               "project the end of each step (stabilization project, Dynamics::project)", now, limit, "m", state_.t});
 }
 
-void StepLoop::warn(const std::string& text) {
-  report_.warnings.push_back(text);
-  log_warning(text);
+void StepLoop::add_finding(Finding f) {
+  report_.findings.push_back(f);
+  report_finding(f);
 }
 
 }  // namespace lockstep

@@ -18,8 +18,12 @@ void save_report(const SimulationReport& r, Snapshot& out) {
   for (const long n : {r.steps, r.rejected, r.impacts, r.manifold_steps}) out.put(static_cast<double>(n));
   for (const double x : {r.largest_violation, r.stiff_since, r.largest_turn, r.stopped ? 1.0 : 0.0}) out.put(x);
   out.put_text(r.turned_most), out.put_text(r.stopped_by);
-  out.put(static_cast<double>(r.warnings.size()));
-  for (const std::string& text : r.warnings) out.put_text(text);
+  out.put(static_cast<double>(r.findings.size()));
+  for (const Finding& f : r.findings) {
+    for (const std::string& text : {std::string(f.code()), f.thing, f.message, f.advice, f.unit, f.place})
+      out.put_text(text);
+    out.put(f.value), out.put(f.limit), out.put(f.t);
+  }
 }
 
 SimulationReport load_report(SnapshotReader& in) {
@@ -28,7 +32,12 @@ SimulationReport load_report(SnapshotReader& in) {
   for (double* x : {&r.largest_violation, &r.stiff_since, &r.largest_turn}) *x = in.get();
   r.stopped = in.get_flag();
   r.turned_most = in.get_text(), r.stopped_by = in.get_text();
-  for (long n = in.get_count(); n > 0; --n) r.warnings.push_back(in.get_text());
+  for (long n = in.get_count(); n > 0; --n) {
+    Finding f{&finding_kind(in.get_text())};
+    for (std::string* text : {&f.thing, &f.message, &f.advice, &f.unit, &f.place}) *text = in.get_text();
+    f.value = in.get(), f.limit = in.get(), f.t = in.get();
+    r.findings.push_back(std::move(f));
+  }
   return r;
 }
 

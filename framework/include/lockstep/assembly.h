@@ -7,6 +7,7 @@
 
 #include <lockstep/detail/kernel.h>
 #include <lockstep/dynamics.h>
+#include <lockstep/finding.h>
 
 namespace lockstep {
 
@@ -50,7 +51,7 @@ struct AssemblyReport {
       kinetic_after = 0;      ///< kinetic energy of the assembled start, J
   /// What the start hardly meant: a body far from where it was put, most of the energy gone; with the bodies of which no
   /// start velocity is given.
-  std::vector<std::string> warnings{};
+  std::vector<Finding> findings{};
 
   LOCKSTEP_API bool is_notable() const;   ///< whether a violation or a change was more than 1e-6 m, rad or m/s
   LOCKSTEP_API std::string text() const;  ///< all of it in one sentence
@@ -71,7 +72,7 @@ struct AssemblyOptions {
 /// where they begin, in shares that turn no body by more than an eighth of a turn; so are coordinates that are asked
 /// for. Velocities: the least mass-weighted change onto Jh v = -Ct and the targets, which are met to round-off. Counted
 /// angles (CountedAngle) follow that way and begin in the turn that coordinates or drives ask for, if they are as
-/// System::start() leaves them. A notable correction is logged (log.h, level info), and the report's warnings are.
+/// System::start() leaves them. A notable correction is logged (log.h, level info), and so are the report's findings.
 /// Throws AssemblyError with the names of the worst rows; ModelError for a target of an unknown link or body, or of a
 /// link without markers, for a weight below zero, a value that is not finite, and for weights or coordinates of more
 /// than 250 bodies; and what an evaluation throws. The state is then unchanged.

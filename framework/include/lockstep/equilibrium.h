@@ -6,6 +6,7 @@
 
 #include <lockstep/detail/export.h>
 #include <lockstep/dynamics.h>
+#include <lockstep/finding.h>
 
 namespace lockstep {
 
@@ -85,7 +86,7 @@ struct EquilibriumReport {
   /// What friction carries in the state given, where it holds that state (`by_friction`), or would have to carry there,
   /// where it does not; empty where none has a part in it.
   std::vector<GripReport> grips;
-  std::vector<std::string> notes;    ///< what of the scene does not act as in a run
+  std::vector<Finding> notes;  ///< what of the scene does not act as in a run
   /// How it was found, in words: "Newton's method, 7 iterations".
   LOCKSTEP_API std::string method() const;
 };

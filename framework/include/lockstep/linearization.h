@@ -15,6 +15,7 @@
 
 #include <lockstep/author/law.h>
 #include <lockstep/dynamics.h>
+#include <lockstep/finding.h>
 #include <lockstep/recorder.h>
 
 namespace lockstep {
@@ -87,7 +88,7 @@ struct Unrest {
 struct LinearMotion : MechanismMatrices {
   Vec3 spin = Vec3::Zero();          ///< angular velocity of the axes, world, rad/s
   Unrest unrest;                     ///< how still the state is in them
-  std::vector<std::string> notes{};  ///< what was held or left out, by name
+  std::vector<Finding> notes{};      ///< what was held or left out, by name
 };
 
 /// Linearises about a state, in space unless a plane was asked for (System::InSpace). A spin that is not given is zero where the mechanism rests, else that of all bodies if
@@ -150,7 +151,7 @@ struct StateSpace {
   double accuracy = 0;
   Vec3 spin = Vec3::Zero();          ///< as LinearMotion
   Unrest unrest;                     ///< as LinearMotion
-  std::vector<std::string> notes{};  ///< as LinearMotion
+  std::vector<Finding> notes{};      ///< as LinearMotion
 };
 
 /// Linearises with inputs and outputs. The outputs are channels of the same system, made before the state was taken.

@@ -60,7 +60,7 @@ struct Modes {
   double length = 1;                 ///< by which translations of shapes are compared with rotations, m
   Vec3 spin = Vec3::Zero();          ///< as LinearMotion
   Unrest unrest;                     ///< as LinearMotion
-  std::vector<std::string> notes{};  ///< as LinearMotion
+  std::vector<Finding> notes{};      ///< as LinearMotion
 
   /// All eigenvalues that were found: zeros, and pairs as two.
   LOCKSTEP_API std::vector<std::complex<double>> eigenvalues() const;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <lockstep/detail/export.h>
+#include <lockstep/finding.h>
 #include <lockstep/recorder.h>
 #include <lockstep/solid.h>
 
@@ -19,7 +20,8 @@ struct ReportText {
       scene{},                                                  ///< the scene as its author wrote it
       command{};                                                ///< what makes this report again
   std::vector<std::pair<std::string, std::string>> facts{};     ///< of the run: what, and how much
-  std::vector<std::string> warnings{};                          ///< of the run, as SimulationReport::warnings
+  std::vector<Finding> findings{};                              ///< of the run, as SimulationReport::findings
+  std::string failure{};                                        ///< why the run did not reach its end; "" if it did
   std::vector<std::vector<std::string>> panels{};               ///< columns drawn together; empty: one panel per unit
   std::vector<std::pair<std::string, std::string>> channels{};  ///< columns with names of their own: name, channel
   std::vector<std::pair<std::string, std::string>> marked{};    ///< links that are marked: name, why

@@ -11,6 +11,7 @@
 
 #include <lockstep/author/integrator.h>
 #include <lockstep/author/lock.h>
+#include <lockstep/finding.h>
 
 namespace lockstep {
 
@@ -168,7 +169,7 @@ struct EventCourse {
   double at = std::numeric_limits<double>::quiet_NaN();       ///< when that was, s
 };
 
-/// Counters, warnings and the end of a run.
+/// Counters, findings and the end of a run.
 struct SimulationReport {
   long steps = 0,                                                ///< accepted steps
       rejected = 0;                                              ///< rejected attempts
@@ -180,7 +181,7 @@ struct SimulationReport {
   std::string turned_most;  ///< that body
   bool stopped = false;     ///< by events or by StepLoop::progress
   std::string stopped_by;   ///< names of the events, or "the caller"
-  std::vector<std::string> warnings{};  ///< in the order in which they came
+  std::vector<Finding> findings{};  ///< in the order in which they came
 };
 
 /// Runs a mechanism: steps, events, contacts, outputs, observers.
@@ -257,8 +258,8 @@ class LOCKSTEP_API StepLoop {
   /// forces, laws and events are not compared. A snapshot of another run, or with other events, leaves the run as it was;
   /// after a later error it begins anew, at the state that it had, with inputs and events as they were read.
   void load(SnapshotReader);
-  /// Adds a warning to the report and logs it (log.h).
-  void warn(const std::string& text);
+  /// Adds a finding to the report and hands it to report_finding().
+  void add_finding(Finding);
 
  private:
   struct Parts;

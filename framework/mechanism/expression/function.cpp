@@ -1,9 +1,9 @@
 #include "framework/mechanism/expression/function.h"
+#include "framework/foundation/support/finding_kinds.h"
 
 #include <algorithm>
 
 #include <lockstep/error.h>
-#include <lockstep/log.h>
 #include <lockstep/text.h>
 #include "framework/mechanism/expression/evaluate.h"
 #include "framework/mechanism/expression/switches.h"
@@ -233,9 +233,10 @@ void FormulaFunction::breakpoints(int time, double t0, double t1, std::vector<do
     all = all && found == Found::all;
   }
   if (!all && warned_ && !warned_->exchange(true))
-    log_warning("switches of formula \"" + text_ + "\" could not all be found between t = " + text::brief(t0) +
-                " and " + text::brief(t1) +
-                " s: over a span, what it compares cannot be told apart; write it with fewer comparisons, min and max");
+    report_finding({&finding::switches_unresolved, "formula \"" + text_ + "\"",
+                    "switches of formula \"" + text_ + "\" could not all be found between t = " + text::brief(t0) +
+                        " and " + text::brief(t1) + " s: over a span, what it compares cannot be told apart",
+                    "write it with fewer comparisons, min and max"});
   const auto begin = out.begin() + static_cast<std::ptrdiff_t>(first);
   std::sort(begin, out.end());
   out.erase(std::unique(begin, out.end()), out.end());

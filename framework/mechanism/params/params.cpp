@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include <lockstep/error.h>
-#include <lockstep/log.h>
 #include <lockstep/text.h>
+#include "framework/foundation/support/finding_kinds.h"
 #include "framework/mechanism/params/csv_reader.h"
 #include "framework/mechanism/params/orientation_told.h"
 #include "framework/mechanism/params/read.h"
@@ -24,11 +24,16 @@ void warn_of_length(const Value& v, const Quat& q, const std::string& context) {
   double length = 0;
   for (const double x : read_numbers(v, Unit::none, context)) length = std::hypot(length, x);
   if (std::abs(length - 1) <= kRounded) return;
-  const std::string place = v.where.text();
   const std::string shown_length = text::number(std::round(1e4 * length) / 1e4);
-  log_warning((place.empty() ? "" : place + ": ") + context + ": the quaternion has length " + shown_length +
-              "; its direction is taken, [" + text::brief(q.w) + ", " + text::brief(q.x) + ", " + text::brief(q.y) +
-              ", " + text::brief(q.z) + "] (scalar first)");
+  Finding f{&finding::quaternion_length,
+            "",
+            context + ": the quaternion has length " + shown_length,
+            "its direction is taken, [" + text::brief(q.w) + ", " + text::brief(q.x) + ", " + text::brief(q.y) + ", " +
+                text::brief(q.z) + "] (scalar first)",
+            length,
+            1};
+  f.place = v.where.text();
+  report_finding(f);
 }
 
 // {"type": ..., ...} or a constant: the rest is read when the law is made.

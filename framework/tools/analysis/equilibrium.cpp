@@ -1,5 +1,6 @@
 // Statics: Newton's method on rows and forces, downhill.
 #include <lockstep/equilibrium.h>
+#include "framework/foundation/support/finding_kinds.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -215,19 +216,23 @@ void EquilibriumSearch::finish() {
     if (const double move = (state_.q.segment<3>(7 * k) - start_.q.segment<3>(7 * k)).norm();
         move > report_.largest_move)
       report_.largest_move = move, report_.moved_most = system_.body_of_slot(k).name;
-  if (const std::string words = beyond_friction(); !words.empty()) report_.notes.push_back(words);
+  if (const std::string words = beyond_friction(); !words.empty())
+    report_.notes.push_back({&finding::analysis_note, "", words});
   for (const Force* force : now_.e->reacting())
     if (!report_.by_friction)
       report_.notes.push_back(
-          fmt::format("{} '{}' is taken as it acts without motion: friction that is smooth at rest "
-                      "holds nothing, and with real friction it may rest beside this position too",
-                      force->type(), force->name()));
+          {&finding::analysis_note, "force '" + force->name() + "'",
+           fmt::format("{} '{}' is taken as it acts without motion: friction that is smooth at rest "
+                       "holds nothing, and with real friction it may rest beside this position too",
+                       force->type(), force->name())});
   for (const Marker& marker : system_.markers())
     if (moves_under_force(marker))
       report_.notes.push_back(
-          fmt::format("marker '{}' moves by a law: dampers on it act as they do at that instant", marker.name));
+          {&finding::analysis_note, "marker '" + marker.name + "'",
+           fmt::format("marker '{}' moves by a law: dampers on it act as they do at that instant", marker.name)});
   if (system_.n_error_controlled_states() > 0)
-    report_.notes.push_back("integrated states (controllers, drives by speed) keep their values of the start");
+    report_.notes.push_back({&finding::analysis_note, "",
+                             "integrated states (controllers, drives by speed) keep their values of the start"});
 }
 
 std::string EquilibriumReport::method() const {

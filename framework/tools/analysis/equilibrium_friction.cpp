@@ -1,6 +1,7 @@
 // Friction at rest: whether it holds the state from which a search begins.
 #include <spdlog/fmt/fmt.h>
 
+#include "framework/foundation/support/finding_kinds.h"
 #include "framework/tools/analysis/equilibrium_search.h"
 #include "framework/tools/analysis/friction_at_rest.h"
 #include "framework/tools/analysis/rest_matrices.h"
@@ -28,16 +29,18 @@ bool EquilibriumSearch::rests_by_friction() {
   now_.lambda = load.lambda;
   for (std::size_t i = 0; i < contacts_.size(); ++i)
     if (pulls(i)) {
-      report_.notes.push_back("friction could hold the start, but the one-sided link '" + contacts_[i].link->name() +
-                              "' would have to pull there");
+      report_.notes.push_back({&finding::analysis_note, "link '" + contacts_[i].link->name() + "'",
+                               "friction could hold the start, but the one-sided link '" + contacts_[i].link->name() +
+                                   "' would have to pull there"});
       return false;
     }
   RestMatrices held(*now_.e, load.lambda);
   held.N = load.ungripped;
   Stability found = judge_motions(*now_.e, held);
   if (found.kind == Stability::Kind::unstable) {
-    report_.notes.push_back("friction could hold the start, but what it does not grip is unstable: " +
-                            found.unstable.front().words);
+    report_.notes.push_back(
+        {&finding::analysis_note, "",
+         "friction could hold the start, but what it does not grip is unstable: " + found.unstable.front().words});
     return false;
   }
   if (found.kind == Stability::Kind::stable) found.kind = Stability::Kind::gripped;

@@ -8,6 +8,7 @@
 //
 // and a steady motion has v = u0 + Om x x, a = Om x v, al = W x w.
 #include <lockstep/linearization.h>
+#include "framework/foundation/support/finding_kinds.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
@@ -260,21 +261,24 @@ void refuse_acting_friction(Dynamics& dynamics, const State& state, const Mechan
   }
 }
 
-std::vector<std::string> notes_on(const System& system, const State& state) {
-  std::vector<std::string> notes;
+std::vector<Finding> notes_on(const System& system, const State& state) {
+  std::vector<Finding> notes;
+  const auto note = [&](const std::string& thing, const std::string& words) {
+    notes.push_back({&finding::analysis_note, thing, thing + words});
+  };
   for (const auto& link : system.links()) {
     if (link->unilateral() != nullptr)
-      notes.push_back(state.modes[static_cast<std::size_t>(link->number())]
-                          ? "one-sided link '" + link->name() + "' is in contact and held as two-sided"
-                          : "one-sided link '" + link->name() + "' is open and left out");
+      note("one-sided link '" + link->name() + "'", state.modes[static_cast<std::size_t>(link->number())]
+                                                        ? " is in contact and held as two-sided"
+                                                        : " is open and left out");
     if (link->n_own_states() > 0 && !link->jointed()->imposed().hold)
-      notes.push_back("link '" + link->name() + "': the speed of its drive is held");
-    if (link->n_own_memory() > 0) notes.push_back("link '" + link->name() + "': its memory is held");
+      note("link '" + link->name() + "'", ": the speed of its drive is held");
+    if (link->n_own_memory() > 0) note("link '" + link->name() + "'", ": its memory is held");
   }
   for (const auto& force : system.forces()) {
-    if (force->n_own_memory() > 0) notes.push_back("force '" + force->name() + "': its memory is held");
+    if (force->n_own_memory() > 0) note("force '" + force->name() + "'", ": its memory is held");
     if (force->reacting() != nullptr)
-      notes.push_back("force '" + force->name() + "': friction at rest, with the reactions of this state");
+      note("force '" + force->name() + "'", ": friction at rest, with the reactions of this state");
   }
   return notes;
 }
@@ -332,7 +336,8 @@ LinearMotion linear_motion(Dynamics& dynamics, const State& given, const LinearM
     throw ModelError("the state at t = " + text::brief(state.t) + " s is neither an equilibrium nor a steady motion: " +
                      why + "; linearise about one that is, or ask for the frozen coefficients of this instant");
   out.notes = notes_on(system, state);
-  if (!why.empty()) out.notes.insert(out.notes.begin(), "frozen coefficients of one instant: " + why);
+  if (!why.empty())
+    out.notes.insert(out.notes.begin(), {&finding::analysis_note, "", "frozen coefficients of one instant: " + why});
   turn_axes(system, state, slots, out);
   return out;
 }

@@ -1,4 +1,5 @@
 #include <lockstep/modes.h>
+#include "framework/foundation/support/finding_kinds.h"
 
 #include <cmath>
 
@@ -53,8 +54,9 @@ MatX basis_of(Dynamics& dynamics, const State& state, const LinearMotion& motion
   }
   MinimalCoordinates c = minimal_coordinates(dynamics, state, motion);
   if (c.nearly > 0)
-    out.notes.push_back("a singular position is near: " + std::to_string(c.nearly) +
-                        " of the rows nearly depend on others");
+    out.notes.push_back(
+        {&finding::analysis_note, "",
+         "a singular position is near: " + std::to_string(c.nearly) + " of the rows nearly depend on others"});
   out.freedoms = static_cast<int>(c.N.cols());
   return c.N;
 }

@@ -4,6 +4,7 @@
 //
 // R = J^T lambda - f at fixed positions, velocities and multipliers, as a function of the input.
 #include <lockstep/linearization.h>
+#include "framework/foundation/support/finding_kinds.h"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -322,9 +323,9 @@ StateSpace linearize(Dynamics& dynamics, const State& given, const std::vector<L
   StateSpace out;
   out.spin = m.spin, out.unrest = m.unrest, out.notes = m.notes;
   if (!out.spin.isZero(0))
-    out.notes.push_back(
-        "about a steady rotation: outputs are those of this instant, and of every one only where they do "
-        "not depend on the angle");
+    out.notes.push_back({&finding::analysis_note, "",
+                         "about a steady rotation: outputs are those of this instant, and of every one only if they do "
+                         "not depend on the angle"});
   const Outputs outputs(dynamics, state, channels);
   outputs.refuse_integrals();
   std::vector<Direction> columns, of_inputs;

@@ -7,7 +7,7 @@
 
 namespace lockstep {
 
-void CheckReport::add(const std::string& key, Finding finding, double weight) {
+void CheckReport::add(const std::string& key, CheckFinding finding, double weight) {
   const auto at = std::find_if(keys_.begin(), keys_.end(), [&](const Key& k) { return k.key == key; });
   if (at == keys_.end()) {
     keys_.push_back({key, weight});

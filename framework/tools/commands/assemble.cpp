@@ -37,7 +37,7 @@ int assemble_command(const Arguments& args) {
                                          {"turned_most", r.turned_most}, {"bodies", bodies}};
   if (args.json) print_document(report);
   const double far = std::max(r.largest_move, m.system.length() * r.largest_turn);
-  if (args.within.empty()) return r.warnings.empty() ? kExitOk : kExitDoubtful;
+  if (args.within.empty()) return r.findings.empty() ? kExitOk : kExitDoubtful;
   const double within = positive_number("--within", args.within, Unit::length, "0.1m");
   if (far <= within) return kExitOk;
   fmt::print(

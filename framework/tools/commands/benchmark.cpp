@@ -9,7 +9,6 @@
 
 #include <lockstep/analysis.h>
 #include <lockstep/text.h>
-#include "framework/tools/program/few_messages.h"
 #include "framework/tools/program/method_specs.h"
 #include "framework/tools/scene_run/scene_run.h"
 
@@ -263,7 +262,7 @@ std::unique_ptr<WorkPrecision> measure(SceneBenchmark& benchmark, const Argument
   bool headed = false;
   Progress progress(benchmark.options.budget, args.quiet, Counts::budget);
   const double begin = thread_seconds();
-  const FewMessages none(0);  // what coarse settings do to a run is what is measured
+  const FindingScope unheard;  // what coarse settings do to a run is what is measured
   benchmark.options.progress = [&](const std::string& what) {
     if (!quiet && what.rfind("reference", 0) == 0) {
       progress.finish();

@@ -233,7 +233,8 @@ int follow(const Arguments& args, bool inverse) {
     std::rethrow_exception(failed);
   }
   file.commit();
-  for (const std::string& d : doubts.words(motion.steps(), motion.state().t)) fmt::print(stderr, "lockstep: {}\n", d);
+  for (const Finding& f : doubts.findings(motion.steps(), motion.state().t))
+    fmt::print(stderr, "lockstep: {}\n", f.text());
   if (args.json)
     print_document(table_json(recorder->table()));
   else if (!args.quiet)

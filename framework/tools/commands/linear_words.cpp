@@ -15,7 +15,7 @@ LinearMotionOptions motion_options(const Arguments& args) {
   return options;
 }
 
-std::string state_words(double t, const Vec3& spin, const Unrest& unrest, const std::vector<std::string>& notes) {
+std::string state_words(double t, const Vec3& spin, const Unrest& unrest, const std::vector<Finding>& notes) {
   std::string words = fmt::format("  state      t = {:.6g} s; ", t);
   const bool still = unrest.is_still();
   if (spin.isZero(0))
@@ -28,11 +28,11 @@ std::string state_words(double t, const Vec3& spin, const Unrest& unrest, const 
                                        : fmt::format("{:.2g} m/s^2 of '{}' (limit {:.2g})", unrest.acceleration,
                                                      unrest.accelerates, unrest.acceleration_limit)) +
            (unrest.moves.empty() ? "" : fmt::format(", {:.2g} m/s of '{}'", unrest.speed, unrest.moves)) + "\n";
-  for (const std::string& note : notes) words += "  note       " + note + "\n";
+  for (const Finding& note : notes) words += "  note       " + note.text() + "\n";
   return words;
 }
 
-nlohmann::ordered_json state_json(const Vec3& spin, const Unrest& unrest, const std::vector<std::string>& notes) {
+nlohmann::ordered_json state_json(const Vec3& spin, const Unrest& unrest, const std::vector<Finding>& notes) {
   return {{"spin", {spin[0], spin[1], spin[2]}},
           {"still", unrest.is_still()},
           {"acceleration", unrest.acceleration},
@@ -41,7 +41,7 @@ nlohmann::ordered_json state_json(const Vec3& spin, const Unrest& unrest, const 
           {"speed", unrest.speed},
           {"speed_limit", unrest.speed_limit},
           {"moves", unrest.moves},
-          {"notes", notes}};
+          {"notes", texts_of(notes)}};
 }
 
 void rethrow_with_options(const ModelError& error) {

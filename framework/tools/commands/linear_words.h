@@ -14,9 +14,9 @@ namespace lockstep {
 LinearMotionOptions motion_options(const Arguments&);
 
 /// Lines on the instant, the axes, the unrest, and what was held.
-std::string state_words(double t, const Vec3& spin, const Unrest&, const std::vector<std::string>& notes);
+std::string state_words(double t, const Vec3& spin, const Unrest&, const std::vector<Finding>& notes);
 /// The same as data.
-nlohmann::ordered_json state_json(const Vec3& spin, const Unrest&, const std::vector<std::string>& notes);
+nlohmann::ordered_json state_json(const Vec3& spin, const Unrest&, const std::vector<Finding>& notes);
 
 /// Adds to a ModelError which options of the program are the next move.
 [[noreturn]] void rethrow_with_options(const ModelError&);

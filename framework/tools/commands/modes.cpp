@@ -193,7 +193,7 @@ void write_modes_report(const std::string& file, const Arguments& args, const Lo
   text.facts.emplace_back("freedoms", std::to_string(found.freedoms));
   if (found.modes.size() > kMost)
     text.facts.emplace_back("modes", fmt::format("the first {} of {}", kMost, found.modes.size()));
-  for (const std::string& note : found.notes) text.facts.emplace_back("", note);
+  for (const Finding& note : found.notes) text.facts.emplace_back("", note.text());
   std::vector<report::ShownMode> modes;
   for (std::size_t k = 0; k < std::min(found.modes.size(), kMost); ++k) modes.push_back(shown(found.modes[k], k + 1));
   report::write_modes(file, text, Sample(*at.dynamics, at.state, StepReport{}), *at.mechanism, modes, found.length);

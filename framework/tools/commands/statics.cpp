@@ -116,7 +116,7 @@ Json report_json(Resting& r) {
           {"left", e.left},
           {"pressed", e.pressed},
           {"free", e.free},
-          {"notes", e.notes},
+          {"notes", texts_of(e.notes)},
           {"bodies", pose_json(r.m.system, r.state)},
           {"reactions", reaction_json(r.m.system, r.values())}};
 }
@@ -134,7 +134,7 @@ void print(const Loaded& loaded, Resting& r) {
   for (const std::string& words : e.left) fmt::print("  left         a position that is unstable: {}\n", words);
   if (!e.pressed.empty()) fmt::print("  pressed      {}\n", text::join(e.pressed));
   if (!e.free.empty()) fmt::print("  free         {} (one-sided)\n", text::join(e.free));
-  for (const std::string& note : e.notes) fmt::print("  note         {}\n", note);
+  for (const Finding& note : e.notes) fmt::print("  note         {}\n", note.text());
   fmt::print("bodies:\n{}reactions at P, world axes:\n{}", pose_text(r.m.system, r.state),
              reaction_text(r.m.system, r.values()));
 }

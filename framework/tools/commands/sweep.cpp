@@ -9,8 +9,10 @@
 #include <atomic>
 #include <chrono>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <thread>
 
 #include <lockstep/analysis.h>
@@ -23,8 +25,8 @@
 #include "framework/tools/commands/threads.h"
 #include "framework/tools/commands/tool_verbs.h"
 #include "framework/tools/program/document.h"
-#include "framework/tools/program/few_messages.h"
 #include "framework/tools/program/files.h"
+#include "framework/tools/program/findings.h"
 #include "framework/tools/program/growing_file.h"
 #include "framework/tools/program/progress.h"
 #include "framework/tools/program/run_report.h"
@@ -60,6 +62,7 @@ nlohmann::ordered_json sweep_json(long number, const std::vector<Variable>& vari
   ordered_json j = {{"run", number}, {"status", run.outcome()}, {"values", ordered_json::object()}};
   for (std::size_t k = 0; k < variables.size(); ++k)
     j["values"][variables[k].path] = ordered_json::parse(write_json(variables[k].values[choice[k]]));
+  j["findings"] = findings_json(run.findings);
   j["steps"] = run.steps, j["cpu"] = run.cpu, j["columns"] = ordered_json::object();
   if (run.failed) return j;
   j["t"] = run.t;
@@ -89,6 +92,8 @@ struct Tally {
   nlohmann::ordered_json runs = nlohmann::ordered_json::array();  // with --json
   long done = 0, failed = 0, wrong = 0, kept = 0, histories = 0, in_lanes = 0;
   std::string alone{};  // why the mechanism does not run in lanes
+  std::map<std::string_view, std::pair<Finding, long>>
+      found{};  // by code: the first warning, and how many runs have one
 };
 
 int jobs_of(const Arguments& args) {
@@ -199,6 +204,7 @@ class Sweep {
   void run_lanes(RunGroup group, std::atomic<double>& share) {
     std::vector<Scene> scenes;
     try {
+      const FindingScope unheard;
       for (long k = 0; k < group.n; ++k) scenes.push_back(plan_.scene(number(group.first + k)));
     } catch (const std::exception&) {
       return queue_.split(group);
@@ -229,6 +235,7 @@ class Sweep {
   SweepRun compute(long number, std::atomic<double>& share, Table& history) {
     Scene scene;
     try {
+      const FindingScope unheard;  // the scene as it is written was read before
       scene = plan_.scene(number);
     } catch (const std::exception& error) {
       SweepRun failed;
@@ -256,6 +263,10 @@ class Sweep {
     ++tally_.done;
     if (done.run.failed) report(n, done.run.status);
     if (!done.run.failed && done.run.wrong) ++tally_.wrong;
+    std::set<std::string_view> codes;
+    for (const Finding& f : done.run.findings)
+      if (f.severity() == Severity::warning && codes.insert(f.code()).second)
+        ++tally_.found.try_emplace(f.code(), f, 0).first->second.second;
   }
 
   long number(long k) const { return Grid::run(plan_.shard, k); }
@@ -385,10 +396,11 @@ int sweep_command(const Arguments& args) {
   const Interrupt interrupt;
   Sweep sweep(plan, rows, interrupt);
   print_heading(plan, sweep.n_runs(), words);
-  const Tally tally = [&] {
-    const FewMessages few(kMostReasons);
-    return run_and_commit(sweep, rows);
-  }();
+  const Tally tally = run_and_commit(sweep, rows);
+  for (const auto& [code, of] : tally.found)
+    if (!args.quiet)
+      tell(fmt::format("lockstep: warning: {}{}\n", of.first.text(),
+                       of.second > 1 ? fmt::format(" (in {} runs)", of.second) : ""));
   const bool interrupted = tally.done < sweep.n_runs();  // what is there replaces nothing then
   const std::string table = interrupted && csv != "-" ? rows.partial() : csv;
   if (args.json)

@@ -1,4 +1,5 @@
 #include "framework/tools/commands/sweep_plan.h"
+#include "framework/foundation/support/finding_kinds.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -82,10 +83,10 @@ void warn_left_behind(const std::vector<Variable>& variables, const Loaded& load
     if (places.empty()) continue;
     const std::size_t n = places.size();
     if (n > kMostPlaces) places.resize(kMostPlaces), places.push_back(fmt::format("{} more", n - kMostPlaces));
-    log_warning(fmt::format(
-        "--vary: the length at {} is also written at {}, which {} not vary with it; make it one of \"parameters\" and "
-        "write \"=name\" in these places, or give a point a name",
-        v.path, text::join(places), n == 1 ? "does" : "do"));
+    report_finding({&finding::length_repeated, "",
+                    fmt::format("--vary: the length at {} is also written at {}, which {} not vary with it", v.path,
+                                text::join(places), n == 1 ? "does" : "do"),
+                    "make it one of \"parameters\" and write \"=name\" in these places, or give a point a name"});
   }
 }
 

@@ -18,7 +18,6 @@
 #include "framework/tools/program/check_tree.h"
 #include "framework/tools/program/commands.h"
 #include "framework/tools/program/document.h"
-#include "framework/tools/program/few_messages.h"
 #include "framework/tools/program/frames_taken.h"
 #include "framework/tools/program/mobility_findings.h"
 #include "framework/tools/program/run_warnings.h"
@@ -311,7 +310,7 @@ struct Findings {
 std::vector<std::string> all_proposals(const Arguments& args, const Loaded& loaded, const Mechanism& m,
                                        const MobilityReport& r, bool is_tree) {
   if (args.full) return {};
-  const FewMessages none(0);                     // each builds the scene anew, which says again what is said of it
+  const FindingScope unheard;                    // each builds the scene anew, with the same findings
   if (m.system.bodies().size() > kMostProposed)  // each one builds it anew
     return {fmt::format("(not looked for in more than {} bodies)", kMostProposed)};
   std::vector<std::string> more = proposals(loaded, m, !is_tree);

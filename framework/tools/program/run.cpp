@@ -20,6 +20,7 @@
 #include "framework/tools/program/detail_rows.h"
 #include "framework/tools/program/document.h"
 #include "framework/tools/program/files.h"
+#include "framework/tools/program/findings.h"
 #include "framework/tools/program/formulation_seen.h"
 #include "framework/tools/program/frames_taken.h"
 #include "framework/tools/program/growing_file.h"
@@ -34,6 +35,7 @@
 #include "framework/tools/program/terminal.h"
 #include "framework/tools/program/words.h"
 #include "framework/tools/scene_run/rows_at_jumps.h"
+#include "framework/tools/scene_run/run_findings.h"
 #include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {
@@ -274,12 +276,12 @@ class ProgramRun {
                  found,
                  seconds,
                  ended.interrupted,
-                 doubts_,
                  singular_.passed(),
-                 singular_.n_passed(),
                  formulation_.name(sim_, m_.run.formulation),
-                 missed_events(m_, sim_)};
-    end.suspects = suspects_of(end, system_of(m_));
+                 missed_events(m_, sim_),
+                 run_findings(sim_, found, doubts_, singular_)};
+    for (const MissedEvent& e : end.missed) end.findings.push_back(finding_of(e));
+    for (Finding& f : suspects_of(end, system_of(m_), singular_.n_passed())) end.findings.push_back(std::move(f));
     conclude(end, unwritten);
     return exit_code(end);
   }
@@ -372,6 +374,9 @@ class ProgramRun {
     nlohmann::ordered_json j = json_of(end, rows_.rows());
     j["frames_taken"] = frames_taken(loaded_.scene);
     j["not_unique"] = not_unique_;
+    std::vector<Finding> all = all_found_.found;
+    all.insert(all.end(), end.findings.begin(), end.findings.end());
+    j["findings"] = findings_json(all);
     j["nearly_redundant"] = near_json(near_.all, m_.run.nearly_redundant);
     j["files"] = files;
     print_json(args_, loaded_, std::move(j));
@@ -428,14 +433,16 @@ class ProgramRun {
           checkpoints_ ? "; go on with: lockstep resume " + in_quotes(checkpoints_.file()) : std::string()));
       return kExitInterrupted;
     }
-    const std::vector<std::string> doubts = args_.strict ? doubts_of(end) : std::vector<std::string>();
-    for (const std::string& doubt : doubts) tell(fmt::format("lockstep: --strict: {}\n", doubt));
+    if (args_.strict)
+      for (const Finding& f : of_severity(end.findings, Severity::doubt))
+        tell(fmt::format("lockstep: --strict: {}\n", f.text()));
     if (!uncertified_.empty()) tell(fmt::format("lockstep: --certify: {}\n", uncertified_));
-    if (end.audit.is_wrong()) return kExitNotConserved;
-    return doubts.empty() && uncertified_.empty() ? kExitOk : kExitDoubtful;
+    const Exit code = exit_code_of(end.findings, args_.strict);
+    return code == kExitOk && !uncertified_.empty() ? kExitDoubtful : code;
   }
 
   const Arguments& args_;
+  FindingScope all_found_{true};  // of the scene, the start and the run
   const RunCheckpoint* from_;
   const Certify certify_;
   const Words words_;

@@ -116,8 +116,7 @@ void RunReport::write_to(const std::string& file, const StepLoop& sim, const std
                          const std::string& failure) const {
   ReportText text = text_;
   text.facts = facts_of(lines);
-  text.warnings = sim.report().warnings;
-  if (!failure.empty()) text.warnings.push_back(failure);
+  text.findings = sim.report().findings, text.failure = failure;
   report_->write(file, text);
 }
 

@@ -1,4 +1,5 @@
 #include "framework/tools/program/run_warnings.h"
+#include "framework/foundation/support/finding_kinds.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -13,7 +14,6 @@
 #include "framework/dynamics/simulate/along_laws.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/program/check_dependencies.h"
-#include "framework/tools/program/few_messages.h"
 #include "framework/tools/rank/branch_point.h"
 #include "framework/tools/rank/doubts.h"
 #include "framework/tools/scene_run/scene_run.h"
@@ -22,8 +22,8 @@ namespace lockstep {
 namespace {
 
 // Springs that push away from where they should hold.
-std::vector<std::string> negative_stiffness(const Scene& scene) {
-  std::vector<std::string> all;
+std::vector<Finding> negative_stiffness(const Scene& scene) {
+  std::vector<Finding> all;
   const Value* forces = scene.root.find("forces");
   if (forces == nullptr || forces->list() == nullptr) return all;
   for (const Value& force : *forces->list()) {
@@ -31,8 +31,9 @@ std::vector<std::string> negative_stiffness(const Scene& scene) {
     if (k == nullptr || name == nullptr || name->text() == nullptr) continue;
     const std::string* text = k->text();
     if (text != nullptr ? text->starts_with('-') : k->number() != nullptr && *k->number() < 0)
-      all.push_back(fmt::format("force '{}', stiffness: {} is negative: it pushes away from its free length or angle",
-                                *name->text(), plain_text(*k)));
+      all.push_back({&finding::negative_stiffness, "force '" + *name->text() + "'",
+                     fmt::format("force '{}', stiffness: {} is negative: it pushes away from its free length or angle",
+                                 *name->text(), plain_text(*k))});
   }
   return all;
 }
@@ -78,18 +79,23 @@ std::vector<std::string> holding(const System& system, const State& state) {
 
 void warn_of_settings(const Scene& scene, const Mechanism& m, const Arguments& args, StepLoop& sim) {
   const RunSettings& run = m.run;
-  const auto say = [&](const std::string& text) { sim.warn(text); };
   if (!run.times.empty() && run.times.back() > run.until)
-    say(fmt::format("run.times: {:g} s lies beyond the end of the run at {:g} s and is not recorded", run.times.back(),
-                    run.until));
+    sim.add_finding({&finding::outputs_beyond_end, "",
+                     fmt::format("run.times: {:g} s lies beyond the end of the run at {:g} s and is not recorded",
+                                 run.times.back(), run.until),
+                     "", run.times.back(), run.until, "s"});
   if (run.output > run.until && run.until > 0)
-    say(fmt::format("run.output: {:g} s is longer than the run of {:g} s: only its start and its end are recorded",
-                    run.output, run.until));
-  for (const std::string& words : negative_stiffness(scene)) say(words);
+    sim.add_finding(
+        {&finding::outputs_beyond_end, "",
+         fmt::format("run.output: {:g} s is longer than the run of {:g} s: only its start and its end are recorded",
+                     run.output, run.until),
+         "", run.output, run.until, "s"});
+  for (const Finding& f : negative_stiffness(scene)) sim.add_finding(f);
   const Value* settings = scene.root.find("run");
   const bool in_scene = args.integrator.empty() && settings != nullptr && settings->find("tolerance") != nullptr;
   if ((in_scene || !args.tolerance.empty()) && !sim.integrator().info().adaptive)
-    say(fmt::format("tolerance: \"{}\" takes fixed steps and has no use for it", run.integrator.type));
+    sim.add_finding({&finding::setting_unused, "",
+                     fmt::format("tolerance: \"{}\" takes fixed steps and has no use for it", run.integrator.type)});
 }
 
 std::string why_not_joint(const RunSettings& run, Dynamics& dynamics, const State& start, const Registry& registry) {
@@ -101,7 +107,7 @@ void refuse_impossible_formulation(const RunSettings& run, const Loaded& loaded)
   if (run.formulation != Formulation::joint) return;
   std::string why;
   try {
-    const FewMessages none(0);
+    const FindingScope unheard;
     Mechanism m = build_mechanism(loaded.scene, loaded.registry);
     Dynamics dynamics = make_dynamics(m, loaded.registry);
     why = why_not_joint(m.run, dynamics, decided_start(dynamics, m), loaded.registry);
@@ -119,15 +125,17 @@ void warn_of_branches(Dynamics& dynamics, StepLoop& sim) {
   constexpr double kOff = 1e-3;  // of the velocity
   const bool moves = at.moves(start.v);
   const double off = moves && at.all ? at.off_branches(dynamics.system(), start.v) : 0;
-  sim.warn(fmt::format(
-      "the start lies in a singular position: {}{}", at.text(dynamics, start),
-      !moves ? ". It is at rest there: which of them it takes is not determined; choose one by a small start velocity "
-               "along it, or start beside the position"
-      : off > kOff
-          ? fmt::format(". The start velocity lies along none of them (a part of {:.2g} of it does not): give it "
-                        "along one",
-                        off)
-          : ". It goes on along its velocity"));
+  sim.add_finding(
+      {&finding::singular_start, "",
+       fmt::format(
+           "the start lies in a singular position: {}{}", at.text(dynamics, start),
+           !moves ? ". It is at rest there: which of them it takes is not determined"
+           : off > kOff
+               ? fmt::format(". The start velocity lies along none of them (a part of {:.2g} of it does not)", off)
+               : ". It goes on along its velocity"),
+       !moves       ? "choose one by a small start velocity along it, or start beside the position"
+       : off > kOff ? "give it along one"
+                    : ""});
 }
 
 void warn_of_no_freedom(const Mechanism& m, Dynamics& dynamics, StepLoop& sim, int most) {
@@ -140,12 +148,13 @@ void warn_of_no_freedom(const Mechanism& m, Dynamics& dynamics, StepLoop& sim, i
   if (const System::InSpace look = dynamics.look_in_space(); mobility(dynamics, state).freedoms > 0)
     return;  // along the plane's normal
   const std::vector<std::string> links = holding(system, sim.state());
-  sim.warn(fmt::format(
-      "no freedom is left: nothing can move; the links {} take all {} unknown velocities{}. Let one of them leave free "
-      "what should move (lockstep mobility)",
-      first_of(links), mobile.unknowns,
-      mobile.redundant > 0 ? fmt::format(", with {} row{} too many", mobile.redundant, mobile.redundant > 1 ? "s" : "")
-                           : ""));
+  sim.add_finding({&finding::no_freedom, "",
+                   fmt::format("no freedom is left: nothing can move; the links {} take all {} unknown velocities{}",
+                               first_of(links), mobile.unknowns,
+                               mobile.redundant > 0 ? fmt::format(", with {} row{} too many", mobile.redundant,
+                                                                  mobile.redundant > 1 ? "s" : "")
+                                                    : ""),
+                   "let one of them leave free what should move (lockstep mobility)"});
 }
 
 std::vector<std::string> columns_not_unique(Dynamics& dynamics, const State& start, const RunSettings& run) {

@@ -1,5 +1,6 @@
-#include "framework/description/scene/system_of.h"
 #include "framework/tools/program/run_words.h"
+#include "framework/description/scene/system_of.h"
+#include "framework/foundation/support/finding_kinds.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -37,7 +38,7 @@ Json energy_of(const EndedRun& ended) {
           {"dissipated", json_number(audit.dissipated)},
           {"instants", std::move(instants)},
           {"unbooked_forces", audit.unbooked_forces},
-          {"suspects", ended.suspects}};
+          {"suspects", texts_of(of_kind(ended.findings, finding::energy_suspect))}};
 }
 
 Json columns_of(const RowEnvelope& rows) {
@@ -58,13 +59,15 @@ Json columns_of(const RowEnvelope& rows) {
 
 }  // namespace
 
-std::vector<std::string> doubts_of(const EndedRun& ended) {
-  StepLoop& sim = ended.sim;
-  std::vector<std::string> all = ended.doubts.words(sim.report().steps, sim.state().t);
-  if (!ended.passed.empty())
-    all.insert(all.begin(), passed_words(ended.passed, ended.n_passed, sim.integrator().info(),
-                                         sim.dynamics().options().stabilization.kind == Stabilization::Kind::project));
-  return all;
+std::vector<Finding> of_severity(const std::vector<Finding>& findings, Severity severity) {
+  std::vector<Finding> some;
+  std::ranges::copy_if(findings, std::back_inserter(some), [&](const Finding& f) { return f.severity() == severity; });
+  return some;
+}
+std::vector<Finding> of_kind(const std::vector<Finding>& findings, const FindingKind& kind) {
+  std::vector<Finding> some;
+  std::ranges::copy_if(findings, std::back_inserter(some), [&](const Finding& f) { return f.kind == &kind; });
+  return some;
 }
 
 std::vector<MissedEvent> missed_events(Mechanism& m, const StepLoop& sim) {
@@ -108,6 +111,13 @@ Json json_of(const MissedEvent& e) {
 
 }  // namespace
 
+Finding finding_of(const MissedEvent& e) {
+  Finding f{&finding::event_missed, "event '" + e.course.name + "'", words_of(e)};
+  f.unit = e.unit, f.t = e.course.at;
+  if (!e.asked.channel.empty()) f.value = e.asked.crosses + e.course.nearest, f.limit = e.asked.crosses;
+  return f;
+}
+
 std::string rows_of(long n) { return counted(n, "row", "rows"); }
 
 std::string end_words(const EndedRun& ended, const Summary& summary) {
@@ -126,11 +136,8 @@ std::string end_words(const EndedRun& ended, const Summary& summary) {
     say("  stages     on the constraints in {} of {}, as singular positions or rows that are redundant only there ask "
         "for\n",
         r.manifold_steps, counted(r.steps, "step", "steps"));
-  for (const std::string& doubt : doubts_of(ended)) say("  DOUBTFUL   {}\n", doubt);
-  if (std::isfinite(r.stiff_since))
-    say("  stiff      from t = {:.4g} s on damped fast modes limited the steps, not accuracy: an implicit method is "
-        "cheaper (--integrator radau5 or generalized_alpha)\n",
-        r.stiff_since);
+  for (const Finding& f : of_severity(ended.findings, Severity::doubt)) say("  DOUBTFUL   {}\n", f.text());
+  for (const Finding& f : of_kind(ended.findings, finding::stiff)) say("  stiff      {}\n", f.text());
   const auto& links = sim.system().links();
   const auto resting = std::count_if(links.begin(), links.end(), [&](const auto& link) {
     return link->unilateral() && sim.state().modes[link->number()];
@@ -139,16 +146,18 @@ std::string end_words(const EndedRun& ended, const Summary& summary) {
     say("  impacts    {} of one-sided links; {} of them {} in contact at the end\n", r.impacts, resting,
         resting == 1 ? "is" : "are");
   if (r.stopped && !r.stopped_by.empty() && !ended.interrupted) say("  stopped    by '{}'\n", r.stopped_by);
-  for (const MissedEvent& missed : ended.missed) say("  never      {}\n", words_of(missed));
+  for (const Finding& f : of_kind(ended.findings, finding::event_missed)) say("  never      {}\n", f.text());
   say("{}", summary.text());
-  say("{}", words_of(audit, summary.nothing_moved(), sim.integrator().info().adaptive));
+  say("{}", words_of(audit, summary.nothing_moved()));
+  for (const Finding& f : of_kind(ended.findings, finding::energy_not_conserved))
+    say("  NOT CONSERVED  {}\n", f.text());
+  for (const Finding& f : of_kind(ended.findings, finding::energy_not_judged)) say("  NOT JUDGED  {}\n", f.text());
   const char* word = "suspect";
-  for (const std::string& clause : ended.suspects) say("  {:<10} {}\n", std::exchange(word, ""), clause);
-  if (!sim.system().links().empty())
-    say("  {}    constraints violated by at most {:.2g} m after a step{}\n", audit.drifted ? "DRIFTED" : "drift  ",
-        r.largest_violation,
-        audit.drifted ? fmt::format(" (limit {:.2g} m): project them (stabilization project)", audit.limits.violation)
-                      : "");
+  for (const Finding& f : of_kind(ended.findings, finding::energy_suspect))
+    say("  {:<10} {}\n", std::exchange(word, ""), f.text());
+  for (const Finding& f : of_kind(ended.findings, finding::constraints_drifted)) say("  DRIFTED    {}\n", f.text());
+  if (!sim.system().links().empty() && !audit.drifted)
+    say("  drift      constraints violated by at most {:.2g} m after a step\n", r.largest_violation);
   return words;
 }
 
@@ -187,8 +196,8 @@ Json json_of(const EndedRun& ended, const RowEnvelope& rows) {
       {"energy", energy_of(ended)},
       {"drift",
        {{"violation", json_number(audit.violation)}, {"limit", audit.limits.violation}, {"drifted", audit.drifted}}},
-      {"warnings", r.warnings},
-      {"doubts", doubts_of(ended)},
+      {"warnings", texts_of(r.findings)},
+      {"doubts", texts_of(of_severity(ended.findings, Severity::doubt))},
       {"singular_positions", std::move(singular)},
       {"rows", rows.n_rows()},
       {"columns", columns_of(rows)}};

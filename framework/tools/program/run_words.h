@@ -10,7 +10,6 @@
 #include "framework/tools/program/commands.h"
 #include "framework/tools/program/row_envelope.h"
 #include "framework/tools/program/summary.h"
-#include "framework/tools/rank/doubts.h"
 #include "framework/tools/rank/singular_watch.h"
 
 namespace lockstep {
@@ -35,16 +34,18 @@ struct EndedRun {
   const Audit& audit;
   double seconds = 0;        ///< of computing, by the clock
   bool interrupted = false;  ///< by the user
-  const Doubts& doubts;
   const std::vector<PassedPosition>& passed;  ///< the first singular positions, with plain stages
-  long n_passed = 0;                          ///< how many there were
   std::string formulation{};                  ///< of its steps: "joint", "omega", "quaternion"
   std::vector<MissedEvent> missed{};          ///< events that did not happen
-  std::vector<std::string> suspects{};        ///< by suspects_of(), where it did not conserve energy
+  std::vector<Finding> findings{};            ///< run_findings(), missed events, suspects_of()
 };
 
-/// What speaks against its result though it went through, one sentence each: what --strict refuses.
-std::vector<std::string> doubts_of(const EndedRun&);
+/// Those of the findings with this severity.
+std::vector<Finding> of_severity(const std::vector<Finding>&, Severity);
+/// Those of the findings of this kind.
+std::vector<Finding> of_kind(const std::vector<Finding>&, const FindingKind&);
+/// That an event did not happen.
+Finding finding_of(const MissedEvent&);
 
 /// What is printed of it.
 std::string end_words(const EndedRun&, const Summary&);

@@ -105,7 +105,7 @@ bool Summary::nothing_moved() const {
                      [&](const Mover& m) { return m.path <= kStill * length_ && m.turned <= kStill; });
 }
 
-std::string words_of(const Audit& audit, bool still, bool adaptive) {
+std::string words_of(const Audit& audit, bool still) {
   std::string text = fmt::format(
       "  energy     change {:.6g} J, work of drives {:.6g} J, of motors and applied forces {:.6g} J, dissipated {:.6g} "
       "J\n",
@@ -115,29 +115,11 @@ std::string words_of(const Audit& audit, bool still, bool adaptive) {
                                           : fmt::format("{} times from {:.6g} s to {:.6g} s", i.count, i.first, i.last);
     text += fmt::format("             {} {}: {:+.6g} J\n", i.cause, when, i.energy);
   }
-  const std::string share =
-      audit.scale > 0 ? fmt::format("{:.2g} of the energy exchanged", audit.imbalance_share()) : "none was exchanged";
-  const bool many = audit.unbooked_forces.size() > 1;
-  switch (audit.energy) {
-    case Audit::Energy::conserved:
-      text += fmt::format("  conserved  energy balance within {:.2g} J{}\n", audit.imbalance,
-                          still ? "; nothing moved" : " (" + share + ")");
-      break;
-    case Audit::Energy::not_conserved:
-      text += fmt::format(
-          "  NOT CONSERVED  energy balance off by {:.2g} J ({}, limit {:g}): {}; or a force's potential, dissipation "
-          "or "
-          "supply does not fit what it exerts\n",
-          audit.imbalance, share, audit.limits.energy,
-          adaptive ? "take a smaller tolerance (--tolerance), look for singular positions (lockstep check)"
-                   : "take a smaller step (--step)");
-      break;
-    case Audit::Energy::not_judged:
-      text += fmt::format(
-          "  NOT JUDGED  energy balance off by {:.2g} J ({}): force{} {} {} power, but no potential, dissipation or "
-          "supply\n",
-          audit.imbalance, share, many ? "s" : "", text::join(audit.unbooked_forces), many ? "give" : "gives");
-  }
+  if (audit.energy == Audit::Energy::conserved)
+    text += fmt::format("  conserved  energy balance within {:.2g} J{}\n", audit.imbalance,
+                        still             ? "; nothing moved"
+                        : audit.scale > 0 ? fmt::format(" ({:.2g} of the energy exchanged)", audit.imbalance_share())
+                                          : " (none was exchanged)");
   return text;
 }
 

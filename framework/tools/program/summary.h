@@ -38,8 +38,7 @@ class Summary final : public Observer {
   double length_ = 1;  // of the system, m
 };
 
-/// An audit in lines of text: the work, whether energy was conserved and why not, the drift. `still`: nothing moved;
-/// `adaptive`: the method controls its error.
-std::string words_of(const Audit&, bool still, bool adaptive);
+/// An audit in lines of text: the work, and that energy was conserved, if it was. `still`: nothing moved.
+std::string words_of(const Audit&, bool still);
 
 }  // namespace lockstep

@@ -1,4 +1,5 @@
 #include "framework/tools/program/suspects.h"
+#include "framework/foundation/support/finding_kinds.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -16,7 +17,7 @@ constexpr std::size_t kMost = 4;  // clauses
 // What a check finds wrong with the powers of a force; "" where nothing is, or it cannot be looked at.
 std::string wrong_power(System& system, const Force& force) try {
   const CheckReport report = check_force(system, force, {.states = 2});
-  for (const Finding& f : report.findings())
+  for (const CheckFinding& f : report.findings())
     if (f.what.starts_with("gives ") || f.what.starts_with("dissipation() is "))
       return fmt::format("force '{}' ({}), which {}", force.name(), force.type(), f.what);
   return {};
@@ -24,37 +25,39 @@ std::string wrong_power(System& system, const Force& force) try {
   return {};
 }
 
-std::string passed_clause(const EndedRun& run) {
-  const PassedPosition& first = run.passed.front();
+std::string passed_clause(const std::vector<PassedPosition>& passed, long n) {
+  const PassedPosition& first = passed.front();
   return fmt::format("the singular position at t = {:.6g} s{}{}", first.t,
                      first.links.empty() ? "" : fmt::format(" (links {})", first_of(first.links)),
-                     run.n_passed > 1 ? fmt::format(", the first of {}", run.n_passed) : "");
+                     n > 1 ? fmt::format(", the first of {}", n) : "");
 }
 
 }  // namespace
 
-std::vector<std::string> suspects_of(const EndedRun& run, System& system) {
+std::vector<Finding> suspects_of(const EndedRun& run, System& system, long n_passed) {
   constexpr double kLongTurn = 0.5, kOff = 1e-6;  // rad in a step; of the length
-  std::vector<std::string> all;
-  if (run.audit.energy != Audit::Energy::not_conserved) return all;
+  std::vector<std::string> clauses;
+  if (run.audit.energy != Audit::Energy::not_conserved) return {};
   const SimulationReport& r = run.sim.report();
   Dynamics& dynamics = run.sim.dynamics();
   for (const auto& force : system.forces())
-    if (std::string words = wrong_power(system, *force); !words.empty()) all.push_back(std::move(words));
-  if (!run.passed.empty()) all.push_back(passed_clause(run));
+    if (std::string words = wrong_power(system, *force); !words.empty()) clauses.push_back(std::move(words));
+  if (!run.passed.empty()) clauses.push_back(passed_clause(run.passed, n_passed));
   const bool projects = dynamics.options().stabilization.kind == Stabilization::Kind::project;
   if (!projects && run.audit.violation > kOff * system.length())
-    all.push_back(
+    clauses.push_back(
         fmt::format("the links, which are off by {:.2g} m: what they let go does work (take stabilization project)",
                     run.audit.violation));
   if (run.formulation == "omega" && projects && run.audit.drives != 0 && has_loops(system, run.sim.state().modes))
-    all.push_back(
+    clauses.push_back(
         "the work of the drives: stages off the constraints of a loop know their forces less well (take formulation "
         "joint, or stages manifold)");
   if (!run.sim.integrator().info().adaptive && r.largest_turn > kLongTurn)
-    all.push_back(
+    clauses.push_back(
         fmt::format("the steps, in which body '{}' turns by up to {:.2g} rad", r.turned_most, r.largest_turn));
-  if (all.size() > kMost) all.resize(kMost);
+  if (clauses.size() > kMost) clauses.resize(kMost);
+  std::vector<Finding> all;
+  for (const std::string& clause : clauses) all.push_back({&finding::energy_suspect, "", clause});
   return all;
 }
 

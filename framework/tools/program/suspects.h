@@ -8,10 +8,10 @@
 
 namespace lockstep {
 
-/// One clause each, the likeliest first: forces whose potential, dissipation or supply do not fit what they exert
+/// The likeliest first: forces whose potential, dissipation or supply do not fit what they exert
 /// (check_force() at a few states about the start), singular positions that the motion passed, links that the
 /// stabilisation leaves open, stages off the constraints in loops with drives, long turns in fixed steps. None where energy
 /// was conserved or cannot be judged, or where nothing of this is there.
-std::vector<std::string> suspects_of(const EndedRun&, System&);
+std::vector<Finding> suspects_of(const EndedRun&, System&, long n_passed);
 
 }  // namespace lockstep

@@ -1,4 +1,5 @@
 #include "framework/tools/rank/doubts.h"
+#include "framework/foundation/support/finding_kinds.h"
 
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/fmt/ranges.h>
@@ -45,20 +46,25 @@ void Doubts::output(const Sample& sample) {
   if (uncertain_.size() < kNamed) uncertain_.push_back(sample.state.t);
 }
 
-std::vector<std::string> Doubts::words(long steps, double t) const {
-  std::vector<std::string> all;
+std::vector<Finding> Doubts::findings(long steps, double t) const {
+  std::vector<Finding> all;
   const double seconds = t - begun_;
   if (unmet_.lost > seconds)
-    all.push_back(fmt::format(
-        "the tolerance of {:g} was not reached in {} of {} step{}, from t = {:.6g} s on: errors of up to {:.2g} times "
-        "it stay there, in sum {:.2g} times what it allows the whole run; the run went on with what can be reached",
-        tolerance_, unmet_.steps, steps, steps == 1 ? "" : "s", unmet_.first, unmet_.largest, unmet_.lost / seconds));
+    all.push_back({&finding::tolerance_not_reached, "",
+                   fmt::format("the tolerance of {:g} was not reached in {} of {} step{}, from t = {:.6g} s on: errors "
+                               "of up to {:.2g} times it stay there, in sum {:.2g} times what it allows the whole run",
+                               tolerance_, unmet_.steps, steps, steps == 1 ? "" : "s", unmet_.first, unmet_.largest,
+                               unmet_.lost / seconds),
+                   "the run went on with what can be reached", unmet_.lost / seconds, 1, "", unmet_.first});
   if (const long n = n_uncertain_; n > 0)
-    all.push_back(fmt::format(
-        "the reactions at t = {}{} are uncertain by more than 1 %, or have no value: {} in or beside a singular "
-        "position; look at those before and after",
-        times_of(uncertain_, static_cast<std::size_t>(n)),
-        n > static_cast<long>(kNamed) ? fmt::format(" ({} instants)", n) : "", n == 1 ? "it lies" : "they lie"));
+    all.push_back(
+        {&finding::reactions_uncertain, "",
+         fmt::format("the reactions at t = {}{} are uncertain by more than 1 %, or have no value: {} in or beside a "
+                     "singular position",
+                     times_of(uncertain_, static_cast<std::size_t>(n)),
+                     n > static_cast<long>(kNamed) ? fmt::format(" ({} instants)", n) : "",
+                     n == 1 ? "it lies" : "they lie"),
+         "look at those before and after", static_cast<double>(n), 0, "", uncertain_.front()});
   return all;
 }
 

@@ -26,8 +26,8 @@ class LOCKSTEP_API Doubts final : public Observer {
   void save(Snapshot&) const override;
   void load(SnapshotReader&) override;
 
-  /// In sentences, of a run of so many steps to the time t, s; none where nothing is doubtful.
-  std::vector<std::string> words(long steps, double t) const;
+  /// Of a run of so many steps to the time t, s.
+  std::vector<Finding> findings(long steps, double t) const;
   /// Takes the steps of a run whose steps it was not shown.
   void take(const UnmetTolerance& unmet) { unmet_ = unmet; }
 

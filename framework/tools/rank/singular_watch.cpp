@@ -1,4 +1,5 @@
 #include "framework/tools/rank/singular_watch.h"
+#include "framework/foundation/support/finding_kinds.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -157,8 +158,7 @@ void SingularWatch::find_between(const Look& before, const Look& lowest, const L
   }
 }
 
-std::string passed_words(const std::vector<PassedPosition>& passed, long n, const IntegratorInfo& method,
-                         bool projects) {
+Finding finding_of(const std::vector<PassedPosition>& passed, long n, const IntegratorInfo& method, bool projects) {
   std::vector<double> times;
   std::vector<std::string> links;
   for (const PassedPosition& p : passed) {
@@ -170,9 +170,16 @@ std::string passed_words(const std::vector<PassedPosition>& passed, long n, cons
   const char* next = !projects ? "--stabilization project with --integrator dop853"
                      : method.name == "dop853" || method.name == "dopri5" ? "stages auto, and no fixed steps"
                                                                           : "--integrator dop853";
-  return fmt::format(
-      "passed {} singular position{} with plain stages, at t = {}{}; the motion after {} may be another: take {}", n,
-      n == 1 ? "" : "s", times_of(times, static_cast<std::size_t>(n)), where, n == 1 ? "it" : "them", next);
+  return {
+      &finding::singular_passed,
+      "",
+      fmt::format("passed {} singular position{} with plain stages, at t = {}{}; the motion after {} may be another", n,
+                  n == 1 ? "" : "s", times_of(times, static_cast<std::size_t>(n)), where, n == 1 ? "it" : "them"),
+      std::string("take ") + next,
+      static_cast<double>(n),
+      0,
+      "",
+      times.front()};
 }
 
 }  // namespace lockstep

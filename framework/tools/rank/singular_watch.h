@@ -62,8 +62,7 @@ class LOCKSTEP_API SingularWatch final : public Observer {
   long n_passed_ = 0;
 };
 
-/// In a sentence: the first of n positions that a run passed by this method; `projects`: its stabilisation is "project".
-LOCKSTEP_API std::string passed_words(const std::vector<PassedPosition>& first, long n, const IntegratorInfo&,
-                                      bool projects);
+/// Of the first of n positions that a run passed by this method; `projects`: its stabilisation is "project".
+LOCKSTEP_API Finding finding_of(const std::vector<PassedPosition>& first, long n, const IntegratorInfo&, bool projects);
 
 }  // namespace lockstep

@@ -7,8 +7,8 @@
 #include <optional>
 
 #include <lockstep/error.h>
-#include <lockstep/log.h>
 #include <lockstep/text.h>
+#include "framework/foundation/support/finding_kinds.h"
 #include "framework/tools/record/channel_entry.h"
 
 namespace lockstep {
@@ -33,11 +33,14 @@ void add_angle(Entries& out, std::string name, std::string help, std::function<c
       const Inputs& in = s.inputs();
       if (!*told && angle.doubt(in.s) > CountedAngle::kInDoubt) {
         *told = true;
-        log_warning(
-            fmt::format("channel \"{}\": up to t = {} s the angle has been more than a quarter turn from where its "
-                        "rate led: it has no value nearby, or steps are too long; its full turns are in doubt: record "
-                        "an angle about another axis, or take smaller steps (--step)",
-                        channel, text::brief(s.state.t)));
+        Finding f{
+            &finding::turns_uncertain, "channel \"" + channel + "\"",
+            fmt::format("channel \"{}\": up to t = {} s the angle has been more than a quarter turn from where "
+                        "its rate led: it has no value nearby, or steps are too long; its full turns are in doubt",
+                        channel, text::brief(s.state.t)),
+            "record an angle about another axis, or take smaller steps (--step)"};
+        f.t = s.state.t;
+        report_finding(f);
       }
       return angle.value(in);
     };

@@ -62,9 +62,13 @@ std::string page_with(const std::string& title, const std::string& json, const s
 }
 
 nlohmann::ordered_json json_of(const ReportText& text) {
+  std::vector<std::string> warnings;
+  for (const Finding& f : text.findings)
+    if (f.severity() != Severity::note) warnings.push_back(f.text());
+  if (!text.failure.empty()) warnings.push_back(text.failure);
   return {{"title", text.title},       {"description", text.description},
           {"scene", text.scene},       {"command", text.command},
-          {"facts", text.facts},       {"warnings", text.warnings},
+          {"facts", text.facts},       {"warnings", warnings},
           {"panels", text.panels},     {"channels", text.channels},
           {"marked", text.marked},     {"version", library_version()},
           {"machine", machine_words()}};

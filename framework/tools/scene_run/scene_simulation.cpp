@@ -2,6 +2,7 @@
 #include "framework/tools/rank/doubts.h"
 #include "framework/tools/rank/singular_watch.h"
 #include "framework/tools/scene_run/rows_at_jumps.h"
+#include "framework/tools/scene_run/run_findings.h"
 #include "framework/tools/scene_run/scene_run.h"
 #include "framework/tools/simulation/simulation_parts.h"
 
@@ -41,12 +42,8 @@ struct SceneParts final : HeldMechanism, Simulation::Parts {
   }
   RunVerdict verdict() const override {
     if (!loop) throw ModelError("simulation: verdict() before the run began; call it after run()");
-    RunVerdict found{audit->result(), doubts->words(loop->report().steps, loop->state().t)};
+    RunVerdict found{audit->result(), run_findings(*loop, audit->result(), *doubts, singular)};
     found.right = !found.audit.is_wrong();
-    if (!singular.passed().empty())
-      found.doubts.insert(found.doubts.begin(),
-                          passed_words(singular.passed(), singular.n_passed(), loop->integrator().info(),
-                                       settings.stabilization.kind == Stabilization::Kind::project));
     return found;
   }
 

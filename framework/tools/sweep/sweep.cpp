@@ -93,7 +93,7 @@ void simulate(Mechanism& m, Recorder& recorder, const Registry& registry, SweepR
   result.steps = report.steps;
   if (!singular.passed().empty())
     result.passed = singular.n_passed(), result.first_passed = singular.passed().front().t;
-  result.doubts = doubts.words(report.steps, sim.state().t);
+  result.findings = doubts.findings(report.steps, sim.state().t);
   judge(audit.result(), result);
   if (report.stopped && !result.broken_off) result.status = "stopped by '" + report.stopped_by + "'";
 }
@@ -116,7 +116,8 @@ std::string SweepRun::outcome() const {
   if (passed > 0)
     all += "; passed " + std::to_string(passed) + " singular position" + (passed == 1 ? "" : "s") +
            " with plain stages, from t = " + text::brief(first_passed) + " s on";
-  for (const std::string& doubt : doubts) all += "; doubtful: " + doubt;
+  for (const Finding& f : findings)
+    if (f.severity() == Severity::doubt) all += "; doubtful: " + f.text();
   return all;
 }
 
@@ -155,6 +156,7 @@ SweepRun watched_run(const Scene& scene, const Registry& registry, const Table& 
   SweepRun result;
   result.status = "ok";
   const double begin = thread_seconds();
+  const FindingScope scope;
   try {
     Mechanism m = build_mechanism(scene, registry);
     record_places(m);
@@ -180,6 +182,7 @@ SweepRun watched_run(const Scene& scene, const Registry& registry, const Table& 
     result.failed = true;
     result.status = what_of(error);
   }
+  result.findings.insert(result.findings.begin(), scope.found.begin(), scope.found.end());
   result.cpu = thread_seconds() - begin;
   return result;
 }

@@ -27,6 +27,7 @@ struct Lane {
   std::unique_ptr<Dynamics> dynamics{};
   State start{};
   double violation = 0;  // largest |C| at an output, m
+  std::vector<Finding> found{};  // of its scene and its start
 };
 
 bool has_keys(const MethodSpec& typed) { return typed.keys.object() != nullptr && !typed.keys.object()->empty(); }
@@ -166,9 +167,11 @@ std::vector<SweepRun> sweep_lanes(std::span<const Scene> scenes, const Registry&
       if (!unsuited(scene.run).empty()) return {};
       if (histories != nullptr && scene.run.at_jumps) return {};  // lanes have no rows at jumps
       if (!(scene.run.until > 0) || !alike(scene.run, scenes.front().run)) return {};
+      const FindingScope scope;
       lanes.push_back(make_lane(scene, registry));
       if (!unsuited(lanes.back()->mechanism).empty()) return {};
       prepare(*lanes.back(), registry);
+      lanes.back()->found = scope.found;
       if (lanes.back()->recorder->table().names() != like.names()) return {};
     }
     const std::vector<double> times = output_times(scenes.front().run);
@@ -196,7 +199,9 @@ std::vector<SweepRun> sweep_lanes(std::span<const Scene> scenes, const Registry&
     run.steps = reports[i].steps, run.cpu = cpu;
     judge(*lanes[i], run);
     lanes[i]->doubts->take(reports[i].unmet);
-    run.doubts = lanes[i]->doubts->words(run.steps, lanes[i]->mechanism.run.until);
+    run.findings = std::move(lanes[i]->found);
+    for (Finding& f : lanes[i]->doubts->findings(run.steps, lanes[i]->mechanism.run.until))
+      run.findings.push_back(std::move(f));
     runs.push_back(std::move(run));
     if (history != nullptr) *history = lanes[i]->recorder->table();
   }

@@ -31,7 +31,7 @@ struct CheckOptions {
 };
 
 /// One fault that a check found, in words.
-struct Finding {
+struct CheckFinding {
   std::string what;  ///< the entry, its value, and what it should be
   std::string look;  ///< where to look for the cause
 };
@@ -47,16 +47,16 @@ class LOCKSTEP_API CheckReport {
   /// then the notes.
   std::string text() const;
 
-  const std::string& subject() const { return subject_; }             ///< what is checked
-  std::uint64_t seed() const { return seed_; }                        ///< of the random numbers
-  const std::vector<Finding>& findings() const { return findings_; }  ///< in the order in which they were found
+  const std::string& subject() const { return subject_; }                  ///< what is checked
+  std::uint64_t seed() const { return seed_; }                             ///< of the random numbers
+  const std::vector<CheckFinding>& findings() const { return findings_; }  ///< in the order in which they were found
   const std::vector<std::string>& notes() const { return notes_; }  ///< no faults: what was measured, what was left out
   long comparisons() const { return n_comparisons_; }               ///< number of comparisons made
   double accuracy() const { return accuracy_; }  ///< largest relative error of a difference that was compared with
 
   // -- for checks
   /// Adds a finding; of those with the same key (kind and entry) the one with the largest `weight` stays.
-  void add(const std::string& key, Finding, double weight = 0);
+  void add(const std::string& key, CheckFinding, double weight = 0);
   void note(std::string words);  ///< adds a note, unless it is there already
   /// Counts a comparison with a difference whose relative error is `error`.
   void compared(double error);
@@ -70,7 +70,7 @@ class LOCKSTEP_API CheckReport {
   };
   std::string subject_;
   std::uint64_t seed_;
-  std::vector<Finding> findings_;
+  std::vector<CheckFinding> findings_;
   std::vector<Key> keys_;
   std::vector<std::string> notes_;
   long n_comparisons_ = 0;

@@ -1,0 +1,65 @@
+#include <lockstep/finding.h>
+
+#include <algorithm>
+#include <array>
+
+#include <lockstep/error.h>
+#include <lockstep/log.h>
+#include "framework/foundation/support/finding_kinds.h"
+
+namespace lockstep {
+namespace {
+
+thread_local FindingScope* innermost = nullptr;
+
+}  // namespace
+
+const char* to_string(Severity severity) {
+  constexpr const char* kWords[] = {"note", "warning", "doubt", "wrong"};
+  return kWords[static_cast<int>(severity)];
+}
+
+std::span<const FindingKind* const> finding_kinds() {
+  using namespace finding;
+  static constexpr std::array kAll{
+      &energy_not_conserved, &constraints_drifted, &tolerance_not_reached, &singular_passed,  &reactions_uncertain,
+      &not_certified,        &start_far,           &renamed_key,           &not_included,     &held_turn,
+      &quaternion_length,    &negative_stiffness,  &outputs_beyond_end,    &setting_unused,   &length_repeated,
+      &switches_unresolved,  &turns_uncertain,     &start_moved,           &start_speed_lost, &start_missed,
+      &singular_start,       &no_freedom,          &violated_in_run,       &long_turn,        &long_steps,
+      &event_at_zero,        &energy_not_judged,   &energy_suspect,        &event_missed,     &stiff,
+      &reactions_not_unique, &nearly_redundant,    &analysis_note};
+  return kAll;
+}
+
+const FindingKind& finding_kind(std::string_view code) {
+  for (const FindingKind* kind : finding_kinds())
+    if (kind->code == code) return *kind;
+  throw ModelError("no finding has the code \"" + std::string(code) + "\"; finding_kinds() lists all");
+}
+
+std::string Finding::text() const {
+  return (place.empty() ? "" : place + ": ") + message + (advice.empty() ? "" : "; " + advice);
+}
+
+std::vector<std::string> texts_of(const std::vector<Finding>& findings) {
+  std::vector<std::string> texts;
+  for (const Finding& f : findings) texts.push_back(f.text());
+  return texts;
+}
+
+void report_finding(const Finding& f) {
+  for (FindingScope* scope = innermost; scope != nullptr; scope = scope->outer_) {
+    scope->found.push_back(f);
+    if (!scope->hands_on_) return;
+  }
+  if (f.severity() == Severity::note)
+    log_info(f.text());
+  else
+    log_warning(f.text());
+}
+
+FindingScope::FindingScope(bool hands_on) : hands_on_(hands_on), outer_(innermost) { innermost = this; }
+FindingScope::~FindingScope() { innermost = outer_; }
+
+}  // namespace lockstep

@@ -1,0 +1,18 @@
+// Findings as the program prints them, and the exit code that they give.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include <lockstep/finding.h>
+#include "framework/tools/program/commands.h"
+
+namespace lockstep {
+
+/// An object for each: severity, code, thing, message, advice, value, limit, unit, t, place; what does not apply is absent.
+nlohmann::ordered_json findings_json(const std::vector<Finding>&);
+
+/// 9 if one is wrong, 11 if one is a doubt and doubts count (`strict`), else 0.
+Exit exit_code_of(const std::vector<Finding>&, bool strict);
+
+}  // namespace lockstep

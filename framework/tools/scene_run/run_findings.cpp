@@ -1,0 +1,56 @@
+#include "framework/tools/scene_run/run_findings.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <cmath>
+
+#include <lockstep/text.h>
+#include "framework/foundation/support/finding_kinds.h"
+
+namespace lockstep {
+namespace {
+
+void add_energy(std::vector<Finding>& all, const Audit& audit, bool adaptive) {
+  const std::string off = fmt::format(
+      "energy balance off by {:.2g} J ({})", audit.imbalance,
+      audit.scale > 0 ? fmt::format("{:.2g} of the energy exchanged", audit.imbalance_share()) : "none was exchanged");
+  if (audit.energy == Audit::Energy::not_conserved)
+    all.push_back({&finding::energy_not_conserved, "", off,
+                   adaptive ? "take a smaller tolerance (--tolerance), look for singular positions (lockstep check)"
+                            : "take a smaller step (--step)",
+                   audit.imbalance_share(), audit.limits.energy});
+  if (audit.energy == Audit::Energy::not_judged)
+    all.push_back({&finding::energy_not_judged, "",
+                   fmt::format("{}: force{} {} {} power, but no potential, dissipation or supply", off,
+                               audit.unbooked_forces.size() > 1 ? "s" : "", text::join(audit.unbooked_forces),
+                               audit.unbooked_forces.size() > 1 ? "give" : "gives"),
+                   "", audit.imbalance_share(), audit.limits.energy});
+}
+
+}  // namespace
+
+std::vector<Finding> run_findings(StepLoop& run, const Audit& audit, const Doubts& doubts,
+                                  const SingularWatch& singular) {
+  const SimulationReport& report = run.report();
+  const IntegratorInfo& method = run.integrator().info();
+  std::vector<Finding> all;
+  if (!singular.passed().empty())
+    all.push_back(finding_of(singular.passed(), singular.n_passed(), method,
+                             run.dynamics().options().stabilization.kind == Stabilization::Kind::project));
+  for (Finding& f : doubts.findings(report.steps, run.state().t)) all.push_back(std::move(f));
+  add_energy(all, audit, method.adaptive);
+  if (audit.drifted)
+    all.push_back({&finding::constraints_drifted, "",
+                   fmt::format("constraints violated by at most {:.2g} m after a step (limit {:.2g} m)",
+                               audit.violation, audit.limits.violation),
+                   "project them (stabilization project)", audit.violation, audit.limits.violation, "m"});
+  if (std::isfinite(report.stiff_since))
+    all.push_back(
+        {&finding::stiff, "",
+         fmt::format("from t = {:.4g} s on damped fast modes limited the steps, not accuracy", report.stiff_since),
+         "an implicit method is cheaper (--integrator radau5 or generalized_alpha)",
+         std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN(), "", report.stiff_since});
+  return all;
+}
+
+}  // namespace lockstep
