@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <type_traits>
 
 #include <lockstep/author/jet.h>
@@ -65,161 +66,178 @@ T power_of(const T& a, double p) {
   return pow(a, p);
 }
 
-template <class T, class Witness>
+template <class T>
+T square(const T& a) {
+  return a * a;
+}
+
+/// What a term computes that decides nothing, on numbers, jets and intervals; `y` is read by what takes two.
+template <class T>
+T computed(const Term& t, const T& x, const T& y) {
+  using std::acos, std::asin, std::atan, std::atan2, std::cos, std::cosh, std::exp, std::log, std::sin, std::sinh,
+      std::sqrt, std::tan, std::tanh;
+  const Operation o = t.operation;
+  if (o == Operation::add) return x + y;
+  if (o == Operation::subtract) return x - y;
+  if (o == Operation::multiply) return x * y;
+  if (o == Operation::divide) return x / y;
+  if (o == Operation::negate) return -x;
+  if (o == Operation::power) return t.n_parts == 1 ? power_of(x, t.value) : T(exp(y * log(x)));
+  const Function f = t.function;
+  if (f == Function::sin) return sin(x);
+  if (f == Function::cos) return cos(x);
+  if (f == Function::tan) return tan(x);
+  if (f == Function::asin) return asin(x);
+  if (f == Function::acos) return acos(x);
+  if (f == Function::atan) return atan(x);
+  if (f == Function::atan2) return atan2(x, y);
+  if (f == Function::sinh) return sinh(x);
+  if (f == Function::cosh) return cosh(x);
+  if (f == Function::tanh) return tanh(x);
+  if (f == Function::sqrt) return sqrt(x);
+  if (f == Function::exp) return exp(x);
+  if (f == Function::log) return log(x);
+  return sqrt(square(x) + square(y));  // hypot
+}
+
+/// Whether a condition holds; open: it holds at some of the values that are looked at.
+enum class Truth { no, yes, open };
+
+/// A term on values of type T: numbers and jets, or intervals of them. `Values`: what the variables are, and what is decided
+/// of such values; where it says of a sign that it is open, both outcomes are taken together.
+template <class T, class Values>
 class TermEvaluation {
  public:
-  TermEvaluation(const std::vector<Term>& terms, std::span<const T> variables, Witness& witness)
-      : terms_(terms), variables_(variables), witness_(witness) {}
+  TermEvaluation(const std::vector<Term>& terms, Values& values) : terms_(terms), values_(values) {}
 
-  /// The value of term i; NaN where a comparison is of what is NaN.
-  T value(int i) {
-    const T result = of(i);
-    return lost_ ? T(std::numeric_limits<double>::quiet_NaN()) : result;
+  T of(int i) {
+    const Term& t = term(i);
+    if (t.n_parts == 0) return t.operation == Operation::number ? T(t.value) : values_.variable(t.variable);
+    if (t.operation == Operation::choose) return chosen(i);
+    if (t.decides) return t.operation == Operation::call ? decided(i) : condition(i);
+    const T x = of(t.parts[0]);
+    if (t.n_parts == 1) return values_.computed(t, x, x);
+    return values_.computed(t, x, of(t.parts[1]));
   }
 
  private:
-  T of(int i) {
-    using std::exp, std::log;
-    const Term& t = terms_[static_cast<std::size_t>(i)];
-    switch (t.kind) {
-      case Term::Kind::constant:
-        return T(t.value);
-      case Term::Kind::variable:
-        return variables_[static_cast<std::size_t>(t.a)];
-      case Term::Kind::add:
-        return of(t.a) + of(t.b);
-      case Term::Kind::subtract:
-        return of(t.a) - of(t.b);
-      case Term::Kind::multiply:
-        return of(t.a) * of(t.b);
-      case Term::Kind::divide:
-        return of(t.a) / of(t.b);
-      case Term::Kind::negate:
-        return -of(t.a);
-      case Term::Kind::power:
-        return power_of(of(t.a), t.value);
-      case Term::Kind::raise:
-        return exp(of(t.b) * log(of(t.a)));
-      case Term::Kind::choose:
-        return holds(t.a, i) ? of(t.b) : of(t.c);
-      case Term::Kind::call:
-        return call(i);
-      default:
-        return T(holds(i, i) ? 1.0 : 0.0);
-    }
+  using Sign = std::optional<int>;
+  const Term& term(int i) const { return terms_[static_cast<std::size_t>(i)]; }
+
+  T condition(int i) {
+    const Truth c = holds(i, i);
+    return c == Truth::open ? values_.either(T(0.0), T(1.0)) : T(c == Truth::yes ? 1.0 : 0.0);
   }
 
-  int decide(const T& a, int by) {
+  T chosen(int i) {
+    const Term& t = term(i);
+    const Truth c = holds(t.parts[0], i);
+    if (c == Truth::open) {
+      const T first = of(t.parts[1]);
+      return values_.either(first, of(t.parts[2]));
+    }
+    const int part = t.parts[c == Truth::yes ? 1 : 2];
+    const T x = of(part);
+    return values_.stands(i, part), x;
+  }
+
+  // Term i as a condition of term `by`, which tells a number from zero.
+  Truth holds(int i, int by) {
+    const Term& t = term(i);
+    const auto truth = [](Sign s, auto&& is) { return !s ? Truth::open : is(*s) ? Truth::yes : Truth::no; };
+    const auto difference = [&] {
+      const T x = of(t.parts[0]), y = of(t.parts[1]);
+      return values_.compared(t.parts[0], x, t.parts[1], y, i);
+    };
+    if (t.operation == Operation::less) return truth(difference(), [](int s) { return s < 0; });
+    if (t.operation == Operation::less_equal) return truth(difference(), [](int s) { return s <= 0; });
+    if (t.operation == Operation::equal) return truth(difference(), [](int s) { return s == 0; });
+    if (!is_condition(t.operation)) return truth(values_.sign(of(i), by), [](int s) { return s != 0; });
+    const Truth first = holds(t.parts[0], i);
+    if (t.operation == Operation::negation)
+      return first == Truth::open ? first : first == Truth::no ? Truth::yes : Truth::no;
+    const Truth settles = t.operation == Operation::conjunction ? Truth::no : Truth::yes;
+    if (first == settles) return first;
+    const Truth second = holds(t.parts[1], i);
+    return first != Truth::open || second == settles ? second : first;
+  }
+
+  // A function that decides.
+  T decided(int i) {
+    using std::abs;
+    const Term& t = term(i);
+    const T x = of(t.parts[0]);
+    if (t.function == Function::floor) return T(values_.floor(x, i));
+    if (t.function == Function::ceil) return T(-values_.floor(-x, i));
+    if (t.function == Function::round) return T(values_.round(x, i));
+    if (t.n_parts == 1) {
+      const Sign s = values_.sign(x, i);
+      if (t.function == Function::sign) return s ? T(double(*s)) : values_.either(T(-1.0), T(1.0));
+      if (s && *s >= 0) values_.stands(i, t.parts[0]);
+      return !s ? T(abs(x)) : *s < 0 ? T(-x) : x;
+    }
+    const T y = of(t.parts[1]);
+    if (t.function == Function::mod) return values_.mod(x, y, i);
+    const bool least = t.function == Function::min;
+    const Sign s = values_.compared(t.parts[0], x, t.parts[1], y, i);
+    if (!s) return least ? values_.least(x, y) : T(-values_.least(-x, -y));
+    const bool first = *s == 0 || (*s < 0) == least;
+    return values_.stands(i, t.parts[first ? 0 : 1]), first ? x : y;
+  }
+
+  const std::vector<Term>& terms_;
+  Values& values_;
+};
+
+/// Numbers or jets as values of terms: all is decided, and told to the witness.
+template <class T, class Witness>
+class Numbers {
+ public:
+  Numbers(std::span<const T> variables, Witness& witness) : variables_(variables), witness_(witness) {}
+
+  const T& variable(int k) const { return variables_[static_cast<std::size_t>(k)]; }
+  static T computed(const Term& t, const T& x, const T& y) { return expression::computed(t, x, y); }
+  std::optional<int> sign(const T& a, int by) {
     lost_ = lost_ || std::isnan(lockstep::value_of(a));
     const int s = side(a);
     return witness_.decided(s, by), s;
   }
-
-  // Term i as a condition of term `of_term`, which tells a number from zero.
-  bool holds(int i, int of_term) {
-    const Term& t = terms_[static_cast<std::size_t>(i)];
-    switch (t.kind) {
-      case Term::Kind::less:
-        return decide(of(t.a) - of(t.b), i) < 0;
-      case Term::Kind::less_equal:
-        return decide(of(t.a) - of(t.b), i) <= 0;
-      case Term::Kind::equal:
-        return decide(of(t.a) - of(t.b), i) == 0;
-      case Term::Kind::negation:
-        return !holds(t.a, i);
-      case Term::Kind::conjunction:
-        return holds(t.a, i) && holds(t.b, i);
-      case Term::Kind::disjunction:
-        return holds(t.a, i) || holds(t.b, i);
-      default:
-        return decide(of(i), of_term) != 0;
-    }
-  }
-
+  std::optional<int> compared(int /*i*/, const T& x, int /*j*/, const T& y, int by) { return sign(x - y, by); }
   // The whole number at or below a; of a jet on a whole number that falls, the one below.
-  double below(const T& a, int by) {
+  double floor(const T& a, int by) {
     const double at = lockstep::value_of(a), v = std::floor(at);
-    const double n = at == v && side(a - T(v)) < 0 ? v - 1 : v;
-    return whole(n, by);
+    return whole(at == v && side(a - T(v)) < 0 ? v - 1 : v, by);
   }
+  double round(const T& a, int by) { return whole(nearest(a), by); }
+  T mod(const T& x, const T& y, int by) { return x - y * floor(x / y, by); }
+  void stands(int /*i*/, int /*other*/) {}
+  static T either(const T& x, const T& /*y*/) { return x; }
+  static T least(const T& x, const T& /*y*/) { return x; }
+  /// Whether a comparison was of what is NaN.
+  bool lost() const { return lost_; }
+
+ private:
   double whole(double n, int by) {
     // far whole numbers may share a mark: neighbours differ
     return witness_.decided(std::abs(n) < 1e9 ? int(n) : 0, by), n;
   }
 
-  T call(int i) {
-    using std::acos, std::asin, std::atan, std::atan2, std::cos, std::cosh, std::exp, std::log, std::sin, std::sinh,
-        std::sqrt, std::tan, std::tanh;
-    const Term& t = terms_[static_cast<std::size_t>(i)];
-    const T x = of(t.a);
-    switch (t.function) {
-      case Function::sin:
-        return sin(x);
-      case Function::cos:
-        return cos(x);
-      case Function::tan:
-        return tan(x);
-      case Function::asin:
-        return asin(x);
-      case Function::acos:
-        return acos(x);
-      case Function::atan:
-        return atan(x);
-      case Function::atan2:
-        return atan2(x, of(t.b));
-      case Function::sinh:
-        return sinh(x);
-      case Function::cosh:
-        return cosh(x);
-      case Function::tanh:
-        return tanh(x);
-      case Function::sqrt:
-        return sqrt(x);
-      case Function::exp:
-        return exp(x);
-      case Function::log:
-        return log(x);
-      case Function::abs:
-        return decide(x, i) < 0 ? T(-x) : x;
-      case Function::sign:
-        return T(double(decide(x, i)));
-      case Function::floor:
-        return T(below(x, i));
-      case Function::ceil:
-        return T(-below(-x, i));
-      case Function::round:
-        return T(whole(nearest(x), i));
-      case Function::mod: {
-        const T y = of(t.b);
-        return x - y * below(x / y, i);
-      }
-      case Function::min: {
-        const T y = of(t.b);
-        return decide(x - y, i) <= 0 ? x : y;
-      }
-      case Function::max: {
-        const T y = of(t.b);
-        return decide(x - y, i) >= 0 ? x : y;
-      }
-      case Function::hypot: {
-        const T y = of(t.b);
-        return sqrt(x * x + y * y);
-      }
-      default:
-        return x;
-    }
-  }
-
-  const std::vector<Term>& terms_;
   std::span<const T> variables_;
   Witness& witness_;
   bool lost_ = false;
 };
 
+/// The value of term i; NaN where a comparison is of what is NaN.
+template <class T, class Witness = NoWitness>
+T value_of_term(const std::vector<Term>& terms, std::size_t i, std::span<const T> variables, Witness&& witness = {}) {
+  Numbers<T, std::remove_reference_t<Witness>> numbers(variables, witness);
+  const T result = TermEvaluation<T, decltype(numbers)>(terms, numbers).of(static_cast<int>(i));
+  return numbers.lost() ? T(std::numeric_limits<double>::quiet_NaN()) : result;
+}
+
 template <class T>
 T FormulaFunction::operator()(std::span<const T> variables) const {
-  NoWitness witness;
-  return TermEvaluation<T, NoWitness>(terms_, variables, witness).value(static_cast<int>(terms_.size()) - 1);
+  return value_of_term(terms_, terms_.size() - 1, variables);
 }
 
 }  // namespace lockstep::expression

@@ -21,12 +21,12 @@ enum class Operation {
   number,
   name,
   negate,
-  negation,  ///< !a
   add,
   subtract,
   multiply,
   divide,
   power,
+  negation,  ///< !a
   less,
   less_equal,
   greater,
@@ -69,6 +69,22 @@ enum class Function {
   dot,
   cross
 };
+
+/// What a function takes: numbers of any dimension, or of one.
+enum class Takes { any, pure, angle, alike, vectors };
+/// The dimension of what it gives: that of its arguments, their root or product, ...
+enum class Gives { number, sign, angle, alike, root, product };
+
+/// A function of formulas.
+struct Signature {
+  std::string_view name;
+  Function function;
+  std::size_t least, most;  ///< arguments
+  Takes takes;
+  Gives gives;
+  bool decides = false;  ///< whether it decides by the sign of a number
+};
+LOCKSTEP_API const Signature& signature_of(Function);
 
 /// A node of a formula; `children` are numbers of nodes before it.
 struct Node {
@@ -116,8 +132,8 @@ LOCKSTEP_API bool is_name(std::string_view word, std::string& problem);
 
 /// "sin", "cos", ..., then "pi": for messages.
 LOCKSTEP_API std::vector<std::string> names_of_functions();
-/// As written in formulas.
-LOCKSTEP_API std::string_view name_of(Function);
+/// Whether it is true or false.
+constexpr bool is_condition(Operation o) { return o >= Operation::negation && o <= Operation::disjunction; }
 /// How a message speaks of an operation: "+".
 LOCKSTEP_API std::string_view sign_of(Operation);
 

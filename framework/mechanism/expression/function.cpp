@@ -14,8 +14,6 @@ namespace lockstep::expression {
 
 // From the nodes of an expression to terms on numbers; what is constant is computed here.
 class FormulaCompiler {
-  using Kind = Term::Kind;
-
  public:
   FormulaCompiler(const Expression& e, const std::vector<std::string>& variables,
                   const std::vector<Constant>& constants, std::vector<Term>& out)
@@ -23,105 +21,48 @@ class FormulaCompiler {
 
   int compile(int i) {
     const Node& n = e_.node(i);
-    switch (n.operation) {
-      case Operation::number:
-        return constant(n.value);
-      case Operation::name:
-        return named(n);
-      case Operation::negate:
-        return one(n, Kind::negate);
-      case Operation::negation:
-        return one(n, Kind::negation);
-      case Operation::add:
-        return two(n, Kind::add);
-      case Operation::subtract:
-        return two(n, Kind::subtract);
-      case Operation::multiply:
-        return two(n, Kind::multiply);
-      case Operation::divide:
-        return two(n, Kind::divide);
-      case Operation::power:
-        return power(n);
-      case Operation::less:
-        return two(n, Kind::less);
-      case Operation::less_equal:
-        return two(n, Kind::less_equal);
-      case Operation::greater:
-        return two(n, Kind::less, true);
-      case Operation::greater_equal:
-        return two(n, Kind::less_equal, true);
-      case Operation::equal:
-        return two(n, Kind::equal);
-      case Operation::unequal: {
-        Term t;
-        t.kind = Kind::negation, t.a = two(n, Kind::equal);
-        return put(t, {t.a});
-      }
-      case Operation::conjunction:
-        return two(n, Kind::conjunction);
-      case Operation::disjunction:
-        return two(n, Kind::disjunction);
-      case Operation::choose: {
-        Term t;
-        t.kind = Kind::choose;
-        t.a = compile(n.children[0]), t.b = compile(n.children[1]), t.c = compile(n.children[2]);
-        return put(t, {t.a, t.b, t.c});
-      }
-      case Operation::component:
-        return component(n);
-      case Operation::vector:
-        e_.refuse(n, "here numbers are expected; a vector stands in geometry only");
-      case Operation::call:
-        break;
-    }
-    return call(n);
+    if (n.operation == Operation::number) return constant(n.value);
+    if (n.operation == Operation::name) return named(n);
+    if (n.operation == Operation::component) return component(n);
+    if (n.operation == Operation::vector) e_.refuse(n, "here numbers are expected; a vector stands in geometry only");
+    if (n.operation == Operation::call) return call(n);
+    std::vector<int> parts;
+    for (const int k : n.children) parts.push_back(compile(k));
+    if (n.operation == Operation::power) return power(parts);
+    if (n.operation == Operation::unequal) return put(Operation::negation, {put(Operation::equal, parts)});
+    const bool exchanged = n.operation == Operation::greater || n.operation == Operation::greater_equal;
+    if (!exchanged) return put(n.operation, parts);
+    return put(n.operation == Operation::greater ? Operation::less : Operation::less_equal, {parts[1], parts[0]});
   }
 
  private:
   int constant(double x) {
     Term t;
     t.value = x;
-    return put(t, {});
-  }
-  int one(const Node& n, Kind kind) {
-    Term t;
-    t.kind = kind, t.a = compile(n.children[0]);
-    return put(t, {t.a});
-  }
-  int two(const Node& n, Kind kind, bool exchanged = false) {
-    Term t;
-    t.kind = kind, t.a = compile(n.children[0]), t.b = compile(n.children[1]);
-    if (exchanged) std::swap(t.a, t.b);
-    return put(t, {t.a, t.b});
+    return put(t);
   }
 
-  int power(const Node& n) {
-    Term t;
-    t.a = compile(n.children[0]), t.b = compile(n.children[1]);
-    if (is_constant(t.b) && !is_constant(t.a)) {
-      t.kind = Kind::power, t.value = out_.back().value;
+  int power(const std::vector<int>& parts) {
+    if (is_constant(parts[1]) && !is_constant(parts[0])) {
+      Term t{Operation::power, {}, out_.back().value};
       out_.pop_back();
-      return put(t, {t.a});
+      t.parts = {parts[0]}, t.n_parts = 1;
+      return put(t);
     }
-    t.kind = Kind::raise;
-    if (!is_constant(t.a)) return put(t, {t.a, t.b});
-    const double a = term(t.a).value;
-    if (is_constant(t.b)) {
-      const double p = std::pow(a, term(t.b).value);
-      out_.resize(static_cast<std::size_t>(t.a));
-      return constant(p);
-    }
-    return put(t, {t.a, t.b});
+    if (!is_constant(parts[0]) || !is_constant(parts[1])) return put(Operation::power, parts);
+    const double p = std::pow(term(parts[0]).value, term(parts[1]).value);
+    out_.resize(static_cast<std::size_t>(parts[0]));
+    return constant(p);
   }
 
   int call(const Node& n) {
-    if (n.function == Function::norm || n.function == Function::dot || n.function == Function::cross)
-      e_.refuse(n, std::string(name_of(n.function)) + " is of vectors, and here numbers are expected");
-    Term t;
-    t.kind = Kind::call, t.function = n.function, t.a = compile(n.children[0]);
-    if (n.children.size() == 1) return put(t, {t.a});
-    for (std::size_t k = 1; k < n.children.size(); ++k) t.b = compile(n.children[k]), t.a = put(t, {t.a, t.b});
-    return t.a;
+    const Signature& f = signature_of(n.function);
+    if (f.takes == Takes::vectors) e_.refuse(n, std::string(f.name) + " is of vectors, and here numbers are expected");
+    int first = compile(n.children[0]);
+    if (n.children.size() == 1) return put(Operation::call, {first}, n.function);
+    for (std::size_t k = 1; k < n.children.size(); ++k)
+      first = put(Operation::call, {first, compile(n.children[k])}, n.function);
+    return first;
   }
 
   const Constant* find(const std::string& name) const {
@@ -142,9 +83,8 @@ class FormulaCompiler {
                            "\" is a variable of this formula and a parameter or point as well; rename the " +
                            "parameter or point");
         Term t;
-        t.kind = Kind::variable, t.a = static_cast<int>(k);
-        out_.push_back(t);
-        return static_cast<int>(out_.size()) - 1;
+        t.operation = Operation::name, t.variable = static_cast<int>(k);
+        return put(t);
       }
     if (n.name == "pi") return constant(kPi);
     const Constant* c = find(n.name);
@@ -170,18 +110,25 @@ class FormulaCompiler {
   }
 
   const Term& term(int i) const { return out_[static_cast<std::size_t>(i)]; }
-  bool is_constant(int i) const { return term(i).kind == Kind::constant; }
+  bool is_constant(int i) const { return term(i).operation == Operation::number; }
 
+  int put(Operation o, const std::vector<int>& parts, Function f = {}) {
+    Term t{o, f};
+    std::copy(parts.begin(), parts.end(), t.parts.begin());
+    t.n_parts = static_cast<int>(parts.size());
+    t.decides = is_condition(o) || o == Operation::choose || (o == Operation::call && signature_of(f).decides);
+    return put(t);
+  }
   // Appends a term, or, in place of one of constants only, its value: those constants are the last terms.
-  int put(const Term& t, std::initializer_list<int> parts) {
+  int put(const Term& t) {
     out_.push_back(t);
-    if (parts.size() > 0 && std::all_of(parts.begin(), parts.end(), [&](int i) { return is_constant(i); })) {
-      NoWitness witness;
-      const double x = TermEvaluation<double, NoWitness>(out_, {}, witness).value(static_cast<int>(out_.size()) - 1);
-      out_.resize(static_cast<std::size_t>(std::min(parts)));
-      return constant(x);
-    }
-    return static_cast<int>(out_.size()) - 1;
+    const auto last = out_.size() - 1;
+    const std::span<const int> parts(t.parts.data(), static_cast<std::size_t>(t.n_parts));
+    if (parts.empty() || !std::ranges::all_of(parts, [&](int i) { return is_constant(i); }))
+      return static_cast<int>(last);
+    const double x = value_of_term<double>(out_, last, {});
+    out_.resize(static_cast<std::size_t>(std::ranges::min(parts)));
+    return constant(x);
   }
 
   const Expression& e_;
@@ -196,16 +143,16 @@ FormulaFunction::FormulaFunction(const std::string& text, const std::vector<std:
   std::vector<std::string> names = variables;
   const Expression e(text, names);
   FormulaCompiler(e, variables, constants, terms_).compile(e.root());
-  has_switches_ = std::any_of(terms_.begin(), terms_.end(), switches);
+  has_switches_ = std::ranges::any_of(terms_, &Term::decides);
   if (has_switches_) warned_ = std::make_shared<std::atomic<bool>>(false);
   if (is_constant() && !std::isfinite(terms_.back().value)) e.refuse(0, "its value is not finite");
 }
 
-bool FormulaFunction::is_constant() const { return terms_.size() == 1 && terms_[0].kind == Term::Kind::constant; }
+bool FormulaFunction::is_constant() const { return terms_.size() == 1 && terms_[0].operation == Operation::number; }
 
 bool FormulaFunction::reads(int variable) const {
   return std::any_of(terms_.begin(), terms_.end(),
-                     [&](const Term& t) { return t.kind == Term::Kind::variable && t.a == variable; });
+                     [&](const Term& t) { return t.operation == Operation::name && t.variable == variable; });
 }
 
 void FormulaFunction::breakpoints(int time, double t0, double t1, std::vector<double>& out) const {
@@ -214,17 +161,16 @@ void FormulaFunction::breakpoints(int time, double t0, double t1, std::vector<do
   std::vector<char> timed(terms_.size()), other(terms_.size());
   for (std::size_t i = 0; i < terms_.size(); ++i) {
     const Term& t = terms_[i];
-    if (t.kind == Term::Kind::variable) (t.a == time ? timed : other)[i] = 1;
-    int parts[3];
-    for (int k = 0, n = parts_of(t, parts); k < n; ++k) {
-      timed[i] |= timed[static_cast<std::size_t>(parts[k])];
-      other[i] |= other[static_cast<std::size_t>(parts[k])];
+    if (t.operation == Operation::name) (t.variable == time ? timed : other)[i] = 1;
+    for (int k = 0; k < t.n_parts; ++k) {
+      const auto part = static_cast<std::size_t>(t.parts[static_cast<std::size_t>(k)]);
+      timed[i] |= timed[part], other[i] |= other[part];
     }
   }
   const std::size_t first = out.size();
   bool all = true;
   for (std::size_t i = 0; i < terms_.size(); ++i) {
-    if (!switches(terms_[i]) || !timed[i] || other[i]) continue;
+    if (!terms_[i].decides || !timed[i] || other[i]) continue;
     const Found found = find_switches(terms_, static_cast<int>(i), time, t0, t1, out);
     if (found == Found::too_many || out.size() - first > kMostSwitches)
       throw ModelError("formula \"" + text_ + "\" switches more than " + std::to_string(kMostSwitches) +

@@ -1,6 +1,7 @@
-// A formula of variables, such as the time, evaluated on numbers, on jets and on intervals.
+// A formula of variables, such as the time, evaluated on numbers and jets.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <memory>
 #include <span>
@@ -11,35 +12,18 @@
 #include <lockstep/author/params.h>
 #include <lockstep/detail/export.h>
 #include "framework/mechanism/expression/expression.h"
-#include "framework/mechanism/expression/interval.h"
 
 namespace lockstep::expression {
 
 /// A step of a formula: an operation on the results of steps before it.
 struct Term {
-  enum class Kind {
-    constant,
-    variable,
-    add,
-    subtract,
-    multiply,
-    divide,
-    negate,
-    power,        ///< a^value
-    raise,        ///< a^b
-    less,         ///< a < b
-    less_equal,   ///< a <= b
-    equal,        ///< a == b
-    negation,     ///< !a
-    conjunction,  ///< a && b
-    disjunction,  ///< a || b
-    choose,       ///< a ? b : c
-    call          ///< function of a, or of a and b
-  };
-  Kind kind = Kind::constant;
+  Operation operation = Operation::number;  ///< no vector, component, greater or unequal one
   Function function{};
-  double value = 0;  ///< of a constant, or an exponent
-  int a = 0, b = 0, c = 0;
+  double value = 0;  ///< of a number; the exponent of a power of one part
+  int variable = 0;  ///< of a name
+  std::array<int, 3> parts{};
+  int n_parts = 0;
+  bool decides = false;  ///< by the sign of a number: a comparison, a choice, |a|, min, floor, ...
 };
 
 /// A number of a formula of functions, by name: SI.

@@ -107,10 +107,10 @@ inline Interval atan2(const Interval& y, const Interval& x) {
   const double p[4] = {std::atan2(y.lo, x.lo), std::atan2(y.lo, x.hi), std::atan2(y.hi, x.lo), std::atan2(y.hi, x.hi)};
   return interval_detail::widened(*std::min_element(p, p + 4), *std::max_element(p, p + 4));
 }
-inline Interval pow(const Interval& a, double p) {
+inline Interval power_of(const Interval& a, double p) {
   if (p == std::round(p) && std::abs(p) < 1e6 && !(a.lo > 0)) {
     const Interval even = std::fmod(p, 2) == 0 ? abs(a) : a;
-    if (p < 0) return even.holds(0) ? Interval::everything() : Interval(1) / pow(a, -p);
+    if (p < 0) return even.holds(0) ? Interval::everything() : Interval(1) / power_of(a, -p);
     return interval_detail::rising(even, [&](double x) { return std::pow(x, p); });
   }
   if (!(a.lo >= 0) || (a.lo == 0 && p < 0)) return Interval::everything();

@@ -12,22 +12,33 @@
 namespace lockstep::expression {
 namespace {
 
-struct Signature {
-  std::string_view name;
-  Function function;
-  std::size_t least, most;  // arguments
-};
 constexpr std::size_t kAny = 16;
-constexpr std::array<Signature, 25> kFunctions{
-    {{"sin", Function::sin, 1, 1},        {"cos", Function::cos, 1, 1},    {"tan", Function::tan, 1, 1},
-     {"asin", Function::asin, 1, 1},      {"acos", Function::acos, 1, 1},  {"atan", Function::atan, 1, 1},
-     {"atan2", Function::atan2, 2, 2},    {"sinh", Function::sinh, 1, 1},  {"cosh", Function::cosh, 1, 1},
-     {"tanh", Function::tanh, 1, 1},      {"sqrt", Function::sqrt, 1, 1},  {"exp", Function::exp, 1, 1},
-     {"log", Function::log, 1, 1},        {"abs", Function::abs, 1, 1},    {"sign", Function::sign, 1, 1},
-     {"floor", Function::floor, 1, 1},    {"ceil", Function::ceil, 1, 1},  {"round", Function::round, 1, 1},
-     {"mod", Function::mod, 2, 2},        {"min", Function::min, 2, kAny}, {"max", Function::max, 2, kAny},
-     {"hypot", Function::hypot, 2, kAny}, {"norm", Function::norm, 1, 1},  {"dot", Function::dot, 2, 2},
-     {"cross", Function::cross, 2, 2}}};
+// In the order of Function.
+constexpr std::array<Signature, 25> kFunctions{{{"sin", Function::sin, 1, 1, Takes::angle, Gives::number},
+                                                {"cos", Function::cos, 1, 1, Takes::angle, Gives::number},
+                                                {"tan", Function::tan, 1, 1, Takes::angle, Gives::number},
+                                                {"asin", Function::asin, 1, 1, Takes::pure, Gives::angle},
+                                                {"acos", Function::acos, 1, 1, Takes::pure, Gives::angle},
+                                                {"atan", Function::atan, 1, 1, Takes::pure, Gives::angle},
+                                                {"atan2", Function::atan2, 2, 2, Takes::alike, Gives::angle},
+                                                {"sinh", Function::sinh, 1, 1, Takes::pure, Gives::number},
+                                                {"cosh", Function::cosh, 1, 1, Takes::pure, Gives::number},
+                                                {"tanh", Function::tanh, 1, 1, Takes::pure, Gives::number},
+                                                {"sqrt", Function::sqrt, 1, 1, Takes::any, Gives::root},
+                                                {"exp", Function::exp, 1, 1, Takes::pure, Gives::number},
+                                                {"log", Function::log, 1, 1, Takes::pure, Gives::number},
+                                                {"abs", Function::abs, 1, 1, Takes::alike, Gives::alike, true},
+                                                {"sign", Function::sign, 1, 1, Takes::any, Gives::sign, true},
+                                                {"floor", Function::floor, 1, 1, Takes::pure, Gives::number, true},
+                                                {"ceil", Function::ceil, 1, 1, Takes::pure, Gives::number, true},
+                                                {"round", Function::round, 1, 1, Takes::pure, Gives::number, true},
+                                                {"mod", Function::mod, 2, 2, Takes::alike, Gives::alike, true},
+                                                {"min", Function::min, 2, kAny, Takes::alike, Gives::alike, true},
+                                                {"max", Function::max, 2, kAny, Takes::alike, Gives::alike, true},
+                                                {"hypot", Function::hypot, 2, kAny, Takes::alike, Gives::alike},
+                                                {"norm", Function::norm, 1, 1, Takes::vectors, Gives::alike},
+                                                {"dot", Function::dot, 2, 2, Takes::vectors, Gives::product},
+                                                {"cross", Function::cross, 2, 2, Takes::vectors, Gives::product}}};
 
 const Signature* signature(std::string_view name) {
   for (const Signature& s : kFunctions)
@@ -391,11 +402,7 @@ std::vector<std::string> names_of_functions() {
   return names;
 }
 
-std::string_view name_of(Function f) {
-  for (const Signature& s : kFunctions)
-    if (s.function == f) return s.name;
-  return "";
-}
+const Signature& signature_of(Function f) { return kFunctions[static_cast<std::size_t>(f)]; }
 
 std::string_view sign_of(Operation o) {
   for (const Binary& b : kBinary)

@@ -291,97 +291,67 @@ class Evaluation {
     for (const int k : n.children) all.push_back(of(k));
     return all;
   }
-  [[noreturn]] void refuse_argument(const Node& n, const Amount& q, const std::string& expected) const {
-    refuse(n, std::string(name_of(n.function)) + " of " + article_name_of(q) + "; " + expected + " is expected");
+  [[noreturn]] void refuse_argument(const Node& n, const Amount& q, const char* expected) const {
+    refuse(n,
+           std::string(signature_of(n.function).name) + " of " + article_name_of(q) + "; " + expected + " is expected");
+  }
+  void check_range(const Node& n, const std::vector<Amount>& a) const {
+    const double x = a[0].v[0];
+    const Function f = n.function;
+    const char* range = nullptr;
+    if ((f == Function::asin || f == Function::acos) && !(std::abs(x) <= 1)) range = "from -1 to 1";
+    if (f == Function::sqrt && !(x >= 0)) range = "0 or more";
+    if (f == Function::log && !(x > 0)) range = "more than 0";
+    if (range != nullptr)
+      refuse(n, std::string(signature_of(f).name) + " of " + text::brief(x) + "; it must be " + range);
+    if (f == Function::mod && a[1].v[0] == 0) refuse(n, "mod by zero");
   }
 
   Amount call(const Node& n) const {
     std::vector<Amount> a = arguments(n);
-    const bool of_vectors =
-        n.function == Function::norm || n.function == Function::dot || n.function == Function::cross;
-    for (const Amount& q : a)
-      if (q.is_vector != of_vectors) refuse_argument(n, q, of_vectors ? "a vector" : "a number");
     Amount q = Amount::number(0);
     for (const Amount& x : a) q.measured = q.measured || x.measured, q.with_unit = q.with_unit || x.with_unit;
-    double& y = q.v[0];
-    const double x = a[0].v[0];
-    const auto pure = [&](bool angle) {
-      if (!is_number(a[0]) && !(angle && is_angle(a[0])))
-        refuse_argument(n, a[0], angle ? "an angle or a pure number" : "a pure number");
-    };
-    const auto like = [&] {  // of the dimension of the arguments, which are of one
-      for (std::size_t k = 1; k < a.size(); ++k) unite(n, a[0], a[k], "arguments of one function");
-      q.dimension = a[0].dimension, q.any = a[0].any;
-    };
-    const auto angle = [&] { q.dimension = {0, 0, 0, 1}, q.measured = true; };
-    const auto within = [&](bool inside, const char* range) {
-      if (!inside && of_values())
-        refuse(n, std::string(name_of(n.function)) + " of " + text::brief(x) + "; it must be " + range);
-    };
-    switch (n.function) {
-      case Function::sin:
-        return pure(true), y = std::sin(x), q;
-      case Function::cos:
-        return pure(true), y = std::cos(x), q;
-      case Function::tan:
-        return pure(true), y = std::tan(x), q;
-      case Function::asin:
-        return pure(false), within(std::abs(x) <= 1, "from -1 to 1"), angle(), y = std::asin(x), q;
-      case Function::acos:
-        return pure(false), within(std::abs(x) <= 1, "from -1 to 1"), angle(), y = std::acos(x), q;
-      case Function::atan:
-        return pure(false), angle(), y = std::atan(x), q;
-      case Function::atan2:
-        return like(), angle(), y = std::atan2(x, a[1].v[0]), q;
-      case Function::sinh:
-        return pure(false), y = std::sinh(x), q;
-      case Function::cosh:
-        return pure(false), y = std::cosh(x), q;
-      case Function::tanh:
-        return pure(false), y = std::tanh(x), q;
-      case Function::sqrt:
-        return within(x >= 0, "0 or more"), q.dimension = scaled(a[0].dimension, 0.5), q.any = a[0].any,
-                                            y = std::sqrt(x), q;
-      case Function::exp:
-        return pure(false), y = std::exp(x), q;
-      case Function::log:
-        return pure(false), within(x > 0, "more than 0"), y = std::log(x), q;
-      case Function::abs:
-        return like(), y = std::abs(x), q;
-      case Function::sign:
-        return q.measured = false, y = double(x > 0) - double(x < 0), q;
-      case Function::floor:
-        return pure(false), y = std::floor(x), q;
-      case Function::ceil:
-        return pure(false), y = std::ceil(x), q;
-      case Function::round:
-        return pure(false), y = nearest(x), q;
-      case Function::mod:
-        like();
-        if (a[1].v[0] == 0 && of_values()) refuse(n, "mod by zero");
-        return y = x - a[1].v[0] * std::floor(x / a[1].v[0]), q;
-      case Function::min:
-      case Function::max:
-        like(), y = x;
-        for (const Amount& b : a) y = n.function == Function::min ? std::min(y, b.v[0]) : std::max(y, b.v[0]);
-        return q;
-      case Function::hypot:
-        like(), y = 0;
-        for (const Amount& b : a) y = std::hypot(y, b.v[0]);
-        return q;
-      case Function::norm:
-        return like(), y = std::hypot(a[0].v[0], a[0].v[1], a[0].v[2]), q;
-      case Function::dot:
-        q.dimension = product(a[0].dimension, a[1].dimension, 1);
-        for (int k = 0; k < 3; ++k) y += a[0].v[k] * a[1].v[k];
-        return q;
-      case Function::cross:
-        q.dimension = product(a[0].dimension, a[1].dimension, 1), q.is_vector = true;
-        for (int k = 0; k < 3; ++k) {
-          const int i = (k + 1) % 3, j = (k + 2) % 3;
-          q.v[k] = a[0].v[i] * a[1].v[j] - a[0].v[j] * a[1].v[i];
-        }
-        return q;
+    const Signature& f = signature_of(n.function);
+    for (const Amount& x : a)
+      if (x.is_vector != (f.takes == Takes::vectors)) refuse_argument(n, x, x.is_vector ? "a number" : "a vector");
+    const bool pure = f.takes == Takes::pure || f.takes == Takes::angle;
+    if (pure && !is_number(a[0]) && !(f.takes == Takes::angle && is_angle(a[0])))
+      refuse_argument(n, a[0], f.takes == Takes::angle ? "an angle or a pure number" : "a pure number");
+    for (std::size_t k = 1; k < a.size() && f.takes == Takes::alike; ++k)
+      unite(n, a[0], a[k], "arguments of one function");
+    if (of_values()) check_range(n, a);
+    q.any = a[0].any && (f.takes == Takes::alike || f.gives == Gives::alike || f.gives == Gives::root);
+    if (f.gives == Gives::alike) q.dimension = a[0].dimension;
+    if (f.gives == Gives::root) q.dimension = scaled(a[0].dimension, 0.5);
+    if (f.gives == Gives::product) q.dimension = product(a[0].dimension, a[1].dimension, 1);
+    if (f.gives == Gives::angle) q.dimension = {0, 0, 0, 1}, q.measured = true;
+    if (f.gives == Gives::sign) q.measured = false;
+    if (f.takes == Takes::vectors) return of_vectors(n.function, a, q);
+    q.v[0] = a.size() == 1 ? value(n.function, a[0].v[0], a[0].v[0]) : a[0].v[0];
+    for (std::size_t k = 1; k < a.size(); ++k) q.v[0] = value(n.function, q.v[0], a[k].v[0]);
+    return q;
+  }
+
+  // The function of one or two numbers.
+  static double value(Function f, double x, double y) {
+    if (f == Function::abs) return std::abs(x);
+    if (f == Function::hypot) return std::hypot(x, y);
+    const double xy[] = {x, y};
+    const int n_parts = signature_of(f).most == 1 ? 1 : 2;
+    return value_of_term<double>({{Operation::name},
+                                  {.operation = Operation::name, .variable = 1},
+                                  {Operation::call, f, 0, 0, {0, 1}, n_parts, signature_of(f).decides}},
+                                 2, xy);
+  }
+  static Amount of_vectors(Function f, const std::vector<Amount>& a, Amount q) {
+    const double* x = a.front().v;
+    const double* y = a.back().v;
+    q.is_vector = f == Function::cross;
+    if (f == Function::norm) q.v[0] = std::hypot(x[0], x[1], x[2]);
+    for (int k = 0; k < 3; ++k) {
+      const int i = (k + 1) % 3, j = (k + 2) % 3;
+      if (f == Function::dot) q.v[0] += x[k] * y[k];
+      if (f == Function::cross) q.v[k] = x[i] * y[j] - x[j] * y[i];
     }
     return q;
   }

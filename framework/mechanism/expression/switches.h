@@ -8,12 +8,6 @@
 
 namespace lockstep::expression {
 
-/// Whether it decides by the sign of a number: a comparison, a choice, |a|, min, floor, ...
-bool switches(const Term&);
-
-/// Writes the numbers of the terms that a term is made of; how many they are.
-int parts_of(const Term&, int (&parts)[3]);
-
 /// More switches than these are not looked for.
 inline constexpr std::size_t kMostSwitches = 1'000'000;
 
