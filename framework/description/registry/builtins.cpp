@@ -5,6 +5,7 @@
 #include <array>
 
 #include "framework/description/registry/builtins.h"
+#include "framework/description/registry/shelves.h"
 #include "framework/dynamics/solvers/register.h"
 #include "framework/mechanism/forces/register.h"
 #include "framework/mechanism/links/register.h"
@@ -28,11 +29,6 @@ void add_laws_and_integrators(Registry& registry) {
   register_integrators(registry);
 }
 #else
-template <class Shelf>
-void add_types(Shelf& to, const Shelf& from) {
-  for (const auto& [type, entry] : from.entries()) to.add(entry.info, entry.make);
-}
-
 // The types are the library's own, whatever file they come from: they are added without the plugin's name.
 void add_laws_and_integrators(Registry& registry) {
   Registry its;
@@ -42,10 +38,9 @@ void add_laws_and_integrators(Registry& registry) {
       throw PluginError(std::string("this lockstep takes its ") + folder +
                         " from a plugin (it was built with LOCKSTEP_BUILTINS=OFF): " + error.what());
     }
-  add_types(registry.laws, its.laws);
-  add_types(registry.translation_laws, its.translation_laws);
-  add_types(registry.rotation_laws, its.rotation_laws);
-  add_types(registry.integrators, its.integrators);
+  for_each_shelf([&](auto, auto, auto shelf) {
+    for (const auto& [type, entry] : (its.*shelf).entries()) (registry.*shelf).add(entry.info, entry.make);
+  });
 }
 #endif
 
@@ -61,13 +56,7 @@ Registry builtin_registry() {
   register_links(registry);
   register_forces(registry);
   register_solvers(registry);
-  registry.laws.set_origin("built in");
-  registry.translation_laws.set_origin("built in");
-  registry.rotation_laws.set_origin("built in");
-  registry.links.set_origin("built in");
-  registry.forces.set_origin("built in");
-  registry.integrators.set_origin("built in");
-  registry.solvers.set_origin("built in");
+  for_each_shelf([&](auto, auto, auto shelf) { (registry.*shelf).set_origin("built in"); });
   return registry;
 }
 

@@ -1,6 +1,7 @@
 #include "framework/description/registry/law_units.h"
 
 #include <lockstep/author/registry.h>
+#include "framework/description/registry/shelves.h"
 #include "framework/mechanism/expression/dimensions.h"
 #include "framework/mechanism/params/csv_reader.h"
 #include "framework/mechanism/params/read.h"
@@ -79,15 +80,6 @@ void check_column(const Value& law, const Key& key, const LawDimension& dimensio
          "column '" + found.name + "' of " + file + " is in [" + found.unit + "]: " + read.problem);
 }
 
-const TypeInfo* info_of(const std::string& type, Form form, const Registry& registry) {
-  const auto in = [&](const auto& shelf) {
-    const auto* entry = shelf.find(type);
-    return entry != nullptr ? &entry->info : nullptr;
-  };
-  if (form == Form::translation_law) return in(registry.translation_laws);
-  return form == Form::rotation_law ? in(registry.rotation_laws) : in(registry.laws);
-}
-
 }  // namespace
 
 void check_unit(const Params& p, const std::string& key, Unit unit, int per_second) {
@@ -103,7 +95,7 @@ void check_law_units(const Value& law, Form form, LawDimension dimension, const 
   }
   check_text(law, dimension.unit, dimension.per_second, owner);
   const Value* type = law.object() != nullptr ? law.find("type") : nullptr;
-  const TypeInfo* info = type != nullptr ? info_of(*type->text(), form, registry) : nullptr;
+  const TypeInfo* info = type != nullptr ? find_type(registry, shelf_of(form), *type->text()) : nullptr;
   if (info == nullptr) return;
   const bool reads = law.find("file") != nullptr && law.find("file")->text() != nullptr;
   for (const Key& key : info->keys) {

@@ -14,6 +14,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/log.h>
+#include "framework/description/registry/shelves.h"
 #include "framework/foundation/support/thrown.h"
 
 namespace lockstep {
@@ -76,29 +77,20 @@ dll::shared_library& opened(const fs::path& file, const PluginStamp& stamp) {
   return library;
 }
 
-// Adds the entries of `from` with the plugin as their origin, whatever origin they claim.
-template <class Shelf>
-void put(Shelf& to, const Shelf& from, const std::string& name) {
-  for (const auto& [type, entry] : from.entries()) to.add(entry.info, entry.make);
-  to.set_origin(name);
-}
-
+// The entries of a registry with the plugin as their origin, whatever origin they claim.
 Registry as_of(const std::string& name, const Registry& from) {
   Registry its;
-  put(its.laws, from.laws, name);
-  put(its.translation_laws, from.translation_laws, name);
-  put(its.rotation_laws, from.rotation_laws, name);
-  put(its.links, from.links, name);
-  put(its.forces, from.forces, name);
-  put(its.integrators, from.integrators, name);
-  put(its.solvers, from.solvers, name);
+  for_each_shelf([&](auto, auto, auto shelf) {
+    for (const auto& [type, entry] : (from.*shelf).entries()) (its.*shelf).add(entry.info, entry.make);
+    (its.*shelf).set_origin(name);
+  });
   return its;
 }
 
 bool empty(const Registry& r) {
-  return r.laws.names().empty() && r.translation_laws.names().empty() && r.rotation_laws.names().empty() &&
-         r.links.names().empty() && r.forces.names().empty() && r.integrators.names().empty() &&
-         r.solvers.names().empty();
+  bool none = true;
+  for_each_shelf([&](auto, auto, auto shelf) { none = none && (r.*shelf).entries().empty(); });
+  return none;
 }
 
 }  // namespace

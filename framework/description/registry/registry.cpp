@@ -5,6 +5,7 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/description/registry/law_units.h"
+#include "framework/description/registry/shelves.h"
 #include "framework/mechanism/params/read.h"
 
 namespace lockstep {
@@ -156,13 +157,27 @@ template class Shelf<std::unique_ptr<Integrator>>;
 template class Shelf<std::unique_ptr<LinearSolver>>;
 
 Registry::Registry() {
-  laws.kind_ = "law";
-  translation_laws.kind_ = "translation law";
-  rotation_laws.kind_ = "rotation law";
-  links.kind_ = "link";
-  forces.kind_ = "force";
-  integrators.kind_ = "integrator";
-  solvers.kind_ = "solver";
+  for_each_shelf([this](auto, const char* kind, auto shelf) { (this->*shelf).kind_ = kind; });
+}
+
+std::string kind_on(std::string_view shelf) {
+  std::string found;
+  for_each_shelf([&](std::string_view name, const char* kind, auto) { found = name == shelf ? kind : found; });
+  return found;
+}
+
+const TypeInfo* find_type(const Registry& registry, std::string_view shelf, const std::string& type) {
+  const TypeInfo* found = nullptr;
+  for_each_shelf([&](std::string_view name, auto, auto on) {
+    if (const auto* entry = name == shelf ? (registry.*on).find(type) : nullptr) found = &entry->info;
+  });
+  return found;
+}
+
+std::string_view shelf_of(Form form) {
+  if (form == Form::translation_law) return "translation_laws";
+  if (form == Form::rotation_law) return "rotation_laws";
+  return holds_law(form) ? "laws" : "";
 }
 
 LawPtr<MotionLaw> Registry::scalar_law(const Value& v, const std::string& owner) const {
@@ -179,13 +194,7 @@ LawPtr<RotationLaw> Registry::rotation_law(const Value& v, const std::string& ow
 
 void Registry::merge(const Registry& other) {
   Registry merged = *this;
-  merged.laws.merge(other.laws);
-  merged.translation_laws.merge(other.translation_laws);
-  merged.rotation_laws.merge(other.rotation_laws);
-  merged.links.merge(other.links);
-  merged.forces.merge(other.forces);
-  merged.integrators.merge(other.integrators);
-  merged.solvers.merge(other.solvers);
+  for_each_shelf([&](auto, auto, auto shelf) { (merged.*shelf).merge(other.*shelf); });
   *this = std::move(merged);
 }
 

@@ -7,6 +7,7 @@
 #include <lockstep/log.h>
 #include "framework/description/registry/builtins.h"
 #include "framework/description/registry/elf_image.h"
+#include "framework/description/registry/shelves.h"
 #include "framework/foundation/support/thrown.h"
 
 namespace lockstep {
@@ -14,17 +15,10 @@ namespace {
 
 std::vector<std::pair<std::string, std::string>> things_of(const Registry& registry, const std::string& origin) {
   std::vector<std::pair<std::string, std::string>> things;
-  const auto look = [&](const char* kind, const auto& shelf) {
-    for (const auto& [name, entry] : shelf.entries())
+  for_each_shelf([&](auto, const char* kind, auto shelf) {
+    for (const auto& [name, entry] : (registry.*shelf).entries())
       if (entry.origin == origin) things.emplace_back(kind, name);
-  };
-  look("link", registry.links);
-  look("law", registry.laws);
-  look("translation law", registry.translation_laws);
-  look("rotation law", registry.rotation_laws);
-  look("force", registry.forces);
-  look("integrator", registry.integrators);
-  look("solver", registry.solvers);
+  });
   return things;
 }
 

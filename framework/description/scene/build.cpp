@@ -5,6 +5,7 @@
 #include <lockstep/author/loader.h>
 #include <lockstep/text.h>
 #include "framework/description/registry/law_units.h"
+#include "framework/description/registry/shelves.h"
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/resolve.h"
 #include "framework/dynamics/simulate/along_laws.h"
@@ -270,16 +271,13 @@ Mechanism build_mechanism(const Scene& scene, const Registry& registry, const Al
 
 namespace {
 
-template <class Shelf>
-bool brought(const Shelf& shelf, const std::string& plugin) {
-  return std::ranges::any_of(shelf.entries(), [&](const auto& entry) { return entry.second.origin == plugin; });
-}
-
 // Whether any type of the registry came from the plugin.
-bool brought(const Registry& r, const std::string& plugin) {
-  return brought(r.laws, plugin) || brought(r.translation_laws, plugin) || brought(r.rotation_laws, plugin) ||
-         brought(r.links, plugin) || brought(r.forces, plugin) || brought(r.integrators, plugin) ||
-         brought(r.solvers, plugin);
+bool brought(const Registry& registry, const std::string& plugin) {
+  bool any = false;
+  for_each_shelf([&](auto, auto, auto shelf) {
+    for (const auto& [type, entry] : (registry.*shelf).entries()) any = any || entry.origin == plugin;
+  });
+  return any;
 }
 
 }  // namespace

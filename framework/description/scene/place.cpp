@@ -5,11 +5,12 @@
 #include <optional>
 #include <string_view>
 
-#include "framework/mechanism/params/units.h"
-#include "framework/description/scene/split.h"
-#include "framework/description/scene/tables.h"
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/description/registry/shelves.h"
+#include "framework/description/scene/split.h"
+#include "framework/description/scene/tables.h"
+#include "framework/mechanism/params/units.h"
 
 namespace lockstep {
 namespace {
@@ -25,34 +26,25 @@ struct Kind {
   std::vector<Part> parts{};
 };
 
-template <class Shelf>
-void add_type(Kind& kind, const Value& v, const Shelf& shelf) {
+void add_type(Kind& kind, const Value& v, const Registry& registry, std::string_view shelf) {
   const Value* type = v.find("type");
-  const auto* entry = type != nullptr && type->text() != nullptr ? shelf.find(*type->text()) : nullptr;
-  if (entry != nullptr) kind.keys = keys_together(kind.keys, entry->info.keys);
-}
-
-void add_part(Kind& kind, const Value& v, const Registry& registry) {
-  const std::string& table = kind.part.table;
-  if (kind.part.holds == Holds::typed) {
-    if (table == "integrators") add_type(kind, v, registry.integrators);
-    if (table == "solvers") add_type(kind, v, registry.solvers);
-    return;
-  }
-  if (table.empty()) return;
-  const SceneTable& t = scene_table(table);
-  kind.keys = t.info.keys, kind.parts = t.parts;
-  if (t.shelf == "links") add_type(kind, v, registry.links);
-  if (t.shelf == "forces") add_type(kind, v, registry.forces);
+  if (type == nullptr || type->text() == nullptr) return;
+  if (const TypeInfo* info = find_type(registry, shelf, *type->text()))
+    kind.keys = keys_together(kind.keys, info->keys);
 }
 
 // The kind of v, which is under the key and part of `kind`; the items of a list keep both.
 Kind kind_of(const Value& v, Kind kind, const Registry& registry) {
   if (v.object() == nullptr) return kind;
-  if (kind.has_part) add_part(kind, v, registry);
-  if (kind.key.form == Form::law || kind.key.form == Form::laws) add_type(kind, v, registry.laws);
-  if (kind.key.form == Form::translation_law) add_type(kind, v, registry.translation_laws);
-  if (kind.key.form == Form::rotation_law) add_type(kind, v, registry.rotation_laws);
+  const std::string& table = kind.part.table;
+  if (kind.has_part && kind.part.holds == Holds::typed) {
+    add_type(kind, v, registry, table);
+  } else if (kind.has_part && !table.empty()) {
+    const SceneTable& t = scene_table(table);
+    kind.keys = t.info.keys, kind.parts = t.parts;
+    add_type(kind, v, registry, t.shelf);
+  }
+  add_type(kind, v, registry, shelf_of(kind.key.form));
   return kind;
 }
 
@@ -93,10 +85,9 @@ std::string step_to(const Value& item, std::size_t index) {
 bool has_unknown_type(const Value& object, const Registry& r) {
   const Value* v = object.find("type");
   if (v == nullptr || v->text() == nullptr) return false;
-  const std::string& type = *v->text();
-  return r.links.find(type) == nullptr && r.forces.find(type) == nullptr && r.laws.find(type) == nullptr &&
-         r.translation_laws.find(type) == nullptr && r.rotation_laws.find(type) == nullptr &&
-         r.integrators.find(type) == nullptr && r.solvers.find(type) == nullptr;
+  bool known = false;
+  for_each_shelf([&](auto, auto, auto shelf) { known = known || (r.*shelf).find(*v->text()) != nullptr; });
+  return !known;
 }
 
 enum class UnknownTypes { have_known_keys, have_any_key };

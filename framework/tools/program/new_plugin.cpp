@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include <lockstep/author/registry.h>
+#include "framework/description/registry/shelves.h"
 #include "framework/tools/program/commands.h"
 
 namespace lockstep {
@@ -41,23 +42,13 @@ void check_letters(const std::string& name) {
                     name));
 }
 
-template <class Shelf>
-bool on(const Shelf& shelf, const std::string& name) {
-  return shelf.find(name) != nullptr;
-}
-
 void check_free(const std::string& kind, const std::string& name, const Registry& taken) {
-  const char* by = on(taken.links, name)              ? "a link"
-                   : on(taken.laws, name)             ? "a law"
-                   : on(taken.translation_laws, name) ? "a translation law"
-                   : on(taken.rotation_laws, name)    ? "a rotation law"
-                   : on(taken.forces, name)           ? "a force"
-                   : on(taken.integrators, name)      ? "an integrator"
-                   : on(taken.solvers, name)          ? "a solver"
-                                                      : nullptr;
-  if (by != nullptr)
-    throw UsageError(fmt::format(
-        "new-plugin: \"{}\" is {} of lockstep already (`lockstep describe {}`); take another name", name, by, name));
+  for_each_shelf([&](auto, const std::string& by, auto shelf) {
+    if ((taken.*shelf).find(name) == nullptr) return;
+    throw UsageError(
+        fmt::format("new-plugin: \"{}\" is {} {} of lockstep already (`lockstep describe {}`); take another name", name,
+                    by.front() == 'i' ? "an" : "a", by, name));
+  });
   // Names of lockstep's own classes, and of CMake's own targets.
   constexpr std::array kClasses = {"MotionLaw",    "TranslationLaw", "RotationLaw",  "MarkerForce",
                                    "AppliedForce", "FunctionForce",  "FormulaForce", "PhiCoupling"};
