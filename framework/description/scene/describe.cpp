@@ -5,27 +5,15 @@
 #include <utility>
 
 #include <lockstep/text.h>
+#include "framework/description/registry/shelves.h"
 #include "framework/description/scene/examples.h"
 #include "framework/description/scene/split.h"
-#include "framework/description/scene/tables.h"
 #include "framework/description/scene/write.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/units.h"
 
 namespace lockstep {
 namespace {
-
-template <class Shelf>
-void append(const Shelf& shelf, const std::string& name, std::vector<Description>& out) {
-  for (const auto& [key, entry] : shelf.entries())
-    out.push_back({name, entry.info, entry.origin.empty() ? "built in" : entry.origin});
-}
-
-std::string singular(const std::string& shelf) {
-  std::string word = shelf.substr(0, shelf.size() - (shelf.back() == 's' ? 1 : 0));
-  std::replace(word.begin(), word.end(), '_', ' ');
-  return shelf == "scene" ? "object of a scene" : word;
-}
 
 std::string padded(std::string text, std::size_t width) {
   text.resize(std::max(width, text.size()), ' ');
@@ -40,37 +28,20 @@ std::string choice_words(const Key& key) {
 
 std::string part_words(const Key& key, const Part& part) {
   const std::string there = ": see `lockstep describe " + part.table + "`";
-  switch (part.holds) {
-    case Holds::object:
-      return "object" + there;
-    case Holds::objects:
-      return "list of objects" + there;
-    case Holds::object_or_list:
-      return "object or list of objects" + there;
-    case Holds::choice_or_object:
-      return choice_words(key) + ", or object" + there;
-    case Holds::texts:
-      return "list of texts";
-    case Holds::texts_or_objects:
-      return "list of names or objects" + there;
-    case Holds::text_lists:
-      return "list of lists of texts";
-    case Holds::channels:
-      return "list of channel names: see `lockstep check SCENE --channels`";
-    case Holds::typed:
-      return "name or object: see `lockstep list " + part.table + "`";
-    case Holds::vector_or_object:
-      return "[x, y, z], 3 rows of 3, or object" + there;
-    case Holds::vector_or_word:
-      return "[x, y, z] or " + choice_words(key);
-    case Holds::quantities:
-      return "object of quantities";
-    case Holds::named_points:
-      return "object of points";
-    case Holds::settings:
-      return "object of values by path";
-  }
-  return name_of(key.form);
+  const Holds h = part.holds;
+  if (h == Holds::object) return "object" + there;
+  if (h == Holds::objects) return "list of objects" + there;
+  if (h == Holds::object_or_list) return "object or list of objects" + there;
+  if (h == Holds::choice_or_object) return choice_words(key) + ", or object" + there;
+  if (h == Holds::texts) return "list of texts";
+  if (h == Holds::texts_or_objects) return "list of names or objects" + there;
+  if (h == Holds::text_lists) return "list of lists of texts";
+  if (h == Holds::channels) return "list of channel names: see `lockstep check SCENE --channels`";
+  if (h == Holds::typed) return "name or object: see `lockstep list " + part.table + "`";
+  if (h == Holds::vector_or_object) return "[x, y, z], 3 rows of 3, or object" + there;
+  if (h == Holds::vector_or_word) return "[x, y, z] or " + choice_words(key);
+  if (h == Holds::quantities) return "object of quantities";
+  return h == Holds::named_points ? "object of points" : "object of values by path";
 }
 
 std::string default_words(const Key& key) {
@@ -92,56 +63,38 @@ std::pair<std::string, std::string> split_form(const Key& key, const std::vector
 }  // namespace
 
 std::vector<std::string> shelf_names() {
-  return {"laws", "translation_laws", "rotation_laws", "links", "forces", "integrators", "solvers"};
+  std::vector<std::string> names;
+  for_each_shelf([&](const char* name, auto, auto) { names.emplace_back(name); });
+  return names;
 }
 
 std::vector<Description> shelf_contents(const Registry& registry, const std::string& shelf) {
+  if (kind_on(shelf).empty())
+    refuse({}, "list", "unknown shelf \"" + shelf + "\"" + text::suggestion(shelf, shelf_names()));
   std::vector<Description> all;
-  if (shelf == "laws") append(registry.laws, shelf, all);
-  if (shelf == "laws" || shelf == "translation_laws") append(registry.translation_laws, "translation_laws", all);
-  if (shelf == "laws" || shelf == "rotation_laws") append(registry.rotation_laws, "rotation_laws", all);
-  if (shelf == "links") append(registry.links, shelf, all);
-  if (shelf == "forces") append(registry.forces, shelf, all);
-  if (shelf == "integrators") append(registry.integrators, shelf, all);
-  if (shelf == "solvers") append(registry.solvers, shelf, all);
-  const std::vector<std::string> known = shelf_names();
-  if (std::find(known.begin(), known.end(), shelf) == known.end())
-    refuse({}, "list", "unknown shelf \"" + shelf + "\"" + text::suggestion(shelf, known));
+  for_each_shelf([&](std::string_view name, auto, auto on) {
+    if (name != shelf && !(shelf == "laws" && name.ends_with("_laws"))) return;
+    for (const auto& [type, entry] : (registry.*on).entries())
+      all.push_back({std::string(name), entry.info, entry.origin.empty() ? "built in" : entry.origin});
+  });
   return all;
-}
-
-namespace {
-
-// With the keys that all of its kind share.
-Description with_shared_keys(Description d) {
-  for (const SceneTable& table : scene_tables())
-    if (table.shelf == d.shelf) {
-      d.info.keys = keys_together(table.info.keys, d.info.keys);
-      d.parts = table.parts;
-    }
-  return d;
 }
 
 std::vector<Description> all_descriptions(const Registry& registry) {
   std::vector<Description> all;
-  for (const char* shelf : {"laws", "links", "forces", "integrators", "solvers"})
-    for (Description& d : shelf_contents(registry, shelf)) all.push_back(with_shared_keys(std::move(d)));
   for (const SceneTable& table : scene_tables()) all.push_back({"scene", table.info, "built in", table.parts});
+  for (const char* shelf : {"links", "laws", "forces", "integrators", "solvers"})
+    for (Description& d : shelf_contents(registry, shelf)) all.push_back(std::move(d));
   return all;
 }
-
-}  // namespace
 
 std::vector<Description> find_descriptions(const Registry& registry, const std::string& name) {
   std::vector<Description> found = all_descriptions(registry);
   std::erase_if(found, [&](const Description& d) { return d.info.name != name; });
+  for (Description& d : found)
+    for (const SceneTable& table : scene_tables())
+      if (table.shelf == d.shelf) d.info.keys = keys_together(table.info.keys, d.info.keys), d.parts = table.parts;
   return found;
-}
-
-std::vector<std::string> describable_words(const Registry& registry) {
-  std::vector<std::string> names;
-  for (const Description& d : all_descriptions(registry)) names.push_back(d.info.name);
-  return names;
 }
 
 std::string form_words(const Key& key, const std::vector<Part>& parts) {
@@ -156,7 +109,7 @@ std::string form_words(const Key& key, const std::vector<Part>& parts) {
 }
 
 std::string describe(const Description& d) {
-  std::string text = d.info.name + ": " + singular(d.shelf) +
+  std::string text = d.info.name + ": " + (d.shelf == "scene" ? "object of a scene" : kind_on(d.shelf)) +
                      (d.origin == "built in" ? "" : ", from plugin " + d.origin) + "\n  " + d.info.help + "\n";
   std::size_t name = 0, form = 0, fallback = 0;
   for (const Key& key : d.info.keys) {

@@ -12,25 +12,23 @@ namespace lockstep {
 /// One entry of a shelf, or one object of a scene file.
 struct Description {
   std::string shelf;          ///< "links", "laws", ..., "scene"
-  TypeInfo info;              ///< with the keys that all of its kind share
+  TypeInfo info;              ///< name, help and keys
   std::string origin;         ///< "built in", or the plugin's name
   std::vector<Part> parts{};  ///< what its keys of Form::any hold
 };
 
-/// Names of the shelves, in the order of `list`: "laws", "translation_laws", "rotation_laws", "links", "forces",
-/// "integrators", "solvers".
+/// Names of the shelves: "links", "laws", "translation_laws", "rotation_laws", "forces", "integrators", "solvers".
 LOCKSTEP_API std::vector<std::string> shelf_names();
 
 /// Everything on one shelf (for "laws" all three kinds of law), without the keys that all share. Throws SceneError for
 /// another name.
 LOCKSTEP_API std::vector<Description> shelf_contents(const Registry&, const std::string& shelf);
 
-/// Everything of this name: a type on any shelf, or an object of scene files ("body", "run"). Empty where there
-/// is none.
-LOCKSTEP_API std::vector<Description> find_descriptions(const Registry&, const std::string& name);
+/// The objects of scene files ("body", "run"), then all types, each with its own keys.
+LOCKSTEP_API std::vector<Description> all_descriptions(const Registry&);
 
-/// The names that find_descriptions() knows.
-LOCKSTEP_API std::vector<std::string> describable_words(const Registry&);
+/// Those of this name, types with the keys that all of their kind share. Empty where there is none.
+LOCKSTEP_API std::vector<Description> find_descriptions(const Registry&, const std::string& name);
 
 /// Text for a terminal: help, keys with form, unit, default and help.
 LOCKSTEP_API std::string describe(const Description&);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "framework/description/registry/shelves.h"
 #include "framework/description/scene/json.h"
 #include "framework/description/scene/write.h"
 
@@ -72,14 +73,6 @@ const std::map<std::string, const char*>& samples() {
   return all;
 }
 
-std::string kind_of(const std::string& shelf) {
-  if (shelf == "links") return "link";
-  if (shelf == "laws") return "law";
-  if (shelf == "translation_laws") return "translation law";
-  if (shelf == "rotation_laws") return "rotation law";
-  return shelf == "forces" ? "force" : "";
-}
-
 // What a link or force is given beside its own keys.
 Value::Object with_places(const Description& d) {
   const auto text = [](const char* words) { return Value(std::string(words)); };
@@ -128,7 +121,7 @@ int example_pairs(const std::string& type) {
 
 std::string example_of(const Description& d) {
   if (d.shelf == "scene") return "";
-  const std::string kind = kind_of(d.shelf), keys = example_keys(kind, d.info.name);
+  const std::string kind = kind_on(d.shelf), keys = example_keys(kind, d.info.name);
   const bool needs = std::any_of(d.info.keys.begin(), d.info.keys.end(), [](const Key& key) {
     return key.required() && key.name != "name" && key.name != "type";
   });

@@ -45,8 +45,9 @@ void write_keys(std::ostream& out, const std::vector<Key>& keys, const std::vect
         << " | " << cell(key.help) << " |\n";
 }
 
-void write_type(std::ostream& out, const Description& d, const std::string& remark) {
-  out << "\n### " << d.info.name << remark << "\n" << d.info.help << ".";
+void write_type(std::ostream& out, const Description& d) {
+  const std::string kind = d.shelf.substr(0, d.shelf.find("_laws"));
+  out << "\n### " << d.info.name << (kind != d.shelf ? " (law of a " + kind + ")" : "") << "\n" << d.info.help << ".";
   if (d.origin != "built in") out << " From plugin `" << d.origin << "`.";
   out << "\n";
   write_keys(out, d.info.keys, d.parts);
@@ -79,16 +80,9 @@ constexpr Chapter kChapters[] = {
 // "23 objects, 61 types, 402 keys."
 std::string coverage_words(const Registry& registry) {
   std::size_t n_types = 0, n_keys = 0;
-  for (const SceneTable& table : scene_tables()) n_keys += table.info.keys.size();
-  for (const Chapter& shelf : kChapters)
-    for (const Description& d : shelf_contents(registry, shelf.name)) ++n_types, n_keys += d.info.keys.size();
+  for (const Description& d : all_descriptions(registry)) n_types += d.shelf != "scene", n_keys += d.info.keys.size();
   return "It covers all of them: " + std::to_string(scene_tables().size()) + " objects, " + std::to_string(n_types) +
          " types, " + std::to_string(n_keys) + " keys.";
-}
-
-std::string law_remark(const Description& d) {
-  if (d.shelf == "translation_laws") return " (law of a translation)";
-  return d.shelf == "rotation_laws" ? " (law of a rotation)" : "";
 }
 
 }  // namespace
@@ -101,25 +95,21 @@ std::string scene_reference(const Registry& registry) {
          "for one of them. "
       << coverage_words(registry) << "\n";
   out << "\n## Objects\n";
-  for (const SceneTable& table : scene_tables()) {
-    out << "\n### " << table.info.name << "\n" << table.info.help << ".\n";
-    write_keys(out, table.info.keys, table.parts);
-  }
+  for (const Description& d : all_descriptions(registry))
+    if (d.shelf == "scene") write_type(out, d);
   for (const Chapter& shelf : kChapters) {
     out << "\n## " << shelf.heading << "\n" << shelf.text << "\n";
     if (std::string(shelf.name) == "links")
       out << "\n![P is seen from S by six coordinates; which of them each joint holds](lock.svg)\n";
-    for (const Description& d : shelf_contents(registry, shelf.name)) write_type(out, d, law_remark(d));
+    for (const Description& d : shelf_contents(registry, shelf.name)) write_type(out, d);
   }
   out << "\n## Values\n";
   for (const char* form : {"number", "vector3", "axis", "orientation", "law", "translation law", "rotation law",
                            "formula", "channel", "unit"})
     write_form(out, form, describe_word(registry, form));
   out << "\n| quantity | SI unit | with a unit |\n|---|---|---|\n";
-  for (int k = static_cast<int>(Unit::length); k < static_cast<int>(Unit::any); ++k) {
-    const auto unit = static_cast<Unit>(k);
+  for (const Unit unit : units())
     out << "| " << name_of(unit) << " | " << si_unit(unit) << " | `\"" << example_of(unit) << "\"` |\n";
-  }
   return out.str();
 }
 

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "framework/mechanism/params/units.h"
+#include "framework/description/registry/shelves.h"
+#include "framework/description/scene/describe.h"
 #include "framework/description/scene/split.h"
-#include "framework/description/scene/tables.h"
 #include "framework/description/scene/write.h"
+#include "framework/mechanism/params/units.h"
 
 namespace lockstep {
 namespace {
@@ -27,78 +28,44 @@ Json number_schema(Unit unit) {
 Json exactly(const Json& item, int n) { return {{"type", "array"}, {"items", item}, {"minItems", n}, {"maxItems", n}}; }
 
 Json form_schema(const Key& key) {
-  switch (key.form) {
-    case Form::number:
-      return number_schema(key.unit);
-    case Form::integer:
-      return any_of({{{"type", "integer"}}, reference("formula")});
-    case Form::boolean:
-      return {{"type", "boolean"}};
-    case Form::text:
-      return {{"type", "string"}};
-    case Form::choice:
-      return {{"enum", key.choices}};
-    case Form::vector3:
-      return any_of({exactly(number_schema(key.unit), 3),
-                     key.unit == Unit::length ? Json{{"type", "string"}} : reference("formula")});  // or a point's name
-    case Form::axis:
-      return reference("axis");
-    case Form::orientation:
-      return reference("orientation");
-    case Form::numbers:
-      return list_of(number_schema(key.unit));
-    case Form::points:
-      return list_of(list_of(number_schema(key.unit)));
-    case Form::law:
-      return reference("law");
-    case Form::translation_law:
-      return reference("translation_law");
-    case Form::rotation_law:
-      return reference("rotation_law");
-    case Form::laws:
-      return list_of(reference("law"));
-    case Form::any:
-      break;
-  }
-  return Json::object();
+  const Form f = key.form;
+  if (f == Form::number) return number_schema(key.unit);
+  if (f == Form::integer) return any_of({{{"type", "integer"}}, reference("formula")});
+  if (f == Form::boolean) return {{"type", "boolean"}};
+  if (f == Form::text) return {{"type", "string"}};
+  if (f == Form::choice) return {{"enum", key.choices}};
+  if (f == Form::vector3)  // or a point's name
+    return any_of({exactly(number_schema(key.unit), 3),
+                   key.unit == Unit::length ? Json{{"type", "string"}} : reference("formula")});
+  if (f == Form::axis) return reference("axis");
+  if (f == Form::orientation) return reference("orientation");
+  if (f == Form::numbers) return list_of(number_schema(key.unit));
+  if (f == Form::points) return list_of(list_of(number_schema(key.unit)));
+  if (f == Form::law) return reference("law");
+  if (f == Form::translation_law) return reference("translation_law");
+  if (f == Form::rotation_law) return reference("rotation_law");
+  return f == Form::laws ? list_of(reference("law")) : Json::object();
 }
 
 // What a key of Form::any holds.
 Json part_schema(const Key& key, const Part& part) {
-  const Json text = {{"type", "string"}}, vector = exactly(number_schema(Unit::any), 3);
-  switch (part.holds) {
-    case Holds::object:
-      return reference(part.table);
-    case Holds::objects:
-      return list_of(reference(part.table));
-    case Holds::object_or_list:
-      return any_of({reference(part.table), list_of(reference(part.table))});
-    case Holds::choice_or_object:
-      return any_of({{{"enum", key.choices}}, reference(part.table)});
-    case Holds::texts:
-      return list_of(text);
-    case Holds::texts_or_objects:
-      return list_of(any_of({text, reference(part.table)}));
-    case Holds::text_lists:
-      return list_of(list_of(text));
-    case Holds::channels:
-      return list_of(any_of({text, {{"type", "object"}, {"additionalProperties", text}}}));
-    case Holds::typed:
-      return reference(part.table);
-    case Holds::vector_or_object:
-      return any_of({exactly(number_schema(Unit::any), 3), reference("formula"),
-                     exactly(exactly(number_schema(Unit::any), 3), 3), reference(part.table)});
-    case Holds::vector_or_word:
-      return any_of({exactly(number_schema(Unit::any), 3), reference("formula"), {{"enum", key.choices}}});
-    case Holds::quantities:
-      return {{"type", "object"}, {"additionalProperties", any_of({number_schema(Unit::any), vector})}};
-    case Holds::named_points:
-      return {{"type", "object"}, {"additionalProperties", any_of({vector, reference("formula")})}};
-    case Holds::settings:
-      return {{"type", "object"},
-              {"additionalProperties", any_of({number_schema(Unit::any), text, {{"type", "boolean"}}})}};
-  }
-  return Json::object();
+  const Json text = {{"type", "string"}}, number = number_schema(Unit::any), vector = exactly(number, 3);
+  const Json choice = {{"enum", key.choices}}, object = reference(part.table), formula = reference("formula");
+  const auto members = [](const Json& each) { return Json{{"type", "object"}, {"additionalProperties", each}}; };
+  const Holds h = part.holds;
+  if (h == Holds::object || h == Holds::typed) return object;
+  if (h == Holds::objects) return list_of(object);
+  if (h == Holds::object_or_list) return any_of({object, list_of(object)});
+  if (h == Holds::choice_or_object) return any_of({choice, object});
+  if (h == Holds::texts) return list_of(text);
+  if (h == Holds::texts_or_objects) return list_of(any_of({text, object}));
+  if (h == Holds::text_lists) return list_of(list_of(text));
+  if (h == Holds::channels) return list_of(any_of({text, members(text)}));
+  if (h == Holds::vector_or_object) return any_of({vector, formula, exactly(vector, 3), object});
+  if (h == Holds::vector_or_word) return any_of({vector, formula, choice});
+  if (h == Holds::quantities) return members(any_of({number, vector}));
+  if (h == Holds::named_points) return members(any_of({vector, formula}));
+  return members(any_of({number, text, {{"type", "boolean"}}}));  // settings
 }
 
 Json key_schema(const Key& key, const std::vector<Part>& parts) {
@@ -132,25 +99,25 @@ Json typed_schema(const TypeInfo& type, const SceneTable& common) {
   return schema;
 }
 
-template <class Shelf>
-Json shelf_schema(const Shelf& shelf, const SceneTable& common, std::vector<Json> forms = {}) {
-  for (const auto& [name, entry] : shelf.entries()) forms.push_back(typed_schema(entry.info, common));
+Json shelf_schema(const Registry& registry, const std::string& shelf, const SceneTable& common,
+                  std::vector<Json> forms = {}) {
+  for (const Description& d : shelf_contents(registry, shelf))
+    if (d.shelf == shelf) forms.push_back(typed_schema(d.info, common));
   return {{"anyOf", Json(forms)}};
 }
 
 // A law: an object with its type, or a value for the law "constant".
-template <class Shelf>
-Json law_schema(const Shelf& shelf) {
-  std::vector<Json> forms;
-  if (const auto* constant = shelf.find("constant"); constant != nullptr && !constant->info.keys.empty())
-    forms.push_back(form_schema(constant->info.keys.front()));
-  return shelf_schema(shelf, {}, std::move(forms));
+Json law_schema(const Registry& registry, const std::string& shelf) {
+  const TypeInfo* constant = find_type(registry, shelf, "constant");
+  if (constant == nullptr || constant->keys.empty()) return shelf_schema(registry, shelf, {});
+  return shelf_schema(registry, shelf, {}, {form_schema(constant->keys.front())});
 }
 
-Json name_or_typed(const Json& schema, const std::vector<std::string>& names) {
-  Json forms = Json::array({Json{{"enum", names}}});
-  for (const Json& form : schema.at("anyOf")) forms.push_back(form);
-  return {{"anyOf", std::move(forms)}};
+// A method: its name, or an object with its type.
+Json method_schema(const Registry& registry, const std::string& shelf) {
+  Json names = Json::array();
+  for (const Description& d : shelf_contents(registry, shelf)) names.push_back(d.info.name);
+  return shelf_schema(registry, shelf, {}, {Json{{"enum", names}}});
 }
 
 Json orientation_schema() {
@@ -181,22 +148,15 @@ Json definitions(const Registry& registry) {
   Json defs = Json::object();
   for (const SceneTable& table : scene_tables()) {
     if (table.info.name == "scene") continue;
-    if (table.shelf == "links")
-      defs["link"] = shelf_schema(registry.links, table);
-    else if (table.shelf == "forces")
-      defs["force"] = shelf_schema(registry.forces, table);
-    else
-      defs[table.info.name] = object_schema(table.info, table.parts);
+    defs[table.info.name] =
+        table.shelf.empty() ? object_schema(table.info, table.parts) : shelf_schema(registry, table.shelf, table);
   }
   defs["formula"] = {
       {"description", "a formula of parameters and points, as in \"=2*crank\""}, {"type", "string"}, {"pattern", "^="}};
   defs["axis"] = axis_schema();
   defs["orientation"] = orientation_schema();
-  defs["law"] = law_schema(registry.laws);
-  defs["translation_law"] = law_schema(registry.translation_laws);
-  defs["rotation_law"] = law_schema(registry.rotation_laws);
-  defs["integrators"] = name_or_typed(shelf_schema(registry.integrators, {}), registry.integrators.names());
-  defs["solvers"] = name_or_typed(shelf_schema(registry.solvers, {}), registry.solvers.names());
+  for (const std::string law : {"law", "translation_law", "rotation_law"}) defs[law] = law_schema(registry, law + "s");
+  for (const char* methods : {"integrators", "solvers"}) defs[methods] = method_schema(registry, methods);
   return defs;
 }
 

@@ -36,8 +36,8 @@ Value value_of(const std::string& word) {
 
 // The dimension of a text with a unit; nothing for one without a name here.
 std::optional<Unit> unit_of(const std::string& text) {
-  for (int u = static_cast<int>(Unit::none) + 1; u < static_cast<int>(Unit::any); ++u)
-    if (read_quantity(text, static_cast<Unit>(u)).problem.empty()) return static_cast<Unit>(u);
+  for (const Unit unit : units())
+    if (read_quantity(text, unit).problem.empty()) return unit;
   return {};
 }
 

@@ -1,9 +1,7 @@
 #include "framework/description/scene/words.h"
 
 #include <algorithm>
-#include <array>
-#include <functional>
-#include <map>
+#include <set>
 
 #include <lockstep/text.h>
 #include "framework/description/scene/describe.h"
@@ -68,34 +66,18 @@ min, h, t, in, ft; products, powers and one run of divisors. A unit of another q
   "12 mm"    "1200 rpm"    "0.3 g/cm^3"    "5 N m/rad"
 )_"}};
 
-std::vector<Unit> all_units() {
-  std::vector<Unit> all;
-  for (int k = static_cast<int>(Unit::length); k < static_cast<int>(Unit::any); ++k)
-    all.push_back(static_cast<Unit>(k));
-  return all;
-}
-
-// Calls visit(owner, key, parts) for each key of each object and each type.
-void for_each_key(const Registry& registry,
-                  const std::function<void(const std::string&, const Key&, const std::vector<Part>&)>& visit) {
-  for (const SceneTable& table : scene_tables())
-    for (const Key& key : table.info.keys) visit(table.info.name, key, table.parts);
-  for (const char* shelf : {"links", "laws", "forces", "integrators", "solvers"})
-    for (const Description& d : shelf_contents(registry, shelf))
-      for (const Key& key : d.info.keys) visit(d.info.name, key, {});
-}
-
 // "stops, a key of link: list of objects: see ...", owners of the same meaning together.
 std::string key_lines(const Registry& registry, const std::string& word) {
   std::vector<std::pair<std::string, std::vector<std::string>>> meanings;
-  for_each_key(registry, [&](const std::string& owner, const Key& key, const std::vector<Part>& parts) {
-    if (key.name != word) return;
-    const std::string form = form_words(key, parts);
-    const std::string meaning = key.help + (form.empty() ? "" : " (" + form + ")");
-    auto same = std::find_if(meanings.begin(), meanings.end(), [&](const auto& m) { return m.first == meaning; });
-    if (same == meanings.end()) same = meanings.insert(meanings.end(), {meaning, {}});
-    if (std::find(same->second.begin(), same->second.end(), owner) == same->second.end()) same->second.push_back(owner);
-  });
+  for (const Description& d : all_descriptions(registry))
+    for (const Key& key : d.info.keys) {
+      if (key.name != word) continue;
+      const std::string form = form_words(key, d.parts);
+      const std::string meaning = key.help + (form.empty() ? "" : " (" + form + ")");
+      auto same = std::ranges::find(meanings, meaning, [](const auto& m) { return m.first; });
+      if (same == meanings.end()) same = meanings.insert(meanings.end(), {meaning, {}});
+      if (std::ranges::find(same->second, d.info.name) == same->second.end()) same->second.push_back(d.info.name);
+    }
   std::string text;
   for (const auto& [meaning, owners] : meanings) text += "  of " + text::join(owners) + ": " + meaning + "\n";
   return text.empty() ? "" : word + ": a key\n" + text;
@@ -107,20 +89,22 @@ std::string describe_word(const Registry& registry, const std::string& word) {
   std::string text;
   for (const Word& form : kForms)
     if (word == form.name || word == std::string(form.name) + "s") text += word + ": " + form.text;
-  for (const Unit unit : all_units())
+  for (const Unit unit : units())
     if (word == name_of(unit))
       text += word + ": a quantity in " + si_unit(unit) + ", or a text with a unit: \"" + example_of(unit) + "\"\n";
   return text + key_lines(registry, word);
 }
 
 std::vector<std::string> known_words(const Registry& registry) {
+  const std::vector<Description> described = all_descriptions(registry);
+  std::set<std::string> words;
+  for (const Word& form : kForms) words.insert(form.name);
+  for (const Unit unit : units()) words.insert(name_of(unit));
+  for (const Description& d : described)
+    for (const Key& key : d.info.keys) words.insert(key.name);
   std::vector<std::string> all;
-  for (const Word& form : kForms) all.emplace_back(form.name);
-  for (const Unit unit : all_units()) all.push_back(name_of(unit));
-  for_each_key(registry,
-               [&](const std::string&, const Key& key, const std::vector<Part>&) { all.push_back(key.name); });
-  std::sort(all.begin(), all.end());
-  all.erase(std::unique(all.begin(), all.end()), all.end());
+  for (const Description& d : described) all.push_back(d.info.name);
+  all.insert(all.end(), words.begin(), words.end());
   return all;
 }
 

@@ -12,7 +12,7 @@ namespace lockstep {
 /// What such a word means, and where it stands: "stops", "orientation", "stiffness", "record"; "" for another word.
 LOCKSTEP_API std::string describe_word(const Registry&, const std::string& word);
 
-/// All that describe_word() knows.
+/// All names that find_descriptions() knows, then all words that describe_word() knows.
 LOCKSTEP_API std::vector<std::string> known_words(const Registry&);
 
 }  // namespace lockstep

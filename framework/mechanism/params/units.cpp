@@ -199,6 +199,12 @@ bool is_pure(std::string_view text) {
 
 }  // namespace
 
+std::vector<Unit> units() {
+  std::vector<Unit> all;
+  for (const UnitWords& w : kWords)
+    if (w.unit != Unit::none && w.unit != Unit::any) all.push_back(w.unit);
+  return all;
+}
 std::string name_of(Unit unit) { return words_of(unit).name; }
 std::string article_name_of(Unit unit) { return std::string(words_of(unit).article) + " " + words_of(unit).name; }
 std::string si_unit(Unit unit) { return words_of(unit).si; }

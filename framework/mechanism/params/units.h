@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <lockstep/author/params.h>
 #include <lockstep/detail/export.h>
@@ -13,6 +14,9 @@ namespace lockstep {
 
 /// "length", "angular speed", ...; "number" for Unit::none.
 LOCKSTEP_API std::string name_of(Unit);
+
+/// Those of a dimension: all but Unit::none and Unit::any.
+LOCKSTEP_API std::vector<Unit> units();
 
 /// "a length", "an angle", ...
 LOCKSTEP_API std::string article_name_of(Unit);

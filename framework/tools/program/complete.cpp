@@ -144,12 +144,7 @@ Completion of_positional(const Line& line, SceneAtHand& scene) {
   const CLI::Option& next = *expected[std::min(line.positionals.size(), expected.size() - 1)];
   if (const Words all = choices_of(next); !all.empty()) return {all};
   const std::string verb = line.verb->get_name();
-  if (verb == "describe") {
-    const Registry registry = make_registry(line.plugins);
-    Words all = describable_words(registry), words = known_words(registry);
-    all.insert(all.end(), words.begin(), words.end());
-    return {std::move(all)};
-  }
+  if (verb == "describe") return {known_words(make_registry(line.plugins))};
   const std::string type = next.get_type_name();
   if (type == "SCENE" || type.find("FILE") != std::string::npos) return {{}, true};
   if (verb == "explain") return {scene.things()};

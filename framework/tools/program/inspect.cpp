@@ -115,12 +115,9 @@ int describe_command(const Arguments& args) {
   const Registry registry = make_registry(args.plugins);
   const std::vector<Description> found = find_descriptions(registry, args.name);
   const std::string word = describe_word(registry, args.name);
-  if (found.empty() && word.empty()) {
-    std::vector<std::string> known = describable_words(registry);
-    const std::vector<std::string> words = known_words(registry);
-    known.insert(known.end(), words.begin(), words.end());
-    throw UsageError("describe: unknown name \"" + args.name + "\"" + text::suggestion(args.name, known));
-  }
+  if (found.empty() && word.empty())
+    throw UsageError("describe: unknown name \"" + args.name + "\"" +
+                     text::suggestion(args.name, known_words(registry)));
   if (args.json) {
     Json all = Json::array();
     for (const Description& d : found) all.push_back(json_of(d));
