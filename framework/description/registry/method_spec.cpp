@@ -1,7 +1,6 @@
 #include <lockstep/author/registry.h>
 
 #include <algorithm>
-#include <charconv>
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
@@ -10,28 +9,9 @@
 namespace lockstep {
 namespace {
 
-std::vector<std::string> parts_of(const std::string& text, char between) {
-  std::vector<std::string> parts{""};
-  for (const char c : text)
-    if (c == between)
-      parts.emplace_back();
-    else
-      parts.back() += c;
-  return parts;
-}
-
-Value read_word(const std::string& word) {
-  if (word == "true" || word == "false") return Value(word == "true");
-  double number = 0;
-  const char* end = word.data() + word.size();
-  if (const auto [rest, error] = std::from_chars(word.data(), end, number); error == std::errc() && rest == end)
-    return Value(number);
-  const bool quoted = word.size() >= 2 && word.front() == '"' && word.back() == '"';
-  return Value(quoted ? word.substr(1, word.size() - 2) : word);
-}
-
 template <class S>
-auto make(const S& shelf, const char* kind, const MethodSpec& spec, const Registry& registry, const std::string& owner) {
+auto make(const S& shelf, const char* kind, const MethodSpec& spec, const Registry& registry,
+          const std::string& owner) {
   if (shelf.find(spec.type) == nullptr)
     refuse(spec.where, owner,
            std::string("unknown ") + kind + " \"" + spec.type + "\"" + text::suggestion(spec.type, shelf.names()));
@@ -41,7 +21,7 @@ auto make(const S& shelf, const char* kind, const MethodSpec& spec, const Regist
 }  // namespace
 
 MethodSpec read_method_spec(const std::string& text, const std::vector<TypeInfo>& types) {
-  const std::vector<std::string> parts = parts_of(text, ':');
+  const std::vector<std::string> parts = split_at(':', text);
   std::vector<std::string> names, keys;
   const TypeInfo* type = nullptr;
   for (const TypeInfo& t : types) {
@@ -59,12 +39,15 @@ MethodSpec read_method_spec(const std::string& text, const std::vector<TypeInfo>
       throw ModelError("\"" + parts[i] + "\" in \"" + text + "\" sets no key of " + type->name +
                        (keys.empty() ? ", which has none" : text::suggestion(key, keys)) + "; write " + type->name +
                        ":key=value, see `lockstep describe " + type->name + "`");
-    members.push_back({key, read_word(parts[i].substr(equal + 1)), {}});
+    const std::string word = parts[i].substr(equal + 1);
+    const bool quoted = word.size() >= 2 && word.front() == '"' && word.back() == '"';
+    members.push_back({key, quoted ? Value(word.substr(1, word.size() - 2)) : read_word(word), {}});
   }
   return {type->name, Value(std::move(members)), {}};
 }
 
-std::unique_ptr<Integrator> make_integrator(const MethodSpec& spec, const Registry& registry, const std::string& owner) {
+std::unique_ptr<Integrator> make_integrator(const MethodSpec& spec, const Registry& registry,
+                                            const std::string& owner) {
   return make(registry.integrators, "integrator", spec, registry, owner);
 }
 

@@ -17,21 +17,10 @@ namespace {
 
 constexpr int kMostValues = 1'000'000;
 
-std::vector<std::string> split_at(char mark, const std::string& text) {
-  std::vector<std::string> parts;
-  std::size_t begin = 0;
-  for (std::size_t end; (end = text.find(mark, begin)) != std::string::npos; begin = end + 1)
-    parts.push_back(std::string(text::trimmed(text.substr(begin, end - begin))));
-  parts.push_back(std::string(text::trimmed(text.substr(begin))));
-  return parts;
-}
-
-// A word of the command line as a JSON value.
-Value value_of(const std::string& word) {
-  if (word == "true" || word == "false") return Value(word == "true");
-  double x = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), x);
-  return error == std::errc() && end == word.data() + word.size() ? Value(x) : Value(word);
+std::vector<std::string> words_at(char mark, const std::string& text) {
+  std::vector<std::string> words = split_at(mark, text);
+  for (std::string& word : words) word = std::string(text::trimmed(word));
+  return words;
 }
 
 // The dimension of a text with a unit; nothing for one without a name here.
@@ -156,7 +145,7 @@ class Reader {
 
   Value read(const std::string& word) {
     if (word.empty()) throw ModelError("\"" + path_ + "\": a value is missing; write NAME=v1,v2,... or NAME=a:b:n");
-    const Value v = value_of(word);
+    const Value v = read_word(word);
     if (numeric_) {
       if (symbol_ && v.text() != nullptr)
         if (const std::string problem = misfit(word, *symbol_); !problem.empty())
@@ -208,7 +197,7 @@ std::vector<Value> read_range(Reader& reader, const std::vector<std::string>& pa
   if (!reader.numeric())
     throw ModelError("\"" + path + "\" is not a number, so nothing lies between two values; list them: NAME=v1,v2");
   const double a = *reader.read(parts[0]).number(), b = *reader.read(parts[1]).number();
-  const bool bare_a = value_of(parts[0]).number() != nullptr, bare_b = value_of(parts[1]).number() != nullptr;
+  const bool bare_a = read_word(parts[0]).number() != nullptr, bare_b = read_word(parts[1]).number() != nullptr;
   if (bare_a != bare_b && (bare_a ? a : b) != 0)
     throw ModelError("\"" + path + "\": one of " + parts[0] + " and " + parts[1] +
                      " has a unit, the other has none; give both one");
@@ -266,7 +255,7 @@ void set_value(Value& root, const std::string& text, const Scene& scene, const R
     throw ModelError("\"" + path + "\" cannot be set: plugins are given by --plugin");
   const Value* parameter = parameter_at(place.path, scene);
   Value& old = value_at(root, place.path, registry);
-  Value v = value_of(word);
+  Value v = read_word(word);
   if (parameter != nullptr && !word.starts_with('=')) {
     v = Reader(place, old, parameter, path).read(word);
     if (const std::string unit = symbol_of(*parameter); !unit.empty())
@@ -295,11 +284,11 @@ Variable read_variable(const std::string& text, const Scene& scene, const Regist
   if (parameter != nullptr) v.given_unit = symbol_of(*parameter);
   Reader reader(place, value_now(v.place, root, scene, registry), parameter, v.path);
   const std::string values = text.substr(equals + 1);
-  const std::vector<std::string> range = split_at(':', values);
+  const std::vector<std::string> range = words_at(':', values);
   if (range.size() > 1)
     v.values = read_range(reader, range, v.path);
   else
-    for (const std::string& word : split_at(',', values)) v.values.push_back(reader.read(word));
+    for (const std::string& word : words_at(',', values)) v.values.push_back(reader.read(word));
   v.unit = reader.unit();
   return v;
 }

@@ -53,47 +53,24 @@ void check_law_form(const Value& v, Form form, const std::string& context) {
   }
 }
 
-const Value::List& law_list(const Value& v, const std::string& context) {
-  const Value::List* items = v.list();
-  if (items == nullptr) refuse(v.where, context, "expected a list of laws, got " + shown(v));
-  return *items;
-}
-
 // Throws what the getter of this form would throw.
 void check_value(const Value& v, const Key& key, const std::string& context) {
-  switch (key.form) {
-    case Form::number:
-      return void(read_number(v, key.unit, context));
-    case Form::integer:
-      return void(read_integer(v, context));
-    case Form::boolean:
-      return void(read_boolean(v, context));
-    case Form::text:
-      return void(read_text(v, context));
-    case Form::choice:
-      return void(read_choice(v, key.choices, context));
-    case Form::vector3:
-      return void(read_vector3(v, key.unit, context));
-    case Form::axis:
-      return void(read_axis(v, context));
-    case Form::orientation:
-      return void(read_orientation(v, context));
-    case Form::numbers:
-      return void(read_numbers(v, key.unit, context));
-    case Form::points:
-      return void(read_points(v, key.unit, context));
-    case Form::law:
-    case Form::translation_law:
-    case Form::rotation_law:
-      return check_law_form(v, key.form, context);
-    case Form::laws: {
-      const Value::List& items = law_list(v, context);
-      for (std::size_t i = 0; i < items.size(); ++i) check_law_form(items[i], Form::law, item(context, i));
-      break;
-    }
-    case Form::any:
-      break;
-  }
+  const Form form = key.form;
+  if (form == Form::number) read_number(v, key.unit, context);
+  if (form == Form::integer) read_integer(v, context);
+  if (form == Form::boolean) read_boolean(v, context);
+  if (form == Form::text) read_text(v, context);
+  if (form == Form::choice) read_choice(v, key.choices, context);
+  if (form == Form::vector3) read_vector3(v, key.unit, context);
+  if (form == Form::axis) read_axis(v, context);
+  if (form == Form::orientation) read_orientation(v, context);
+  if (form == Form::numbers) read_numbers(v, key.unit, context);
+  if (form == Form::points) read_points(v, key.unit, context);
+  if (!holds_law(form)) return;
+  if (form != Form::laws) return check_law_form(v, form, context);
+  const Value::List* items = v.list();
+  if (items == nullptr) refuse(v.where, context, "expected a list of laws, got " + shown(v));
+  for (std::size_t i = 0; i < items->size(); ++i) check_law_form((*items)[i], Form::law, item(context, i));
 }
 
 // " (a length in m: height of the bump)"

@@ -74,6 +74,11 @@ const Value& partner(const Value& v, const char* key, const char* wanted, const 
   refuse(v.where, context, std::string("\"") + key + "\" needs \"" + wanted + "\" as well; add it");
 }
 
+Quat read_turn(const Value& v, const std::string& context) {
+  const Vec3 n = read_axis(partner(v, "angle", "axis", context), part_of(context, "axis"));
+  return axis_angle(n, read_number(partner(v, "axis", "angle", context), Unit::angle, part_of(context, "angle")));
+}
+
 Quat read_angle_orientation(const Value& v, const std::string& context) {
   const Vec3 angles = read_vector3(partner(v, "sequence", "angles", context), Unit::angle, context + ".angles");
   const Value& sequence = partner(v, "angles", "sequence", context);
@@ -84,8 +89,10 @@ Quat read_angle_orientation(const Value& v, const std::string& context) {
   }
 }
 
-Quat read_matrix_orientation(const Value& v, const std::string& context) {
+Quat read_matrix_orientation(const Value& object, const std::string& owner) {
   constexpr double kLimit = 1e-6;
+  const Value& v = *object.find("matrix");
+  const std::string context = part_of(owner, "matrix");
   const Mat3 A = read_matrix3(v, Unit::none, context);
   const double off = (A.transpose() * A - Mat3::Identity()).cwiseAbs().maxCoeff();
   if (!(off <= kLimit))
@@ -131,12 +138,9 @@ Quat read_direction_orientation(const Value& v, const std::string& context) {
 
 // Refuses members that this form of orientation does not have.
 void check_members(const Value& v, std::span<const std::string> known, const std::string& context) {
-  for (const Value::Member& member : *v.object()) {
-    bool found = false;
-    for (const std::string& name : known) found = found || member.key == name;
-    if (!found)
+  for (const Value::Member& member : *v.object())
+    if (std::ranges::find(known, member.key) == known.end())
       refuse(member.where, context, "unknown key " + quoted(member.key) + text::suggestion(member.key, known));
-  }
 }
 
 }  // namespace
@@ -148,6 +152,23 @@ void refuse(const SourceLocation& where, const std::string& context, const std::
   about.file = where.file ? *where.file : std::string(), about.line = where.line, about.column = where.column;
   if (about.problem.empty()) about.problem = problem;
   throw SceneError(message + problem, std::move(about));
+}
+
+Value read_word(const std::string& word) {
+  if (word == "true" || word == "false") return word == "true";
+  double x = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), x);
+  return error == std::errc() && end == word.data() + word.size() ? Value(x) : Value(word);
+}
+
+std::vector<std::string> split_at(char mark, const std::string& text) {
+  std::vector<std::string> parts(1);
+  for (const char c : text)
+    if (c == mark)
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  return parts;
 }
 
 std::string shown(const Value& v) {
@@ -253,23 +274,16 @@ Vec3 read_axis(const Value& v, const std::string& context) {
 
 Quat read_orientation(const Value& v, const std::string& context) {
   if (v.list() != nullptr && v.list()->size() == 4) return read_quaternion(v, context);
-  if (v.find("axis") != nullptr || v.find("angle") != nullptr) {
-    check_members(v, std::vector<std::string>{"axis", "angle"}, context);
-    const Vec3 n = read_axis(partner(v, "angle", "axis", context), part_of(context, "axis"));
-    return axis_angle(n, read_number(partner(v, "axis", "angle", context), Unit::angle, part_of(context, "angle")));
-  }
-  if (v.find("angles") != nullptr || v.find("sequence") != nullptr) {
-    check_members(v, std::vector<std::string>{"angles", "sequence"}, context);
-    return read_angle_orientation(v, context);
-  }
-  if (const Value* matrix = v.find("matrix")) {
-    check_members(v, std::vector<std::string>{"matrix"}, context);
-    return read_matrix_orientation(*matrix, part_of(context, "matrix"));
-  }
-  if (v.find("x") != nullptr || v.find("y") != nullptr || v.find("z") != nullptr) {
-    check_members(v, std::vector<std::string>{"x", "y", "z"}, context);
-    return read_direction_orientation(v, context);
-  }
+  static const std::pair<std::vector<std::string>, Quat (*)(const Value&, const std::string&)> kForms[] = {
+      {{"axis", "angle"}, read_turn},
+      {{"angles", "sequence"}, read_angle_orientation},
+      {{"matrix"}, read_matrix_orientation},
+      {{"x", "y", "z"}, read_direction_orientation}};
+  for (const auto& [keys, read] : kForms)
+    if (std::ranges::any_of(keys, [&](const std::string& key) { return v.find(key) != nullptr; })) {
+      check_members(v, keys, context);
+      return read(v, context);
+    }
   refuse_form(
       v, context,
       R"(an orientation ([w, x, y, z], {"axis":, "angle":}, {"angles":, "sequence":}, {"matrix":} or two of {"x":, "y":, "z":}))");

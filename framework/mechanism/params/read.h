@@ -17,6 +17,12 @@ namespace lockstep {
 [[noreturn]] LOCKSTEP_API void refuse(const SourceLocation&, const std::string& context, const std::string& problem,
                                       ErrorData about = {});
 
+/// A word of a command line as a value: true, false, a number, or a text.
+LOCKSTEP_API Value read_word(const std::string&);
+
+/// The parts of a text between marks; one where there is no mark.
+LOCKSTEP_API std::vector<std::string> split_at(char mark, const std::string& text);
+
 /// A value as messages show it: `a text ("fast")`, `a number (2.5)`, "a list of 3".
 LOCKSTEP_API std::string shown(const Value&);
 
