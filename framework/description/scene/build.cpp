@@ -8,6 +8,7 @@
 #include "framework/description/registry/shelves.h"
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/resolve.h"
+#include "framework/description/scene/tree.h"
 #include "framework/dynamics/simulate/along_laws.h"
 #include "framework/dynamics/tree/tree_layout.h"
 #include "framework/mechanism/system/rows_at_start.h"
@@ -17,8 +18,7 @@ namespace lockstep {
 std::string owner_of(const std::string& kind, const std::string& name) { return kind + " '" + name + "'"; }
 
 std::string owner_of(const std::string& kind, const Value& object, const std::string& list, std::size_t index) {
-  const Value* name = object.find("name");
-  if (name != nullptr && name->text() != nullptr) return owner_of(kind, *name->text());
+  if (const std::string* name = text_under(object, "name")) return owner_of(kind, *name);
   return list + "[" + std::to_string(index) + "]";
 }
 
@@ -28,6 +28,10 @@ Params params_of(const Value& object, const std::string& table, const std::strin
     check_members(object, of.info.name, {&of.info.keys}, owner);
     return with_laws(Params::part({std::shared_ptr<const void>(), &object}, of.keys(), owner), laws);
   });
+}
+
+Params params_under(const Params& parent, const std::string& key, const std::string& table) {
+  return params_of(parent.value(key), table, part_of(parent.owner(), key), nullptr);
 }
 
 const Value::List& objects_of(const Params& parent, const std::string& key) {
@@ -57,12 +61,11 @@ namespace {
 
 // Whether the value names one of these things, or what such a thing brings with it ("A.friction", "A.x@B").
 bool names_one(const Value& v, const std::set<std::string, std::less<>>& names) {
-  if (const Value::List* items = v.list())
-    return std::any_of(items->begin(), items->end(), [&](const Value& each) { return names_one(each, names); });
-  if (const Value::Object* members = v.object())
-    return std::any_of(members->begin(), members->end(),
-                       [&](const Value::Member& m) { return m.key != "name" && names_one(m.value, names); });
-  if (v.text() == nullptr) return false;
+  bool named = false;
+  for_each_child(v, [&](const Value& each, const std::string& key) {
+    named = named || (key != "name" && names_one(each, names));
+  });
+  if (v.text() == nullptr) return named;
   const std::string_view word = *v.text();
   const std::size_t at = word.find('@');
   return names.contains(word.substr(0, word.find_first_of(".@"))) ||
@@ -89,8 +92,8 @@ const Value* refused_value(const Value& v, const ErrorData& error) {
 // `read`: what was being read; null: an error that is told of no place.
 void SceneErrors::note(const Value& read, const SceneError* error) {
   if (error != nullptr && is_own(read, *error)) refusals_.add(*error);
-  if (const Value* name = read.find("name"); name != nullptr && name->text() != nullptr)
-    if (!stand_ins_.contains(*name->text())) failed_.insert(*name->text());
+  if (const std::string* name = text_under(read, "name"); name != nullptr && !stand_ins_.contains(*name))
+    failed_.insert(*name);
 }
 
 bool SceneErrors::is_within(const Value& read, const SceneError& error) {
@@ -143,15 +146,31 @@ void Builder::check_name(const std::string& name, const SourceLocation& where, c
                "; rename one of the two");
 }
 
+void Builder::all(const Params& root, const std::string& list, const std::string& kind, Act make, Act failed) {
+  errors_.attempt(root.value(list), [&] {
+    const Value::List& things = objects_of(root, list);
+    for (std::size_t i = 0; i < things.size() && !errors_.full(); ++i)
+      errors_.attempt(things[i], [&] {
+        const std::string owner = owner_of(kind, things[i], list, i);
+        try {
+          (this->*make)(things[i], owner);
+        } catch (const SceneError&) {
+          if (failed != nullptr) (this->*failed)(things[i], owner);
+          throw;
+        }
+      });
+  });
+}
+
 void Builder::build() {
   const Params root = params_of(scene_.root, "scene", "scene", &registry_);
   system_.set_gravity(root.vector3("gravity"));
   out_.run = scene_.run;
-  bodies(root);
-  markers(root);
-  links(root);
-  forces(root);
-  events(root);
+  all(root, "bodies", "body", &Builder::body, &Builder::stand_in);
+  all(root, "markers", "marker", &Builder::marker, nullptr);
+  all(root, "links", "link", &Builder::link, &Builder::note_sides);
+  all(root, "forces", "force", &Builder::force, &Builder::note_sides);
+  all(root, "events", "event", &Builder::event, nullptr);
   const Value of_no_thing;  // what "run" records or draws of a thing that failed is no matter here
   errors_.attempt(of_no_thing, [&] { make_integrator(out_.run, registry_); });
   errors_.attempt(of_no_thing, [&] { make_solver(out_.run, registry_); });

@@ -1,10 +1,10 @@
 // Bodies and markers of a scene.
 #include <algorithm>
-#include <filesystem>
 
 #include <lockstep/body.h>
-#include "framework/description/scene/builder.h"
 #include <lockstep/text.h>
+#include "framework/description/scene/builder.h"
+#include "framework/mechanism/params/csv_reader.h"
 
 namespace lockstep {
 namespace {
@@ -80,7 +80,7 @@ Mat3 read_inertia(const Params& body) {
       if (const Value* found = v.find(turned))
         refuse(found->where, place,
                "unknown key \"" + std::string(turned) + "\"; the matrix is symmetric, its entry is \"" + key + "\"");
-    const Params entry = params_of(v, "inertia", place, nullptr);
+    const Params entry = params_under(body, "inertia", "inertia");
     Mat3 J;
     const double xy = entry.number("xy"), yz = entry.number("yz"), zx = entry.number("zx");
     J << entry.number("xx"), xy, zx, xy, entry.number("yy"), yz, zx, yz, entry.number("zz");
@@ -139,7 +139,7 @@ Shape read_matter(const Params& body, const std::string& kind, Solids& solids, b
   if (kind == "mass") return {read_mass(body, is_part), {}};
   refuse_beside(body, "\"" + kind + "\" defines mass and inertia",
                 {"mass", "inertia", "inertia_at", "inertia_axes", "center"});
-  const Params shape = params_of(body.value(kind), kind, part_of(body.owner(), kind), nullptr);
+  const Params shape = params_under(body, kind, kind);
   const Shape read = placed(body.value(kind).where, [&]() -> Shape {
     if (kind == "rod") return read_rod(shape);
     return {read_solid(shape, kind), {}};
@@ -174,11 +174,10 @@ MassProperties read_part(const Value& v, const std::string& owner, Solids& solid
 MassProperties read_compound(const Params& body, Solids& solids) {
   refuse_beside(body, "\"compound\" defines mass and inertia",
                 {"mass", "inertia", "inertia_at", "inertia_axes", "center"});
-  const Value::List& items = objects_of(body, "compound");
-  if (items.empty()) body.refuse("compound", "the list is empty; give at least one part");
+  if (objects_of(body, "compound").empty()) body.refuse("compound", "the list is empty; give at least one part");
   std::vector<MassProperties> parts;
-  for (std::size_t i = 0; i < items.size(); ++i)
-    parts.push_back(read_part(items[i], part_of(body.owner(), "compound") + "[" + std::to_string(i) + "]", solids));
+  for_each_object(body, "compound",
+                  [&](const Value& v, const std::string& owner) { parts.push_back(read_part(v, owner, solids)); });
   return shapes::compound(parts);
 }
 
@@ -210,14 +209,11 @@ bool is_color(const std::string& text) {
 
 // The mesh of a file that the scene names, from the folder of the file in which it stands.
 Solid read_mesh_solid(const Params& shape, const MeshFiles& meshes) {
-  std::filesystem::path file = shape.text("mesh");
-  const Value& written = shape.value("mesh");
-  if (file.is_relative() && written.where.file) file = std::filesystem::path(*written.where.file).parent_path() / file;
   const double scale = shape.number("scale");
   if (scale == 0) shape.refuse("scale", "it is 0; give a factor such as 0.001, for a mesh in millimetres");
   std::shared_ptr<const TriangleMesh> mesh;
   try {
-    mesh = meshes.read(file.string());
+    mesh = meshes.read(path_of_file(shape.value("mesh")));
   } catch (const FileError& error) {
     shape.refuse("mesh", error.what());
   }
@@ -241,7 +237,7 @@ Solid read_visual_shape(const Value& v, const std::string& owner, const MeshFile
     solid = read_mesh_solid(shape, meshes);
   } else {
     if (shape.has("scale")) shape.refuse("scale", "a " + kind + " has its own lengths; remove it");
-    const Params lengths = params_of(shape.value(kind), kind, part_of(owner, kind), nullptr);
+    const Params lengths = params_under(shape, kind, kind);
     refuse_beside(lengths, "what is only drawn weighs nothing", {"mass", "density", "axial_inertia"});
     refuse_beside(lengths, "a rod looks the same from all sides", {"roll"});
     if (kind == "box" && !(lengths.vector3("size").minCoeff() > 0))
@@ -277,14 +273,8 @@ void keep(const std::string& body, const Solids& solids, Mechanism& out) {
 
 }  // namespace
 
-void Builder::bodies(const Params& root) {
-  errors_.for_each(
-      root, "bodies", "body", [&](const Value& object, const std::string& owner) { body(object, owner); },
-      [&](const Value& object, const std::string&) { stand_in(object); });
-}
-
 // What names a body that failed is built with another one in its place, so that what else is wrong with it is seen.
-void Builder::stand_in(const Value& object) {
+void Builder::stand_in(const Value& object, const std::string& /*owner*/) {
   const Value* key = object.find("name");
   if (key == nullptr || key->text() == nullptr) return;
   const std::string& name = *key->text();
@@ -301,14 +291,13 @@ void Builder::stand_in(const Value& object) {
 // What it looks like: colour, and shapes beside or in place of those that give its mass.
 void Builder::visual(const Params& body, const std::string& name) {
   if (!body.has("visual")) return;
-  const Params visual = params_of(body.value("visual"), "visual", part_of(body.owner(), "visual"), nullptr);
+  const Params visual = params_under(body, "visual", "visual");
   out_.looks.push_back(read_look(visual, name));
   if (!visual.boolean("own_shape")) std::erase_if(out_.solids, [&](const Solid& s) { return s.body == name; });
-  const Value::List& items = objects_of(visual, "shapes");
   Solids solids;
-  for (std::size_t i = 0; i < items.size(); ++i)
-    solids.push_back(
-        read_visual_shape(items[i], part_of(visual.owner(), "shapes") + "[" + std::to_string(i) + "]", scene_.meshes));
+  for_each_object(visual, "shapes", [&](const Value& v, const std::string& owner) {
+    solids.push_back(read_visual_shape(v, owner, scene_.meshes));
+  });
   keep(name, solids, out_);
 }
 
@@ -360,12 +349,6 @@ void Builder::matter(const Value& object, const Params& p, const std::string& na
   placed(object.where, [&] { system.add_body(name, shape.mass, pose).start = read_start(p, pose); });
   read_weight(p, name, out_);
   keep(name, solids, out_);
-}
-
-void Builder::markers(const Params& root) {
-  errors_.for_each(
-      root, "markers", "marker", [&](const Value& object, const std::string& owner) { marker(object, owner); },
-      [](const Value&, const std::string&) {});
 }
 
 void Builder::marker(const Value& object, const std::string& owner) {

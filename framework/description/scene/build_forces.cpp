@@ -1,17 +1,11 @@
 // Forces and events of a scene.
 #include <algorithm>
 
+#include <lockstep/text.h>
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/split.h"
-#include <lockstep/text.h>
 
 namespace lockstep {
-
-void Builder::forces(const Params& root) {
-  errors_.for_each(
-      root, "forces", "force", [&](const Value& object, const std::string& owner) { force(object, owner); },
-      [&](const Value& object, const std::string& owner) { note_sides(object, owner); });
-}
 
 // The markers of the link on whose coordinate a force acts.
 std::pair<Marker*, Marker*> Builder::markers_of(const Params& p, const Lock& link, const Attachment& given) {
@@ -46,12 +40,6 @@ void Builder::force(const Value& object, const std::string& owner) {
   });
 }
 
-void Builder::events(const Params& root) {
-  errors_.for_each(
-      root, "events", "event", [&](const Value& object, const std::string& owner) { event(object, owner); },
-      [](const Value&, const std::string&) {});
-}
-
 // The links and forces that an event switches.
 std::vector<std::string> Builder::switched_by(const Params& event, const std::string& key) {
   std::vector<std::string> things;
@@ -83,7 +71,7 @@ void Builder::event(const Value& object, const std::string& owner) {
   if (p.has("at") && (e.at = p.number("at")) < 0)
     p.refuse("at", "the instant " + text::number(e.at) + " s lies before the start at 0 s");
   if (p.has("when")) {
-    const Params when = params_of(p.value("when"), "condition", part_of(owner, "when"), nullptr);
+    const Params when = params_under(p, "when", "condition");
     const std::string sense = when.text("direction");
     request.channel = when.text("channel");
     request.crosses = when.number("crosses");

@@ -162,12 +162,6 @@ Attachment Builder::pairs(const Params& p, const std::string& name) {
   return all;
 }
 
-void Builder::links(const Params& root) {
-  errors_.for_each(
-      root, "links", "link", [&](const Value& object, const std::string& owner) { link(object, owner); },
-      [&](const Value& object, const std::string& owner) { note_sides(object, owner); });
-}
-
 void Builder::link(const Value& object, const std::string& owner) {
   const Split parts =
       placed(object.where, [&] { return split(object, scene_table("link"), registry_.links, owner, registry_); });
@@ -263,10 +257,10 @@ Axis free_axis(const Params& of, const Key& key, const Lock& link) {
 
 void Builder::start_speeds(const Params& p, const Lock& link) {
   if (!p.has("start")) return;
-  const Params start = params_of(p.value("start"), "start", part_of(p.owner(), "start"), nullptr);
+  const Params start = params_under(p, "start", "start");
   const auto each = [&](const char* part, const char* table, auto&& take) {
     if (!start.has(part)) return;
-    const Params of = params_of(start.value(part), table, part_of(start.owner(), part), nullptr);
+    const Params of = params_under(start, part, table);
     for (const Key& key : scene_table(table).info.keys)
       if (of.has(key.name)) take(free_axis(of, key, link), of.number(key.name));
   };

@@ -37,7 +37,7 @@ Quat axes_with_z(int k) {
 
 void Builder::unilateral(const Params& link, Lock& lock) {
   if (!link.has("unilateral")) return;
-  const Params p = params_of(link.value("unilateral"), "unilateral", part_of(link.owner(), "unilateral"), nullptr);
+  const Params p = params_under(link, "unilateral", "unilateral");
   const std::string side = p.text("side");
   const bool its_own = lock.unilateral() != nullptr;  // as a stop has
   if (its_own && p.has("side")) p.refuse("side", "a " + std::string(lock.type()) + " has its side already; remove it");
@@ -47,20 +47,14 @@ void Builder::unilateral(const Params& link, Lock& lock) {
 }
 
 void Builder::brought_along(const Params& link, const Attachment& attachment, Lock& lock) {
-  if (link.has("stops")) {
-    const Value::List& items = objects_of(link, "stops");
-    for (std::size_t i = 0; i < items.size(); ++i)
-      stops(items[i], part_of(link.owner(), "stops") + "[" + std::to_string(i) + "]", attachment);
-  }
+  for_each_object(link, "stops", [&](const Value& v, const std::string& owner) { stops(v, owner, attachment); });
   if (!link.has("friction")) return;
   const Value& keys = link.value("friction");
-  const std::string owner = part_of(link.owner(), "friction"), name = attachment.name + ".friction";
-  const Params friction = params_of(keys, "friction", owner, nullptr);
+  const std::string name = attachment.name + ".friction";
+  const Params friction = params_under(link, "friction", "friction");
   Attachment where;
   where.name = name, where.link = &lock;
-  placed(keys.where, [&] {
-    system_.add(registry_.forces.make_checked("joint_friction", where, friction));
-  });
+  placed(keys.where, [&] { system_.add(registry_.forces.make_checked("joint_friction", where, friction)); });
   taken_[0][name] = {"force", keys.where};
 }
 
@@ -69,8 +63,7 @@ void Builder::stops(const Value& object, const std::string& owner, const Attachm
   const Params p = params_of(object, "travel", owner, nullptr);
   const Axis axis = axis_from(p.text("axis"));
   const Unilateral options = unilateral_from(p);
-  if (const Jointed* joint = system_.link(of.name).jointed();
-      joint != nullptr && includes(joint->mask(), row_of(axis)))
+  if (const Jointed* joint = system_.link(of.name).jointed(); joint != nullptr && includes(joint->mask(), row_of(axis)))
     p.refuse("axis", "the link holds " + p.text("axis") + " already, so it has no travel; name a free coordinate");
   if (!p.has("low") && !p.has("high")) p.refuse("axis", "no limit is given; add \"low\" or \"high\"");
   const Unit unit = is_rotation(axis) ? Unit::angle : Unit::length;

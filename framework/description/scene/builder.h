@@ -30,8 +30,18 @@ std::string owner_of(const std::string& kind, const Value& object, const std::st
 Params params_of(const Value& object, const std::string& table, const std::string& owner, const Registry* laws);
 Params params_of(Value&&, const std::string&, const std::string&, const Registry*) = delete;
 
+/// The object of a table under a key of another one.
+Params params_under(const Params& parent, const std::string& key, const std::string& table);
+
 /// The objects under a key of Holds::objects; none when it is absent. Throws when it holds something else.
 const Value::List& objects_of(const Params& parent, const std::string& key);
+
+/// Calls read(object, owner) for each of them.
+template <class F>
+void for_each_object(const Params& parent, const std::string& key, F&& read) {
+  const Value::List& items = objects_of(parent, key);
+  for (std::size_t i = 0; i < items.size(); ++i) read(items[i], item(part_of(parent.owner(), key), i));
+}
 
 /// The texts under a key of Holds::texts.
 std::vector<std::pair<std::string, SourceLocation>> texts_of(const Params& parent, const std::string& key);
@@ -57,24 +67,6 @@ decltype(auto) placed(const SourceLocation& where, F&& f) {
 /// said which is wrong with values of its own, since the other one may be all that is wrong.
 class LOCKSTEP_API SceneErrors {
  public:
-  /// Calls build(object, owner) for the objects of a list, each "bodies[2]" or "body 'a'", and failed(object, owner) for
-  /// those that it refuses.
-  template <class Build, class Failed>
-  void for_each(const Params& root, const std::string& list, const std::string& kind, Build&& build, Failed&& failed) {
-    attempt(root.value(list), [&] {
-      const Value::List& items = objects_of(root, list);
-      for (std::size_t i = 0; i < items.size() && !refusals_.full(); ++i)
-        attempt(items[i], [&] {
-          const std::string owner = owner_of(kind, items[i], list, i);
-          try {
-            build(items[i], owner);
-          } catch (const SceneError&) {
-            failed(items[i], owner);
-            throw;
-          }
-        });
-    });
-  }
   /// Runs what reads the value, and keeps what is refused; not what may follow from a failure of another thing that the
   /// value names. Returns whether nothing was.
   template <class F>
@@ -103,6 +95,7 @@ class LOCKSTEP_API SceneErrors {
   /// A body of this name stands in for one that failed: things that name it are built, and may not fit it.
   void stand_in(const std::string& name) { stand_ins_.insert(name); }
   bool empty() const { return refusals_.empty(); }
+  bool full() const { return refusals_.full(); }
   /// Throws one SceneError of all, a line each, where there are any.
   void raise() const { refusals_.raise(); }
 
@@ -129,19 +122,19 @@ class Builder {
   void build();
 
  private:
-  void bodies(const Params& root);
+  /// Builds the things of a list; `failed` is told of those that are refused.
+  using Act = void (Builder::*)(const Value& object, const std::string& owner);
+  void all(const Params& root, const std::string& list, const std::string& kind, Act make, Act failed);
   void body(const Value& object, const std::string& owner);
-  void stand_in(const Value& object);
+  void stand_in(const Value& object, const std::string& owner);
   void matter(const Value& object, const Params& body, const std::string& name);
   void visual(const Params& body, const std::string& name);
-  void markers(const Params& root);
   void marker(const Value& object, const std::string& owner);
   void check_side(const Value& word, const std::string& context) const;
   void note_sides(const Value& object, const std::string& owner);
   Marker* side(const Params& link, const std::string& key, const std::string& name, const Pose* other);
   Attachment attachment(const Params& common, const std::string& name, bool both);
   Attachment pairs(const Params& link, const std::string& name);
-  void links(const Params& root);
   void link(const Value& object, const std::string& owner);
   void drives(const Params& common, Lock& link);
   void laws(const Params& common, Lock& link);
@@ -149,10 +142,8 @@ class Builder {
   void brought_along(const Params& link, const Attachment&, Lock&);
   void stops(const Value& object, const std::string& owner, const Attachment&);
   void start_speeds(const Params& common, const Lock& link);
-  void forces(const Params& root);
   void force(const Value& object, const std::string& owner);
   std::pair<Marker*, Marker*> markers_of(const Params& force, const Lock& link, const Attachment& given);
-  void events(const Params& root);
   void event(const Value& object, const std::string& owner);
   std::vector<std::string> switched_by(const Params& event, const std::string& key);
   void check_assembled() const;

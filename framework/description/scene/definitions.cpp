@@ -6,6 +6,7 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/builder.h"
+#include "framework/description/scene/tree.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/units.h"
 
@@ -109,11 +110,7 @@ Value Definitions::resolved(Value v, const std::string& context) {
 }
 
 Value Definitions::placed_value(const Amount& q, const SourceLocation& where) {
-  Value v = expression::value_of(q);
-  v.where = where;
-  if (Value::List* items = v.list())
-    for (Value& each : *items) each.where = where;
-  return v;
+  return placed_at(where, expression::value_of(q));
 }
 
 void Definitions::take(const Value& root, const char* key, bool points) {
@@ -179,8 +176,7 @@ void Definitions::take_things(const Value& root, const char* list) {
   const Value* all = root.find(list);
   if (all == nullptr || all->list() == nullptr) return;
   for (const Value& object : *all->list())
-    if (const Value* name = object.find("name"); name != nullptr && name->text() != nullptr)
-      things_.emplace(*name->text(), &object);
+    if (const std::string* name = text_under(object, "name")) things_.emplace(*name, &object);
 }
 
 // Of "rod.to"; nullptr for other names. Entries stay where they are in memory: others may be open.
@@ -263,10 +259,8 @@ Amount Definitions::given(const Value& v, const std::string& context, bool point
   Value::List* items = plain.list();
   for (std::size_t k = 0; items != nullptr && k < items->size(); ++k) {
     Value& each = (*items)[k];
-    const SourceLocation where = each.where;
-    if (is_formula(each)) each = placed_value(evaluate(each, item(context, k)), where);
-    if (point && each.number() != nullptr) each = Value(text::number(read_number(each, Unit::length, context)) + " m");
-    each.where = where;
+    if (is_formula(each)) each = placed_value(evaluate(each, item(context, k)), each.where);
+    if (point && each.number() != nullptr) replace(each, text::number(read_number(each, Unit::length, context)) + " m");
   }
   std::optional<Amount> q = plain_quantity(plain, context);
   if (!q)

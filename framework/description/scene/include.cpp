@@ -4,9 +4,7 @@
 #include <algorithm>
 #include <deque>
 #include <filesystem>
-#include <iterator>
 #include <set>
-#include <span>
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
@@ -16,6 +14,8 @@
 #include "framework/description/scene/old_names.h"
 #include "framework/description/scene/read.h"
 #include "framework/description/scene/resolve.h"
+#include "framework/description/scene/tree.h"
+#include "framework/mechanism/params/csv_reader.h"
 #include "framework/mechanism/params/read.h"
 
 namespace lockstep {
@@ -24,21 +24,13 @@ namespace {
 constexpr std::size_t kMostFiles = 16;  // within one another
 const char* const kLists[] = {"bodies", "markers", "links", "forces", "events"};
 
-Value* member(Value& object, const std::string& key) {
-  if (Value::Object* members = object.object())
-    for (Value::Member& m : *members)
-      if (m.key == key) return &m.value;
-  return nullptr;
-}
-
 /// Puts a prefix before the names of an included scene wherever its objects name one another.
 class Renaming {
  public:
   Renaming(Value& scene, std::string prefix) : prefix_(std::move(prefix)) {
     for (const char* list : kLists)
-      for (Value& object : items(scene, list))
-        if (const Value* name = member(object, "name"); name != nullptr && name->text() != nullptr)
-          names_.insert(*name->text());
+      for (const Value& object : items(scene, list))
+        if (const std::string* name = text_under(object, "name")) names_.insert(*name);
   }
 
   void apply(Value& scene) const {
@@ -46,34 +38,20 @@ class Renaming {
     for (const char* list : kLists)
       for (Value& object : items(scene, list)) {
         for (const char* key : {"name", "body", "p", "s", "link"}) text(member(object, key));
-        if (Value* pairs = member(object, "pairs"); pairs != nullptr && pairs->list() != nullptr)
-          for (Value& pair : *pairs->list()) text(&pair), text(member(pair, "p")), text(member(pair, "s"));
+        for (Value& pair : items(object, "pairs")) text(&pair), text(member(pair, "p")), text(member(pair, "s"));
         for (const char* key : {"activate", "deactivate"})
-          if (Value* links = member(object, key); links != nullptr && links->list() != nullptr)
-            for (Value& link : *links->list()) text(&link);
+          for (Value& link : items(object, key)) text(&link);
         if (Value* when = member(object, "when")) channel(member(*when, "channel"));
       }
-    if (Value* points = member(scene, "points"); points != nullptr && points->object() != nullptr)
-      for (Value::Member& point : *points->object()) point.key = prefix_ + point.key;
+    for (Value::Member& point : members(scene, "points")) point.key = prefix_ + point.key;
   }
 
  private:
-  // The objects of a list; none where there is no such list.
-  static std::span<Value> items(Value& scene, const char* list) {
-    Value* all = member(scene, list);
-    return all != nullptr && all->list() != nullptr ? std::span<Value>(*all->list()) : std::span<Value>();
-  }
-
-  void put(Value& v, std::string text) const {
-    const SourceLocation where = v.where;
-    v = Value(std::move(text));
-    v.where = where;
-  }
   // "A", and "A.stop_z_low" or "A.friction", which a link brings with it.
   void text(Value* v) const {
     if (v == nullptr || v->text() == nullptr) return;
     const std::string old = *v->text();
-    if (names_.contains(old) || names_.contains(old.substr(0, old.find('.')))) put(*v, prefix_ + old);
+    if (names_.contains(old) || names_.contains(old.substr(0, old.find('.')))) replace(*v, prefix_ + old);
   }
   // "A.x", "a.x@b": names stand at its beginning and after "@".
   void channel(Value* v) const {
@@ -87,7 +65,7 @@ class Renaming {
       now += (first && names_.contains(word) ? prefix_ : "") + word + (end < old.size() ? old.substr(end, 1) : "");
       i = end + 1;
     }
-    put(*v, std::move(now));
+    replace(*v, std::move(now));
   }
 
   std::set<std::string> names_;
@@ -133,9 +111,7 @@ Value settled(const Value& include, const std::string& owner, Definitions& outer
 // The path is judged by what it says: whether there is such a file is no matter until it may be read.
 std::string path_of(const Params& p, const SceneReading& reading) {
   namespace fs = std::filesystem;
-  fs::path path = p.text("scene");
-  const auto& from = p.value("scene").where.file;
-  if (path.is_relative() && from) path = fs::path(*from).parent_path() / path;
+  const fs::path path = path_of_file(p.value("scene"));
   if (reading.rule) reading.rule(p.value("scene"), path.string());
   std::error_code error;
   if (fs::exists(path, error) && !fs::is_regular_file(path, error))
@@ -195,29 +171,9 @@ Value* brought_under(Value& scene, const std::string& key) {
 
 // Puts what `inner` holds under the key behind what `all` holds there.
 void append(Value& all, Value& inner, const char* key) {
-  Value *from = brought_under(inner, key), *to = brought_under(all, key);
-  if (from == nullptr) return;
-  const SourceLocation where = from->where;
-  if (to == nullptr)
-    all.object()->push_back({key, std::move(*from), where});
-  else if (from->list() != nullptr)
-    std::move(from->list()->begin(), from->list()->end(), std::back_inserter(*to->list()));
-  else
-    std::move(from->object()->begin(), from->object()->end(), std::back_inserter(*to->object()));
-}
-
-// What is brought comes before the scene's own.
-void put_before(Value& own, Value brought) {
-  for (const char* key : kBrought) {
-    if (member(brought, key) == nullptr) continue;
-    append(brought, own, key);
-    Value& all = *member(brought, key);
-    const SourceLocation where = all.where;
-    if (Value* to = member(own, key))
-      *to = std::move(all);
-    else
-      own.object()->push_back({key, std::move(all), where});
-  }
+  Value* from = brought_under(inner, key);
+  brought_under(all, key);
+  if (from != nullptr) append(all, key, std::move(*from));
 }
 
 }  // namespace
@@ -241,7 +197,15 @@ void expand_includes(Value& root, SceneReading& reading, Formulas& formulas) {
   for (Value& part : parts)
     for (const char* key : kBrought) append(brought, part, key);
   root = root.without({"include"});
-  put_before(root, std::move(brought));
+  for (const char* key : kBrought) {  // what is brought comes before the scene's own
+    if (member(brought, key) == nullptr) continue;
+    append(brought, root, key);
+    Value all = std::move(*member(brought, key));
+    if (Value* own = member(root, key))
+      *own = std::move(all);
+    else
+      append(root, key, std::move(all));
+  }
 }
 
 void tell_left_out(const Value& root, const SceneReading& reading) {

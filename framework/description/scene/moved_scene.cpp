@@ -1,59 +1,31 @@
 #include "framework/description/scene/moved_scene.h"
 
 #include <cmath>
-#include <initializer_list>
 #include <set>
 #include <string>
 
 #include <lockstep/body.h>
 #include "framework/description/scene/builder.h"
+#include "framework/description/scene/tree.h"
 #include "framework/mechanism/params/read.h"
 
 namespace lockstep {
 namespace {
 
-Value* member_of(Value& object, const std::string& key) {
-  if (Value::Object* members = object.object())
-    for (Value::Member& m : *members)
-      if (m.key == key) return &m.value;
-  return nullptr;
+std::string text_of(const Value& object, const std::string& key) {
+  const std::string* text = text_under(object, key);
+  return text != nullptr ? *text : "";
 }
 
-std::string text_of(Value& object, const std::string& key) {
-  const Value* v = member_of(object, key);
-  return v != nullptr && v->text() != nullptr ? *v->text() : "";
-}
-
-void put(Value& object, const std::string& key, std::initializer_list<double> numbers) {
-  Value v = Value::list(numbers);
-  Value* old = member_of(object, key);
-  const SourceLocation where = old != nullptr ? old->where : object.where;
-  v.where = where;
-  for (Value& each : *v.list()) each.where = where;
-  if (old != nullptr)
-    *old = std::move(v);
-  else
-    object.object()->push_back({key, std::move(v), where});
-}
-void put(Value& object, const std::string& key, const Vec3& v) { put(object, key, {v[0], v[1], v[2]}); }
-void put(Value& object, const std::string& key, const Quat& q) { put(object, key, {q.w, q.x, q.y, q.z}); }
-
-void put(Value& object, const std::string& key, double number) {
-  Value* old = member_of(object, key);
-  Value v(number);
-  v.where = old != nullptr ? old->where : object.where;
-  if (old != nullptr)
-    *old = std::move(v);
-  else
-    object.object()->push_back({key, v, v.where});
-}
+void put(Value& object, const std::string& key, const Vec3& v) { put(object, key, Value::list({v[0], v[1], v[2]})); }
+void put(Value& object, const std::string& key, const Quat& q) { put(object, key, Value::list({q.w, q.x, q.y, q.z})); }
 
 class Mover {
  public:
   Mover(Value& scene, const Pose& by) : scene_(scene), by_(by), turns_(by.q.w != 1), turn_(rotation(by.q)) {}
 
   void move() {
-    if (Value* points = member_of(scene_, "points"); points != nullptr && points->object() != nullptr)
+    if (Value* points = member(scene_, "points"); points != nullptr && points->object() != nullptr)
       for (const Value::Member& m : Value::Object(*points->object())) point(*points, m.key, "scene, points");
     each("bodies", "body", [&](Value& v, const std::string&) {
       if (is_free_particle(v)) particles_.insert(text_of(v, "name"));
@@ -71,7 +43,7 @@ class Mover {
  private:
   template <class Move>
   void each(const char* list, const char* kind, Move&& move) {
-    Value* all = member_of(scene_, list);
+    Value* all = member(scene_, list);
     if (all == nullptr || all->list() == nullptr) return;
     for (std::size_t i = 0; i < all->list()->size(); ++i) {
       Value& object = (*all->list())[i];
@@ -81,35 +53,35 @@ class Mover {
 
   // -- values under a key, moved where they are given
   void point(Value& object, const std::string& key, const std::string& owner) {
-    if (const Value* v = member_of(object, key))
+    if (const Value* v = member(object, key))
       put(object, key, Vec3(by_.x + turn_ * read_vector3(*v, Unit::length, part_of(owner, key))));
   }
   void point_or_origin(Value& object, const std::string& key, const std::string& owner) {
-    if (member_of(object, key) == nullptr) return put(object, key, by_.x);
+    if (member(object, key) == nullptr) return put(object, key, by_.x);
     point(object, key, owner);
   }
   void direction(Value& object, const std::string& key, Unit unit, const std::string& owner) {
-    const Value* v = member_of(object, key);
+    const Value* v = member(object, key);
     if (v != nullptr && turns_) put(object, key, Vec3(turn_ * read_vector3(*v, unit, part_of(owner, key))));
   }
   void orientation(Value& object, const std::string& owner) { orientation(object, "orientation", owner); }
   void orientation(Value& object, const std::string& key, const std::string& owner) {
     if (!turns_) return;
-    const Value* v = member_of(object, key);
+    const Value* v = member(object, key);
     put(object, key, v != nullptr ? by_.q * read_orientation(*v, part_of(owner, key)) : by_.q);
   }
 
   // -- particles: their frames keep the world's axes, so what is given in "body" axes turns along
   static bool is_free_particle(Value& body) {
-    const Value* fixed = member_of(body, "fixed");
-    return member_of(body, "particle") != nullptr &&
+    const Value* fixed = member(body, "fixed");
+    return member(body, "particle") != nullptr &&
            (fixed == nullptr || fixed->boolean() == nullptr || !*fixed->boolean());
   }
   bool is_on_particle(Value& marker) const { return particles_.contains(text_of(marker, "body")); }
 
   // -- things
   void body(Value& v, const std::string& owner) {
-    if (Value* rod = member_of(v, "rod"); rod != nullptr && rod->object() != nullptr) {
+    if (Value* rod = member(v, "rod"); rod != nullptr && rod->object() != nullptr) {
       this->rod(*rod, owner);
     } else {
       point_or_origin(v, "position", owner);
@@ -122,7 +94,7 @@ class Mover {
   // A rod's ends say how its frame is rolled about its axis (z as near to the world's as can be); what the turned rod
   // has beyond that is its "roll".
   void rod(Value& rod, const std::string& owner) {
-    const Value *from = member_of(rod, "from"), *to = member_of(rod, "to");
+    const Value *from = member(rod, "from"), *to = member(rod, "to");
     if (from == nullptr || to == nullptr) return;  // refused when it is built
     const std::string part = part_of(owner, "rod");
     const Vec3 a = read_vector3(*from, Unit::length, part_of(part, "from")),
@@ -134,13 +106,13 @@ class Mover {
                beyond = conjugate(by_ends) * wanted;  // about x
     put(rod, "from", moved_a), put(rod, "to", moved_b);
     if (std::hypot(beyond.x, beyond.y, beyond.z) < 1e-12) return;
-    const Value* roll = member_of(rod, "roll");
+    const Value* roll = member(rod, "roll");
     const double before = roll != nullptr ? read_number(*roll, Unit::angle, part_of(part, "roll")) : 0;
     put(rod, "roll", std::remainder(before + 2 * std::atan2(beyond.x, beyond.w), 2 * kPi));
   }
 
   void marker(Value& v, const std::string& owner) {
-    if (member_of(v, "world_at") != nullptr || member_of(v, "world_orientation") != nullptr) {
+    if (member(v, "world_at") != nullptr || member(v, "world_orientation") != nullptr) {
       point_or_origin(v, "world_at", owner), orientation(v, "world_orientation", owner);
     } else if (text_of(v, "body") == "ground") {
       point_or_origin(v, "at", owner), orientation(v, owner);
@@ -151,7 +123,7 @@ class Mover {
 
   void attached(Value& v, const std::string& owner) {
     places(v, owner);
-    if (Value* pairs = member_of(v, "pairs"); pairs != nullptr && pairs->list() != nullptr)
+    if (Value* pairs = member(v, "pairs"); pairs != nullptr && pairs->list() != nullptr)
       for (std::size_t i = 0; i < pairs->list()->size(); ++i)
         if ((*pairs->list())[i].object() != nullptr) places((*pairs->list())[i], item(part_of(owner, "pairs"), i));
   }
@@ -160,14 +132,14 @@ class Mover {
   void places(Value& v, const std::string& owner) {
     for (const char* key : {"at", "at_p", "at_s"}) point(v, key, owner);
     if (!turns_) return;
-    if (const Value* axis = member_of(v, "axis"); axis != nullptr && member_of(v, "orientation") == nullptr) {
+    if (const Value* axis = member(v, "axis"); axis != nullptr && member(v, "orientation") == nullptr) {
       const Quat at_home = pose_at(Vec3::Zero(), read_axis(*axis, part_of(owner, "axis"))).q;  // x and y turn along
       v = v.without({"axis"});
       return put(v, "orientation", by_.q * at_home);
     }
     const std::string p = text_of(v, "p"), s = text_of(v, "s");
     const bool on_bodies = !p.empty() && !markers_.contains(p) && (s.empty() || !markers_.contains(s));
-    if (on_bodies || member_of(v, "orientation") != nullptr) orientation(v, owner);
+    if (on_bodies || member(v, "orientation") != nullptr) orientation(v, owner);
   }
 
   void force(Value& v, const std::string& owner) {
@@ -177,12 +149,12 @@ class Mover {
     const bool in_world =
         axes.empty() || axes == "world" || (axes == "body" && (particles_.contains(p) || on_particles_.contains(p)));
     if (!turns_ || (type != "applied_force" && type != "applied_torque") || !in_world) return;
-    if (const Value* laws = member_of(v, "laws"))
+    if (const Value* laws = member(v, "laws"))
       refuse(laws->where, part_of(owner, "laws"),
              "they are of components in world axes, which an orientation of the included scene cannot turn; give it "
              "\"axes\": \"marker\", or \"direction\" and \"law\"");
     direction(v, type == "applied_force" ? "force" : "torque", Unit::any, owner);
-    if (const Value* axis = member_of(v, "direction"))
+    if (const Value* axis = member(v, "direction"))
       put(v, "direction", Vec3(turn_ * read_axis(*axis, part_of(owner, "direction"))));
   }
 

@@ -10,6 +10,7 @@
 #include "framework/description/registry/shelves.h"
 #include "framework/description/scene/split.h"
 #include "framework/description/scene/tables.h"
+#include "framework/description/scene/tree.h"
 #include "framework/mechanism/params/units.h"
 
 namespace lockstep {
@@ -27,10 +28,9 @@ struct Kind {
 };
 
 void add_type(Kind& kind, const Value& v, const Registry& registry, std::string_view shelf) {
-  const Value* type = v.find("type");
-  if (type == nullptr || type->text() == nullptr) return;
-  if (const TypeInfo* info = find_type(registry, shelf, *type->text()))
-    kind.keys = keys_together(kind.keys, info->keys);
+  const std::string* type = text_under(v, "type");
+  const TypeInfo* info = type != nullptr ? find_type(registry, shelf, *type) : nullptr;
+  if (info != nullptr) kind.keys = keys_together(kind.keys, info->keys);
 }
 
 // The kind of v, which is under the key and part of `kind`; the items of a list keep both.
@@ -59,17 +59,6 @@ Kind under(const Kind& object, const std::string& name) {
   return kind;
 }
 
-std::vector<std::string> steps_of(const std::string& path) {
-  std::vector<std::string> steps(1);
-  for (const char c : path) {
-    if (c == '.')
-      steps.emplace_back();
-    else
-      steps.back() += c;
-  }
-  return steps;
-}
-
 std::string joined(const std::vector<std::string>& steps) {
   std::string path;
   for (const std::string& step : steps) path += (path.empty() ? "" : ".") + step;
@@ -77,16 +66,15 @@ std::string joined(const std::vector<std::string>& steps) {
 }
 
 std::string step_to(const Value& item, std::size_t index) {
-  const Value* name = item.find("name");
-  return name != nullptr && name->text() != nullptr ? *name->text() : std::to_string(index);
+  const std::string* name = text_under(item, "name");
+  return name != nullptr ? *name : std::to_string(index);
 }
 
 // Whether it is of a type that stands on no shelf.
 bool has_unknown_type(const Value& object, const Registry& r) {
-  const Value* v = object.find("type");
-  if (v == nullptr || v->text() == nullptr) return false;
-  bool known = false;
-  for_each_shelf([&](auto, auto, auto shelf) { known = known || (r.*shelf).find(*v->text()) != nullptr; });
+  const std::string* type = text_under(object, "type");
+  bool known = type == nullptr;
+  for_each_shelf([&](auto, auto, auto shelf) { known = known || (r.*shelf).find(*type) != nullptr; });
   return !known;
 }
 
@@ -230,18 +218,6 @@ class Walk {
   bool inserted_unknown_ = false;
 };
 
-// Paths to all numbers of the scene.
-void add_leaves(const Value& v, const std::string& path, std::vector<NumberAt>& leaves) {
-  if (leaves.size() >= kMostLeaves) return;
-  const std::string before = path.empty() ? "" : path + ".";
-  if (const Value::List* items = v.list())
-    for (std::size_t i = 0; i < items->size(); ++i) add_leaves((*items)[i], before + step_to((*items)[i], i), leaves);
-  if (const Value::Object* members = v.object())
-    for (const Value::Member& member : *members) add_leaves(member.value, before + member.key, leaves);
-  const bool quantity = v.text() != nullptr && read_quantity(*v.text(), Unit::any).problem.empty();
-  if (v.number() != nullptr || quantity) leaves.push_back({path, &v});
-}
-
 std::string closest_number(const Value& root, const std::string& path) {
   std::vector<std::string> paths;
   for (NumberAt& number : numbers_in(root)) paths.push_back(std::move(number.path));
@@ -250,7 +226,7 @@ std::string closest_number(const Value& root, const std::string& path) {
 
 // The path with each name that leads nowhere replaced by the closest, else the closest path to a number; "" if none.
 std::string nearest(const Value& root, const std::string& path, const Registry& registry) {
-  std::vector<std::string> steps = steps_of(path);
+  std::vector<std::string> steps = split_at('.', path);
   for (std::size_t tries = 0; tries <= steps.size(); ++tries) {
     Value copy = root;
     const std::optional<Miss> miss = Walk(copy, steps, registry).go();
@@ -272,7 +248,7 @@ std::string known(std::vector<std::string> names) {
 }
 
 ScenePlace place_at(Value& root, const std::string& path, const Registry& registry, UnknownTypes unknown) {
-  Walk walk(root, steps_of(path), registry, unknown);
+  Walk walk(root, split_at('.', path), registry, unknown);
   const std::optional<Miss> miss = walk.go();
   if (!miss) {
     ScenePlace place = walk.place();
@@ -286,10 +262,23 @@ ScenePlace place_at(Value& root, const std::string& path, const Registry& regist
 
 }  // namespace
 
+void for_each_leaf(const Value& v, const LeafVisit& visit, const std::string& path, const std::string& key) {
+  const bool in_list = v.list() != nullptr;
+  std::size_t i = 0;
+  for_each_child(v, [&](const Value& each, const std::string& name) {
+    const std::string step = in_list ? step_to(each, i++) : name;
+    for_each_leaf(each, visit, path.empty() ? step : path + "." + step, in_list ? key : name);
+  });
+  if (!in_list && v.object() == nullptr) visit(path, key, v);
+}
+
 std::vector<NumberAt> numbers_in(const Value& root) {
-  std::vector<NumberAt> leaves;
-  add_leaves(root, "", leaves);
-  return leaves;
+  std::vector<NumberAt> numbers;
+  for_each_leaf(root, [&](const std::string& path, const std::string&, const Value& v) {
+    const bool quantity = v.text() != nullptr && read_quantity(*v.text(), Unit::any).problem.empty();
+    if ((v.number() != nullptr || quantity) && numbers.size() < kMostLeaves) numbers.push_back({path, &v});
+  });
+  return numbers;
 }
 
 ScenePlace find_place(Value& root, const std::string& path, const Registry& registry) {

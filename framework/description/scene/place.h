@@ -1,6 +1,7 @@
 // ScenePlace: a value of a scene found by its path, such as "links.A.drive.law.slope".
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,11 @@ LOCKSTEP_API ScenePlace find_place(Value& root, const std::string& path, const R
 /// The same while plugins are not loaded: an object whose "type" the registry does not know may have any key, which is
 /// inserted, empty, at the end of the path.
 ScenePlace find_place_before_plugins(Value& root, const std::string& path, const Registry& built_in);
+
+/// Calls visit(path, key, value) for all plain values of a scene, with paths as in ScenePlace, and their innermost keys.
+using LeafVisit = std::function<void(const std::string& path, const std::string& key, const Value&)>;
+LOCKSTEP_API void for_each_leaf(const Value&, const LeafVisit&, const std::string& path = "",
+                                const std::string& key = "");
 
 /// A number of a scene, or a text with a unit.
 struct NumberAt {

@@ -6,6 +6,7 @@
 #include <lockstep/error.h>
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/definitions.h"
+#include "framework/description/scene/tree.h"
 #include "framework/mechanism/expression/expression.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/units.h"
@@ -47,11 +48,8 @@ class Copy {
 
   void fill(Value& v, const std::string& context) const {
     if (const std::string* text = v.text()) {
-      const SourceLocation where = v.where;
-      std::string now = filled(*text, is_formula(v), where, context);
-      if (is_formula(v)) now = with_index(now, index_, number_);
-      v = Value(std::move(now));
-      v.where = where;
+      const std::string now = filled(*text, is_formula(v), v.where, context);
+      replace(v, is_formula(v) ? with_index(now, index_, number_) : now);
     } else if (Value::List* items = v.list()) {
       for (Value& each : *items) fill(each, context);
     } else if (Value::Object* members = v.object()) {
@@ -69,9 +67,8 @@ class Copy {
       out += text.substr(i, open == std::string::npos ? open : open - i);
       if (open == std::string::npos) return out;
       if (close == std::string::npos) refuse(where, context, "\"" + text + "\": a \"{\" without \"}\"");
-      Value formula("=" + with_index(text.substr(open + 1, close - open - 1), index_, number_));
-      formula.where = where;
-      const expression::Amount q = definitions_.evaluate(formula, context);
+      const std::string formula = "=" + with_index(text.substr(open + 1, close - open - 1), index_, number_);
+      const expression::Amount q = definitions_.evaluate(placed_at(where, formula), context);
       if (q.is_vector || q.measured || q.v[0] != std::round(q.v[0]) || std::abs(q.v[0]) > 1e9)
         refuse(where, context,
                "\"" + text + "\": what stands in braces is " + words_of(q) + "; a whole number is expected");
@@ -85,16 +82,6 @@ class Copy {
   std::string index_, number_;
 };
 
-// The list or object of the scene under this key, made where there is none.
-Value& part_of_scene(Value& root, const std::string& key, const Value& like) {
-  for (Value::Member& m : *root.object())
-    if (m.key == key) return m.value;
-  Value fresh = like.list() != nullptr ? Value(Value::List{}) : Value(Value::Object{});
-  fresh.where = like.where;
-  root.object()->push_back({key, std::move(fresh), like.where});
-  return root.object()->back().value;
-}
-
 void append(Value& root, const Value::Member& part, const Copy& copy, const std::string& owner) {
   Value more = part.value;
   const std::string context = part_of(owner, part.key);
@@ -103,11 +90,7 @@ void append(Value& root, const Value::Member& part, const Copy& copy, const std:
     refuse(more.where, context,
            std::string("expected ") + (points ? "an object of points" : "a list of objects") + ", got " + shown(more));
   copy.fill(more, context);
-  Value& all = part_of_scene(root, part.key, more);
-  if (points && all.object() != nullptr)
-    std::move(more.object()->begin(), more.object()->end(), std::back_inserter(*all.object()));
-  else if (!points && all.list() != nullptr)
-    std::move(more.list()->begin(), more.list()->end(), std::back_inserter(*all.list()));
+  append(root, part.key, std::move(more));
 }
 
 void expand(Value& root, const Value& object, const std::string& owner, Definitions& definitions) {

@@ -17,6 +17,7 @@
 #include "framework/description/scene/include.h"
 #include "framework/description/scene/place.h"
 #include "framework/description/scene/repeat.h"
+#include "framework/description/scene/tree.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/refusals.h"
 #include "framework/mechanism/params/units.h"
@@ -25,11 +26,9 @@ namespace lockstep {
 namespace {
 
 bool holds_formula(const Value& v) {
-  if (is_formula(v)) return true;
-  if (const Value::List* items = v.list()) return std::any_of(items->begin(), items->end(), holds_formula);
-  const Value::Object* members = v.object();
-  return members != nullptr &&
-         std::any_of(members->begin(), members->end(), [](const auto& m) { return holds_formula(m.value); });
+  bool holds = is_formula(v);
+  for_each_child(v, [&](const Value& each, const std::string&) { holds = holds || holds_formula(each); });
+  return holds;
 }
 
 // Scenes are resolved before plugins are loaded.
@@ -124,28 +123,24 @@ class Resolver {
   // -- names of points
   void named_points(const std::string& kind, Value& object, const std::string& owner) {
     if (kind == "body") {
-      for (Value::Member& m : *object.object()) {
-        if (m.key == "position") point(m.value, part_of(owner, m.key));
-        if (m.key == "rod" && m.value.object() != nullptr)
-          for (Value::Member& end : *m.value.object())
-            if (end.key == "from" || end.key == "to") point(end.value, part_of(part_of(owner, "rod"), end.key));
-      }
+      point(object, "position", owner);
+      if (Value* rod = member(object, "rod"))
+        for (const char* end : {"from", "to"}) point(*rod, end, part_of(owner, "rod"));
     } else if (kind == "marker") {
       for (Value::Member& m : *object.object())
         if (m.key == "world_at" || m.key == "at")
           if (point(m.value, part_of(owner, m.key))) m.key = "world_at";
     } else if (kind == "link" || kind == "force") {
       places(object, owner);
-      for (Value::Member& m : *object.object())
-        if (m.key == "pairs" && m.value.list() != nullptr)
-          for (std::size_t i = 0; i < m.value.list()->size(); ++i)
-            places((*m.value.list())[i], item(part_of(owner, "pairs"), i));
+      std::size_t i = 0;
+      for (Value& pair : items(object, "pairs")) places(pair, item(part_of(owner, "pairs"), i++));
     }
   }
   void places(Value& object, const std::string& owner) {
-    if (object.object() == nullptr) return;
-    for (Value::Member& m : *object.object())
-      if (m.key == "at" || m.key == "at_p" || m.key == "at_s") point(m.value, part_of(owner, m.key));
+    for (const char* key : {"at", "at_p", "at_s"}) point(object, key, owner);
+  }
+  void point(Value& object, const char* key, const std::string& owner) {
+    if (Value* v = member(object, key)) point(*v, part_of(owner, key));
   }
   // The numbers of the point that is named; false where none is named.
   bool point(Value& v, const std::string& context) {
@@ -196,19 +191,15 @@ class Resolver {
   void give_parameters(Value& v) {
     std::set<std::string> read;
     for (const Value::Member& m : *v.object()) add_names(m.value, read);
-    auto own =
-        std::find_if(v.object()->begin(), v.object()->end(), [](const auto& m) { return m.key == "parameters"; });
     for (const std::string& name : read) {
       const expression::Amount* amount = nullptr;
       wrong_.attempt([&] { amount = definitions_.find(name); });
-      if (amount == nullptr || (own != v.object()->end() && own->value.find(name) != nullptr)) continue;
-      if (own == v.object()->end()) {
-        v.object()->push_back({"parameters", Value(Value::Object{}), v.where});
-        v.object()->back().value.where = v.where;
-        own = std::prev(v.object()->end());
-      }
-      if (own->value.object() == nullptr) return;  // refused by its reader
-      own->value.object()->push_back({name, Definitions::placed_value(*amount, v.where), v.where});
+      if (amount == nullptr) continue;
+      const Value* own = v.find("parameters");
+      if (own != nullptr && (own->object() == nullptr || own->find(name) != nullptr))
+        continue;  // refused by its reader
+      Value& all = made_under(v, "parameters", Value::Object{});
+      all.object()->push_back({name, Definitions::placed_value(*amount, v.where), v.where});
     }
   }
   Scene& scene_;
@@ -253,10 +244,8 @@ void set_by_path(Value& root, const Value::Object& given) {
 // The dimension of a formula where a parameter has another value; none where it cannot be computed.
 std::optional<expression::Exponents> dimension_with(Value root, const std::string& parameter, const Value& value,
                                                     const Value& formula) {
-  for (Value::Member& shelf : *root.object())
-    if (shelf.key == "parameters")
-      for (Value::Member& m : *shelf.value.object())
-        if (m.key == parameter) m.value = value;
+  for (Value::Member& m : members(root, "parameters"))
+    if (m.key == parameter) m.value = value;
   try {
     return Definitions(root).evaluate(formula, "").dimension;
   } catch (const Error&) {

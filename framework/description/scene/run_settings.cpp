@@ -41,7 +41,7 @@ Stabilization read_stabilization(const Params& run) {
     s.kind = kind_from(read_choice(v, table.info.keys.front().choices, "run.stabilization"));
     return s;
   }
-  const Params p = params_of(v, "stabilization", "run.stabilization", nullptr);
+  const Params p = params_under(run, "stabilization", "stabilization");
   s.kind = kind_from(p.text("kind"));
   s.alpha = p.number("alpha"), s.beta = p.number("beta");
   Refusals wrong;
@@ -231,7 +231,8 @@ NearlyRedundant nearly_redundant_from(std::string_view word) {
 }
 
 std::unique_ptr<Integrator> make_integrator(const RunSettings& run, const Registry& registry) {
-  auto method = placed(run.integrator.where, [&] { return make_integrator(run.integrator, registry, "run.integrator"); });
+  auto method =
+      placed(run.integrator.where, [&] { return make_integrator(run.integrator, registry, "run.integrator"); });
   if (!method->info().adaptive && run.step <= 0)
     refuse(run.integrator.where.line > 0 ? run.integrator.where : run.where, "run.integrator",
            "\"" + run.integrator.type +

@@ -9,6 +9,7 @@
 #include "framework/description/scene/old_names.h"
 #include "framework/description/scene/place.h"
 #include "framework/description/scene/reading.h"
+#include "framework/description/scene/tree.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/units.h"
 
@@ -65,16 +66,9 @@ const std::string kSet = "set.";
 
 // The value of "set" for a path, made where there is none.
 Value& value_in_set(Value& root, const std::string& path) {
-  const auto under = [](Value& object, const std::string& key, Value fresh) -> Value& {
-    for (Value::Member& m : *object.object())
-      if (m.key == key) return m.value;
-    object.object()->push_back({key, std::move(fresh), object.where});
-    object.object()->back().value.where = object.where;
-    return object.object()->back().value;
-  };
-  Value& set = under(root, "set", Value(Value::Object{}));
+  Value& set = made_under(root, "set", Value::Object{});
   if (set.object() == nullptr) throw ModelError("\"set\" of the scene is no object of values by path");
-  return under(set, path, Value());
+  return made_under(set, path, {});
 }
 
 // A place as in Variable::place.
@@ -227,10 +221,8 @@ Value* vector_named(Value& root, const std::string& name, const Scene& scene) {
   if (root.find(name) != nullptr) return nullptr;
   for (const SceneParameter& p : scene.parameters)
     if (p.name == name)
-      for (Value::Member& shelf : *root.object())
-        if (shelf.key == (p.is_point ? "points" : "parameters") && shelf.value.object() != nullptr)
-          for (Value::Member& m : *shelf.value.object())
-            if (m.key == name && m.value.list() != nullptr) return &m.value;
+      for (Value::Member& m : members(root, p.is_point ? "points" : "parameters"))
+        if (m.key == name && m.value.list() != nullptr) return &m.value;
   return nullptr;
 }
 
@@ -244,12 +236,7 @@ void set_value(Value& root, const std::string& text, const Scene& scene, const R
     throw ModelError("\"" + text + "\": expected NAME=VALUE, as in crank=\"120 mm\" or bodies.rod.mass=2");
   rename_old_keys(path);
   if (word.starts_with('='))
-    if (Value* vector = vector_named(root, path, scene)) {
-      const SourceLocation where = vector->where;
-      *vector = Value(word);
-      vector->where = where;
-      return;
-    }
+    if (Value* vector = vector_named(root, path, scene)) return replace(*vector, word);
   const ScenePlace place = place_of(root, path, scene, registry);
   if (place.path.starts_with("requires"))
     throw ModelError("\"" + path + "\" cannot be set: plugins are given by --plugin");
@@ -261,8 +248,7 @@ void set_value(Value& root, const std::string& text, const Scene& scene, const R
     if (const std::string unit = symbol_of(*parameter); !unit.empty())
       v = Value(text::number(*v.number()) + " " + unit);
   }
-  v.where = old.where;
-  old = std::move(v);
+  replace(old, std::move(v));
 }
 
 }  // namespace
@@ -324,11 +310,9 @@ Scene vary_scene(const Scene& scene, const std::vector<Variable>& variables, con
   Value root = written_root(scene);
   for (std::size_t k = 0; k < variables.size(); ++k) {
     Value& value = value_at(root, variables[k].place, registry);
-    const SourceLocation where = value.where;
-    value = variables[k].values[choice[k]];
-    if (!variables[k].given_unit.empty() && value.number() != nullptr)
-      value = Value(text::number(*value.number()) + " " + variables[k].given_unit);
-    value.where = where;
+    const Value& chosen = variables[k].values[choice[k]];
+    const bool measured = !variables[k].given_unit.empty() && chosen.number() != nullptr;
+    replace(value, measured ? Value(text::number(*chosen.number()) + " " + variables[k].given_unit) : chosen);
   }
   return with_values(scene, std::move(root));
 }

@@ -3,8 +3,9 @@
 #include <cmath>
 #include <utility>
 
-#include "framework/mechanism/params/read.h"
 #include <lockstep/text.h>
+#include "framework/description/scene/tree.h"
+#include "framework/mechanism/params/read.h"
 
 namespace lockstep {
 namespace {
@@ -59,67 +60,37 @@ std::string one_line(const Value::List& items) {
   return line + "]";
 }
 
-void write(const Value& v, std::size_t depth, std::string& out) {
-  const std::string margin(2 * depth, ' ');
-  if (const Value::List* items = v.list()) {
-    const std::string line = one_line(*items);
-    if (!line.empty()) {
-      out += line;
-      return;
-    }
-    for (std::size_t i = 0; i < items->size(); ++i) {
-      out += (i == 0 ? "[\n  " : ",\n  ") + margin;
-      write((*items)[i], depth + 1, out);
-    }
-    out += "\n" + margin + "]";
-  } else if (const Value::Object* members = v.object()) {
-    for (std::size_t i = 0; i < members->size(); ++i) {
-      out += (i == 0 ? "{\n  " : ",\n  ") + margin;
-      write_text((*members)[i].key, out);
-      out += ": ";
-      write((*members)[i].value, depth + 1, out);
-    }
-    out += members->empty() ? "{}" : "\n" + margin + "}";
-  } else {
-    write_plain(v, out);
-  }
+// With `margin` in lines, which begin so; without one in a single line.
+void write(const Value& v, const std::string* margin, std::string& out) {
+  const Value::List* items = v.list();
+  if (is_plain(v)) return write_plain(v, out);
+  const std::string line = margin != nullptr && items != nullptr ? one_line(*items) : "";
+  if (!line.empty()) return void(out += line);
+  const std::string deeper = margin != nullptr ? *margin + "  " : "", begin = margin != nullptr ? "\n" + deeper : "";
+  const std::string between = margin != nullptr ? "," + begin : ", ";
+  bool first = true;
+  out += items != nullptr ? '[' : '{';
+  for_each_child(v, [&](const Value& each, const std::string& key) {
+    out += std::exchange(first, false) ? begin : between;
+    if (items == nullptr) write_text(key, out), out += ": ";
+    write(each, margin != nullptr ? &deeper : nullptr, out);
+  });
+  if (margin != nullptr && !first) out += "\n" + *margin;
+  out += items != nullptr ? ']' : '}';
 }
 
 }  // namespace
 
 std::string write_json(const Value& v) {
   std::string out;
-  write(v, 0, out);
+  const std::string margin;
+  write(v, &margin, out);
   return out + "\n";
 }
 
-namespace {
-
-void write_in_line(const Value& v, std::string& out) {
-  const char* between = "";
-  if (const Value::List* items = v.list()) {
-    out += '[';
-    for (const Value& item : *items) out += std::exchange(between, ", "), write_in_line(item, out);
-    out += ']';
-  } else if (const Value::Object* members = v.object()) {
-    out += '{';
-    for (const auto& member : *members) {
-      out += std::exchange(between, ", ");
-      write_text(member.key, out);
-      out += ": ";
-      write_in_line(member.value, out);
-    }
-    out += '}';
-  } else {
-    write_plain(v, out);
-  }
-}
-
-}  // namespace
-
 std::string write_json_line(const Value& value) {
   std::string out;
-  write_in_line(value, out);
+  write(value, nullptr, out);
   return out;
 }
 

@@ -4,6 +4,7 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/description/scene/place.h"
 #include "framework/description/scene/write.h"
 #include "framework/mechanism/expression/expression.h"
 #include "framework/tools/program/commands.h"
@@ -32,23 +33,17 @@ bool reads(const std::string& formula, const std::string& name) {
 }
 
 // Of all texts of a scene those that read the name: formulas, and, of a point, places that name it.
-void add_readers(const Value& v, const std::string& path, const std::string& key, const SceneParameter& of,
-                 std::vector<std::string>& readers) {
+std::vector<std::string> readers_of(const SceneParameter& of, const Value& root) {
   static const std::vector<std::string> kPlaces = {"at", "at_p", "at_s", "position", "from", "to", "world_at"};
-  const std::string before = path.empty() ? "" : path + ".";
-  if (const Value::List* items = v.list())
-    for (std::size_t i = 0; i < items->size(); ++i) {
-      const Value* name = (*items)[i].find("name");
-      const bool named = name != nullptr && name->text() != nullptr;
-      add_readers((*items)[i], before + (named ? *name->text() : std::to_string(i)), key, of, readers);
-    }
-  if (const Value::Object* members = v.object())
-    for (const Value::Member& m : *members) add_readers(m.value, before + m.key, m.key, of, readers);
-  const std::string* text = v.text();
-  if (text == nullptr) return;
-  const bool place = of.is_point && *text == of.name && std::find(kPlaces.begin(), kPlaces.end(), key) != kPlaces.end();
-  const bool template_of_copies = path.starts_with("repeat.") && text->find('{') != std::string::npos;
-  if (place || ((text->starts_with('=') || template_of_copies) && reads(*text, of.name))) readers.push_back(path);
+  std::vector<std::string> readers;
+  for_each_leaf(root, [&](const std::string& path, const std::string& key, const Value& v) {
+    const std::string* text = v.text();
+    if (text == nullptr) return;
+    const bool place = of.is_point && *text == of.name && std::ranges::find(kPlaces, key) != kPlaces.end();
+    const bool template_of_copies = path.starts_with("repeat.") && text->find('{') != std::string::npos;
+    if (place || ((text->starts_with('=') || template_of_copies) && reads(*text, of.name))) readers.push_back(path);
+  });
+  return readers;
 }
 
 // "[1, 2, 3] m" and "[0, \"=side\", 0]", as they are shown.
@@ -89,7 +84,7 @@ ParameterFacts parameter_facts(const Scene& scene, const std::string& name) {
     const Value& root = scene.written.is_null() ? scene.root : scene.written;
     const Value* shelf = root.find(p.is_point ? "points" : "parameters");
     facts.is_own = shelf != nullptr && shelf->find(p.name) != nullptr;
-    add_readers(root, "", "", p, facts.read_by);
+    facts.read_by = readers_of(p, root);
     return facts;
   }
   throw UsageError("describe: " + scene.file + " has no parameter or point \"" + name + "\"" +

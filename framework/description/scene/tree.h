@@ -1,0 +1,48 @@
+// A scene as a tree of values: ways into it, and changes that keep the places in the file.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <lockstep/detail/export.h>
+#include <lockstep/author/params.h>
+
+namespace lockstep {
+
+/// The member of an object; nullptr where there is none.
+inline Value* member(Value& object, std::string_view key) {
+  return const_cast<Value*>(std::as_const(object).find(key));
+}
+/// The text under a key of an object; nullptr where there is none.
+inline const std::string* text_under(const Value& object, std::string_view key) {
+  const Value* v = object.find(key);
+  return v != nullptr ? v->text() : nullptr;
+}
+/// The items of the list under a key; none where there is no list.
+std::span<Value> items(Value& object, std::string_view key);
+/// The members of the object under a key; none where there is no object.
+std::span<Value::Member> members(Value& object, std::string_view key);
+
+/// The value at a place, with the items of a list.
+Value placed_at(const SourceLocation&, Value);
+/// Gives a value another content at its place.
+inline void replace(Value& v, Value by) { v = placed_at(SourceLocation(v.where), std::move(by)); }
+/// The value of a key; where there is none, a fresh one at the place of the object.
+Value& made_under(Value& object, const std::string& key, Value fresh);
+/// Gives a key another value, at the place of the old one or of the object.
+inline void put(Value& object, const std::string& key, Value v) { replace(made_under(object, key, {}), std::move(v)); }
+/// Puts items of a list, or members of an object, behind those under a key of the scene.
+void append(Value& scene, const std::string& key, Value more);
+
+/// Calls visit(child, key) for the items of a list, whose key is "", and for the members of an object.
+template <class V, class F>
+void for_each_child(V& v, F&& visit) {
+  if (auto* items = v.list())
+    for (auto& each : *items) visit(each, std::string());
+  if (auto* members = v.object())
+    for (auto& m : *members) visit(m.value, m.key);
+}
+
+}  // namespace lockstep
