@@ -18,9 +18,9 @@ namespace lockstep {
 /// f(x) into `out`, always of one size.
 using Curve = std::function<void(double x, VecX& out)>;
 
-/// Component by component: the derivative, a bound for its error (several times the estimate), and the largest |f|.
+/// Component by component: the derivative, and a bound for its error (several times the estimate).
 struct Slope {
-  VecX value, error, size;
+  VecX value, error;
 };
 
 /// At x = 0, from values in [-reach, reach]. Components that are not finite somewhere have an infinite error.
