@@ -22,15 +22,12 @@ Dynamics exact_dynamics(System& system) {
   return Dynamics(system, std::make_unique<SchurSolver>(), options);
 }
 
-// Least squares of log e against log h.
+// The power with which e goes with h: least squares of their logarithms.
 double slope(const std::vector<double>& h, const std::vector<double>& e) {
-  const auto n = static_cast<double>(h.size());
-  double sx = 0, sy = 0, sxx = 0, sxy = 0;
-  for (std::size_t i = 0; i < h.size(); ++i) {
-    const double x = std::log(h[i]), y = std::log(e[i]);
-    sx += x, sy += y, sxx += x * x, sxy += x * y;
-  }
-  return (n * sxy - sx * sy) / (n * sxx - sx * sx);
+  using Numbers = Eigen::Map<const Eigen::ArrayXd>;
+  const auto n = static_cast<Eigen::Index>(h.size());
+  const Eigen::ArrayXd x = Numbers(h.data(), n).log(), from_mean = x - x.mean();
+  return (from_mean * Numbers(e.data(), n).log()).sum() / from_mean.square().sum();
 }
 
 double apart(const State& a, const State& b) { return (a.q - b.q).norm() + (a.v - b.v).norm(); }
@@ -41,127 +38,80 @@ struct Run {
   bool complete = false;    ///< it reached its end with finite numbers
 };
 
-Run fixed_run(const IntegratorMaker& make, const ClosedMotion& motion, int n_steps) {
+// `setting`: the step, or the tolerance of an adaptive method.
+Run run(const IntegratorMaker& make, const IntegratorInfo& info, const ClosedMotion& motion, double setting) {
+  constexpr int kMostSteps = 200000;
   Dynamics dynamics = exact_dynamics(*motion.system);
   const auto method = make();
-  method->set_tolerance({1e-7, 1e-9});  // of an implicit method's iteration
+  method->set_tolerance(tolerance_of(info.adaptive ? setting : 1e-7));  // with fixed steps, of an implicit iteration
   State state = motion.system->start();
   method->begin(dynamics, state);
-  Run run{0, motion.end / n_steps};
-  try {
-    for (int i = 0; i < n_steps; ++i) {
-      method->step(dynamics, state, run.h);
-      dynamics.accept(state);
-      run.error = std::max(run.error, motion.error(state));
-    }
-    run.complete = std::isfinite(run.error);
-  } catch (const Error&) {  // the step is too large
-  }
-  return run;
-}
-
-/// Steps (or tolerances) and errors of the runs that show an order.
-struct MeasuredError {
-  std::vector<double> settings, h, errors;
-  void add(double setting, const Run& run) {
-    settings.push_back(setting), h.push_back(run.h), errors.push_back(run.error);
-  }
-};
-
-void judge_order(const IntegratorInfo& info, const ClosedMotion& motion, const MeasuredError& m, const char* steps,
-                 CheckReport& report) {
-  const double order = slope(m.h, m.errors);
-  report.compared(0);
-  report.note(fmt::format("order {:.2f} on the {} ({} of {:.3g} to {:.3g} s, errors {:.2g} to {:.2g}), {} is told",
-                          order, motion.name, steps, m.h.front(), m.h.back(), m.errors.front(), m.errors.back(),
-                          info.order));
-  if (order > info.order - kOrderRoom) return;
-  report.add(
-      "order",
-      {fmt::format("is of order {:.2f} on the {} ({} of {:.3g} to {:.3g} s, errors {:.2g} to {:.2g}), and its "
-                   "info() tells {}",
-                   order, motion.name, steps, m.h.front(), m.h.back(), m.errors.front(), m.errors.back(), info.order),
-       order < 0.5 ? "step(): the error does not fall at all"
-                   : "the coefficients, the times of the stages, the first steps of a multistep method, and "
-                     "order in info()"},
-      info.order - order);
-}
-
-void check_fixed(const IntegratorMaker& make, const IntegratorInfo& info, const ClosedMotion& motion,
-                 CheckReport& report) {
-  MeasuredError all;
-  for (int n = 4; n <= 8192; n *= 2) {
-    const Run run = fixed_run(make, motion, n);
-    if (run.complete && run.error < kFloor) break;
-    if (run.complete && run.error < kCoarse) all.add(run.h, run);
-    if (all.h.size() >= 4 && run.error < 1e-8) break;
-  }
-  if (all.h.size() < 2) {
-    report.add("converges",
-               {fmt::format("does not come near the closed form of the {} at any step", motion.name), "step()"});
-    return;
-  }
-  if (all.h.size() > 3)  // the last two halvings: coarser runs may not show the order yet
-    for (std::vector<double>* v : {&all.settings, &all.h, &all.errors}) v->erase(v->begin(), v->end() - 3);
-  judge_order(info, motion, all, "steps", report);
-}
-
-Run adaptive_run(const IntegratorMaker& make, const ClosedMotion& motion, double tolerance) {
-  Dynamics dynamics = exact_dynamics(*motion.system);
-  const auto method = make();
-  method->set_tolerance({tolerance, 1e-2 * tolerance});
-  State state = motion.system->start();
-  method->begin(dynamics, state);
-  double h = method->first_step(dynamics, state, motion.end);
+  double h = info.adaptive ? method->first_step(dynamics, state, motion.end) : setting;
   if (!(h > 0)) h = 1e-3;
   Run run;
+  const double end = motion.end - (info.adaptive ? 0 : 0.5 * setting);
   int n = 0;
-  for (; state.t < motion.end && n < 200000; ++n) {
-    const StepReport report = method->step(dynamics, state, h);
-    dynamics.accept(state);
-    run.error = std::max(run.error, motion.error(state));
-    if (report.h_next > 0) h = report.h_next;
+  try {
+    for (; state.t < end && n < kMostSteps; ++n) {
+      const StepReport report = method->step(dynamics, state, h);
+      dynamics.accept(state);
+      run.error = std::max(run.error, motion.error(state));
+      if (report.h_next > 0 && info.adaptive) h = report.h_next;
+    }
+  } catch (const Error&) {  // a fixed step may be too large
+    if (info.adaptive) throw;
+    return run;
   }
   run.h = state.t / n;
-  run.complete = std::isfinite(run.error) && state.t >= motion.end;
+  run.complete = std::isfinite(run.error) && state.t >= end;
   return run;
-}
-
-void check_adaptive(const IntegratorMaker& make, const IntegratorInfo& info, const ClosedMotion& motion,
-                    CheckReport& report) {
-  MeasuredError all;
-  for (int k = 3; k <= 11; ++k) {
-    const double tolerance = std::pow(10.0, -k);
-    const Run run = adaptive_run(make, motion, tolerance);
-    if (!run.complete) {
-      report.add("adaptive",
-                 {fmt::format("does not come to the end of the {} at a tolerance of {:.0e}", motion.name, tolerance),
-                  "step() and StepReport::h_next"});
-      return;
-    }
-    if (run.error < kFloor) break;
-    if (run.error < kCoarse) all.add(tolerance, run);
-  }
-  if (all.h.size() < 3) {
-    report.add("converges",
-               {fmt::format("does not come near the closed form of the {} at any tolerance", motion.name), "step()"});
-    return;
-  }
-  const double power = slope(all.settings, all.errors);
-  report.note(fmt::format("error on the {} as the tolerance to the power of {:.2f}", motion.name, power));
-  if (power < 0.6 || power > 1.7)
-    report.add("tolerance",
-               {fmt::format("its error on the {} goes with the tolerance to the power of {:.2f}; 1 is wanted",
-                            motion.name, power),
-                "set_tolerance(), the norm of the estimate and the exponent of the step-size control"});
-  judge_order(info, motion, all, "mean steps", report);
 }
 
 }  // namespace
 
 void check_order(const IntegratorMaker& make, const IntegratorInfo& info, const ClosedMotion& motion,
                  CheckReport& report) {
-  (info.adaptive ? check_adaptive : check_fixed)(make, info, motion, report);
+  std::vector<double> settings, h, errors;  // of the runs that show an order
+  for (int k = 0; k < (info.adaptive ? 9 : 12); ++k) {
+    const double setting = info.adaptive ? std::pow(10.0, -3 - k) : std::ldexp(motion.end, -2 - k);
+    const Run found = run(make, info, motion, setting);
+    if (!found.complete && !info.adaptive) continue;
+    if (!found.complete)
+      return report.add(
+          "adaptive", {fmt::format("does not come to the end of the {} at a tolerance of {:.0e}", motion.name, setting),
+                       "step() and StepReport::h_next"});
+    if (found.error < kFloor) break;
+    if (found.error < kCoarse) settings.push_back(setting), h.push_back(found.h), errors.push_back(found.error);
+    if (!info.adaptive && h.size() >= 4 && found.error < 1e-8) break;
+  }
+  if (h.size() < (info.adaptive ? 3 : 2))
+    return report.add("converges", {fmt::format("does not come near the closed form of the {} at any {}", motion.name,
+                                                info.adaptive ? "tolerance" : "step"),
+                                    "step()"});
+  if (info.adaptive) {
+    const double power = slope(settings, errors);
+    report.note(fmt::format("error on the {} as the tolerance to the power of {:.2f}", motion.name, power));
+    if (power < 0.6 || power > 1.7)
+      report.add("tolerance",
+                 {fmt::format("its error on the {} goes with the tolerance to the power of {:.2f}; 1 is wanted",
+                              motion.name, power),
+                  "set_tolerance(), the norm of the estimate and the exponent of the step-size control"});
+  } else if (h.size() > 3) {  // the last two halvings: coarser runs may not show the order yet
+    h.erase(h.begin(), h.end() - 3), errors.erase(errors.begin(), errors.end() - 3);
+  }
+  const double order = slope(h, errors);
+  const std::string measured =
+      fmt::format("order {:.2f} on the {} ({} of {:.3g} to {:.3g} s, errors {:.2g} to {:.2g})", order, motion.name,
+                  info.adaptive ? "mean steps" : "steps", h.front(), h.back(), errors.front(), errors.back());
+  report.compared(0);
+  report.note(fmt::format("{}, {} is told", measured, info.order));
+  if (!(order > info.order - kOrderRoom))
+    report.add("order",
+               {fmt::format("is of {}, and its info() tells {}", measured, info.order),
+                order < 0.5 ? "step(): the error does not fall at all"
+                            : "the coefficients, the times of the stages, the first steps of a multistep method, and "
+                              "order in info()"},
+               info.order - order);
 }
 
 void check_dense_output(const IntegratorMaker& make, const ClosedMotion& motion, CheckReport& report) {
