@@ -1,8 +1,9 @@
 #include "framework/tools/check/closed_motion.h"
 
+#include <boost/math/special_functions/jacobi_elliptic.hpp>
 #include <cmath>
 
-#include <lockstep/forces.h>
+#include <lockstep/author/force.h>
 #include <lockstep/joints.h>
 
 namespace lockstep {
@@ -34,9 +35,9 @@ namespace {
 /// Counts accepted steps: a memory that methods have to leave alone.
 class StepCounter final : public Force, public Remembering {
  public:
-  explicit StepCounter(const Lock& at) : Force("counter"), at_(at) {}
+  explicit StepCounter(const Marker& at) : Force("counter"), at_(at) {}
   std::string_view type() const override { return "counter"; }
-  std::vector<const Marker*> markers() const override { return {at_.pairs().front().first}; }
+  std::vector<const Marker*> markers() const override { return {&at_}; }
   void setup() override {}
   void apply(const Inputs&, WrenchSum&) const override {}
   const Remembering* remembering() const override { return this; }
@@ -45,7 +46,7 @@ class StepCounter final : public Force, public Remembering {
   void accept_step(const Inputs&, std::span<double> z) const override { ++z[0]; }
 
  private:
-  const Lock& at_;
+  const Marker& at_;
 };
 
 }  // namespace
@@ -56,32 +57,16 @@ ClosedMotion hinged_pendulum() {
   const auto end = [](double a) { return Vec3(kLength * std::sin(a), 0, -kLength * std::cos(a)); };
   Body& body = m.system->add_body("rod", shapes::rod(kMass, Vec3::Zero(), end(kAngle), kRadius));
   auto& hinge = m.system->add<Revolute>("hinge", body, m.system->ground(), pose_at(Vec3::Zero(), Vec3(0, 1, 0)));
-  m.system->add(std::make_unique<StepCounter>(hinge));
+  m.system->add(std::make_unique<StepCounter>(*hinge.pairs().front().first));
   m.system->setup();
   const double J = kMass * (kLength * kLength / 3 + kRadius * kRadius / 4);  // about the hinge
   const double rate = std::sqrt(kMass * kG * 0.5 * kLength / J), k = std::sin(0.5 * kAngle);
   const Quat q0 = body.home.q;
   m.pose = [=](double t) {
-    const Elliptic e = elliptic(rate * t, k);
-    const double a = 2 * std::asin(k * e.cn / e.dn);
+    const double a = 2 * std::asin(k * boost::math::jacobi_cd(k, rate * t));
     return Pose{0.5 * end(a), axis_angle(Vec3(0, -1, 0), a - kAngle) * q0};
   };
   return m;
-}
-
-Elliptic elliptic(double u, double k) {
-  constexpr int kMost = 12;
-  double a[kMost + 1], c[kMost + 1], b = std::sqrt(1 - k * k);
-  a[0] = 1, c[0] = k;
-  int n = 0;
-  while (n < kMost && std::abs(c[n]) > 1e-17) {
-    a[n + 1] = 0.5 * (a[n] + b), c[n + 1] = 0.5 * (a[n] - b), b = std::sqrt(a[n] * b);
-    ++n;
-  }
-  double phi = std::ldexp(a[n] * u, n);
-  for (int i = n; i > 0; --i) phi = 0.5 * (phi + std::asin(c[i] / a[i] * std::sin(phi)));
-  const double sn = std::sin(phi);
-  return {sn, std::cos(phi), std::sqrt(1 - k * k * sn * sn)};
 }
 
 }  // namespace lockstep
