@@ -1,7 +1,8 @@
-// Draw: random numbers that are the same on every machine (splitmix64: G. L. Steele, D. Lea, C. H. Flood, OOPSLA 2014).
+// Draw: random numbers that are the same on every machine, which those of the standard's distributions are not.
 #pragma once
 
 #include <cstdint>
+#include <random>
 
 #include <lockstep/math.h>
 
@@ -9,10 +10,10 @@ namespace lockstep {
 
 class Draw {
  public:
-  explicit Draw(std::uint64_t seed) : state_(seed) {}
+  explicit Draw(std::uint64_t seed) : bits_(seed) {}
 
   /// In [low, high).
-  double number(double low, double high) { return low + (high - low) * 0x1p-53 * static_cast<double>(next() >> 11); }
+  double number(double low, double high) { return low + (high - low) * 0x1p-53 * static_cast<double>(bits_() >> 11); }
   /// Each component in [-size, size).
   Vec3 vector(double size) {
     const double x = number(-size, size), y = number(-size, size), z = number(-size, size);
@@ -22,13 +23,7 @@ class Draw {
   Quat turn(double size) { return exponential(vector(size)); }
 
  private:
-  std::uint64_t next() {
-    std::uint64_t z = (state_ += 0x9e3779b97f4a7c15u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-  }
-  std::uint64_t state_;
+  std::mt19937_64 bits_;
 };
 
 }  // namespace lockstep
