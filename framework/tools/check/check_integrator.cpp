@@ -16,7 +16,7 @@ namespace lockstep {
 namespace {
 
 constexpr double kStep = 0.01;   // s, of the test runs
-constexpr double kSame = 1e-12;  // between repeated steps: an iteration may begin elsewhere
+constexpr double kSame = 1e-12;  // rounding, and between repeated steps: an iteration may begin elsewhere
 
 bool equal(const State& a, const State& b) {
   return a.t == b.t && a.q == b.q && a.v == b.v && a.s == b.s && a.z == b.z && a.modes == b.modes &&
@@ -26,30 +26,37 @@ double distance(const State& a, const State& b) {
   return std::abs(a.t - b.t) + (a.q - b.q).norm() + (a.v - b.v).norm() + (a.s - b.s).norm();
 }
 
-// n steps of about h each from `state`, without begin().
-void go(Integrator& method, Dynamics& dynamics, State& state, int n, double h = kStep) {
-  for (int i = 0; i < n; ++i) {
-    method.step(dynamics, state, h);
-    dynamics.accept(state);
+/// A run of one object from the start of the motion.
+struct Going {
+  Dynamics dynamics;
+  std::unique_ptr<Integrator> method;
+  State state;
+
+  Going(const IntegratorMaker& make, const ClosedMotion& motion)
+      : dynamics(*motion.system, std::make_unique<SchurSolver>()), method(make()), state(motion.system->start()) {
+    method->set_tolerance(tolerance_of(1e-7));
+    begin(state);
   }
-}
+  void begin(const State& at) { method->begin(dynamics, state = at); }
+  StepReport step(double h = kStep) { return method->step(dynamics, state, h); }
+  /// The state after n steps of about kStep each.
+  const State& go(int n) {
+    for (int i = 0; i < n; ++i) step(), dynamics.accept(state);
+    return state;
+  }
+};
 
 class StepCheck {
  public:
   StepCheck(const IntegratorMaker& make, const IntegratorInfo& info, CheckReport& report)
       : make_(make), info_(info), report_(report) {}
 
-  void steps(ClosedMotion&);
-  void repeats(ClosedMotion&);
-  void goes_back(ClosedMotion&);
-  void throws(ClosedMotion&);
+  void steps(const ClosedMotion&);
+  void repeats(const ClosedMotion&);
+  void goes_back(const ClosedMotion&);
+  void throws(const ClosedMotion&);
 
  private:
-  std::unique_ptr<Integrator> made() const {
-    auto method = make_();
-    method->set_tolerance({1e-7, 1e-9});
-    return method;
-  }
   void expect(bool holds, const std::string& key, std::string what, std::string look, double weight = 0) {
     if (!holds) report_.add(key, {std::move(what), std::move(look)}, weight);
   }
@@ -60,28 +67,26 @@ class StepCheck {
 };
 
 // Lengths, time, memory, unit quaternions, constraints.
-void StepCheck::steps(ClosedMotion& motion) {
-  Dynamics dynamics(*motion.system, std::make_unique<SchurSolver>());
-  const auto method = made();
-  State state = motion.system->start();
-  method->begin(dynamics, state);
+void StepCheck::steps(const ClosedMotion& motion) {
+  Going run(make_, motion);
+  const State& state = run.state;
   if (info_.adaptive) {
-    const double h = method->first_step(dynamics, state, 0.1);
+    const double h = run.method->first_step(run.dynamics, state, 0.1);
     expect(h >= 0 && h <= 0.1, "first", fmt::format("first_step() is {} s where at most 0.1 s were allowed", h),
            "first_step()");
   }
   for (const double h : {1e-2, 1e-3, 1e-3, 1e-5, 2e-2, 5e-3, 5e-3, 5e-3, 5e-3, 5e-3}) {
     const State before = state;
-    const StepReport report = method->step(dynamics, state, h);
+    const StepReport report = run.step(h);
     const std::string here = fmt::format("(asked for {} s at t = {:.6g} s, {})", h, before.t, motion.name);
-    expect(report.h > 0 && report.h <= h * (1 + 1e-12), "length",
+    expect(report.h > 0 && report.h <= h * (1 + kSame), "length",
            fmt::format("makes a step of {} s {}", report.h, here),
            "the h of step(): one step of at most h, its length in StepReport::h");
-    expect(info_.adaptive || std::abs(report.h - h) <= 1e-12 * h, "length",
+    expect(info_.adaptive || std::abs(report.h - h) <= kSame * h, "length",
            fmt::format("makes a step of {} s though it is not adaptive {}", report.h, here),
            "step(), or adaptive in info()");
     expect(
-        std::abs(state.t - before.t - report.h) <= 1e-12 * std::max(1.0, std::abs(state.t)), "time",
+        std::abs(state.t - before.t - report.h) <= kSame * std::max(1.0, std::abs(state.t)), "time",
         fmt::format("the time went on by {:.9g} s and its report says {:.9g} s {}", state.t - before.t, report.h, here),
         "state.t and StepReport::h in step()");
     expect(state.z == before.z && state.modes == before.modes && state.watched == before.watched, "memory",
@@ -92,29 +97,23 @@ void StepCheck::steps(ClosedMotion& motion) {
     if (!finite) return;
     for (int k = 0; k < motion.system->n_slots(); ++k) {
       const double n = state.q.segment<4>(7 * k + 3).norm();
-      expect(std::abs(n - 1) <= 1e-12, "unit", fmt::format("a quaternion has length {:.12g} after a step {}", n, here),
+      expect(std::abs(n - 1) <= kSame, "unit", fmt::format("a quaternion has length {:.12g} after a step {}", n, here),
              "the end of step(): Dynamics::project, or Dynamics::normalize where nothing is projected");
     }
-    const double C = dynamics.violation(state), limit = 2 * dynamics.options().stabilization.tolerance;
+    const double C = run.dynamics.violation(state), limit = 2 * run.dynamics.options().stabilization.tolerance;
     expect(!(C > limit), "constraints",
            fmt::format("the new state violates the constraints by {:.3g} m, more than {:.3g} m {}", C, limit, here),
            "the end of step(): Dynamics::project(state) where options().stabilization says project", C);
-    dynamics.accept(state);
+    run.dynamics.accept(run.state);
   }
 }
 
-// Equal runs: another object, the same begun anew, and after the state was rewound.
-void StepCheck::repeats(ClosedMotion& motion) {
-  Dynamics dynamics(*motion.system, std::make_unique<SchurSolver>());
-  const State start = motion.system->start();
-  const auto method = made(), other = made();
-  const auto run = [&](Integrator& by) {
-    State state = start;
-    by.begin(dynamics, state);
-    go(by, dynamics, state, 12);
-    return state;
-  };
-  const State first = run(*method), again = run(*method), second = run(*other);
+// Equal runs: another object, and the same begun anew.
+void StepCheck::repeats(const ClosedMotion& motion) {
+  Going run(make_, motion), other(make_, motion);
+  const State first = run.go(12), second = other.go(12);
+  run.begin(motion.system->start());
+  const State& again = run.go(12);
   expect(equal(first, second), "equal",
          fmt::format("two runs of two objects differ by {:.3g} ({})", distance(first, second), motion.name),
          "static or uninitialised variables");
@@ -124,53 +123,40 @@ void StepCheck::repeats(ClosedMotion& motion) {
 }
 
 // save() and restore(), on the same object (a step taken back) and on another one (a checkpoint).
-void StepCheck::goes_back(ClosedMotion& motion) {
-  Dynamics dynamics(*motion.system, std::make_unique<SchurSolver>());
-  const auto method = made(), other = made();
-  State state = motion.system->start();
-  method->begin(dynamics, state);
-  go(*method, dynamics, state, 7);
-  const State kept = state;
+void StepCheck::goes_back(const ClosedMotion& motion) {
+  Going run(make_, motion), other(make_, motion);
+  const State kept = run.go(7);
   Snapshot snapshot;
-  method->save(snapshot);
-  go(*method, dynamics, state, 4);
-  const auto from_snapshot = [&](Integrator& by) {
+  run.method->save(snapshot);
+  const State end = run.go(4);
+  other.begin(kept);
+  const auto again = [&](Going& by, const char* key, const char* what) {
     SnapshotReader in(snapshot);
-    by.restore(in);
-    State again = kept;
-    go(by, dynamics, again, 4);
-    return again;
+    by.method->restore(in);
+    by.state = kept;
+    const double apart = distance(end, by.go(4));
+    expect(
+        apart <= kSame, key, fmt::format("{} {:.3g} apart ({})", what, apart, motion.name),
+        "save() and restore(): all that the next step reads beside the state, the history and the step-size control");
   };
-  const char* look =
-      "save() and restore(): all that the next step reads beside the state, the history and the step-size control";
-  const double back = distance(state, from_snapshot(*method));
-  expect(back <= kSame, "restore",
-         fmt::format("taken back by restore(), the same steps end {:.3g} apart ({})", back, motion.name), look);
-  other->begin(dynamics, kept);
-  const double checkpoint = distance(state, from_snapshot(*other));
-  expect(checkpoint <= kSame, "checkpoint",
-         fmt::format("another object, begun and restored, goes on {:.3g} apart ({})", checkpoint, motion.name), look);
+  again(run, "restore", "taken back by restore(), the same steps end");
+  again(other, "checkpoint", "another object, begun and restored, goes on");
 }
 
 // Equations of motion that give NaN: an error, and the state as it was.
-void StepCheck::throws(ClosedMotion& motion) {
+void StepCheck::throws(const ClosedMotion& motion) {
   bool broken = false;
   const Marker& marker = motion.system->marker("hinge.P");
   motion.system->add(function_force("breaks", {&marker}, [&](const Inputs&, WrenchSum& out) {
     if (broken) out.along(0, Vec3::Constant(std::nan("")), Vec3::Zero());
   }));
   motion.system->setup();
-  Dynamics dynamics(*motion.system, std::make_unique<SchurSolver>());
-  const auto method = made();
-  const State start = motion.system->start();
-  State state = start;
-  method->begin(dynamics, state);
-  go(*method, dynamics, state, 7);
-  const State before = state;
+  Going run(make_, motion), other(make_, motion);
+  const State before = run.go(7);
   broken = true;
   bool thrown = true;
   try {
-    method->step(dynamics, state, kStep);
+    run.step();
     thrown = false;
   } catch (const Error&) {
   } catch (const std::exception& error) {
@@ -178,13 +164,11 @@ void StepCheck::throws(ClosedMotion& motion) {
   }
   expect(thrown, "nan", "makes a step though the equations of motion give no number (NaN)",
          "step(): Dynamics::rate throws then; let it pass, or evaluate where the force acts");
-  expect(!thrown || equal(state, before), "unchanged", "a step that throws leaves another state behind",
+  expect(!thrown || equal(run.state, before), "unchanged", "a step that throws leaves another state behind",
          "step(): work on a copy, and write the state only at the end");
   broken = false;
-  State anew = start, fresh = start;
-  const auto another = made();
-  method->begin(dynamics, anew), another->begin(dynamics, fresh);
-  go(*method, dynamics, anew, 5), go(*another, dynamics, fresh, 5);
+  run.begin(motion.system->start());
+  const State &anew = run.go(5), &fresh = other.go(5);
   expect(equal(anew, fresh), "after",
          fmt::format("begun anew after an error it runs otherwise, by {:.3g}", distance(anew, fresh)),
          "begin(): it has to forget whatever the broken step left");
@@ -202,10 +186,10 @@ CheckReport check_integrator(const IntegratorMaker& make, const CheckOptions& op
     report.add("order", {fmt::format("tells order {}", info.order), "info(): 1 or more"});
     return report;
   }
-  ClosedMotion top = free_top(), pendulum = hinged_pendulum();
+  const ClosedMotion top = free_top(), pendulum = hinged_pendulum();
   StepCheck check(make, info, report);
   try {
-    for (ClosedMotion* motion : {&top, &pendulum}) {
+    for (const ClosedMotion* motion : {&top, &pendulum}) {
       check.steps(*motion);
       check.repeats(*motion);
       check.goes_back(*motion);
