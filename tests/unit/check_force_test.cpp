@@ -171,7 +171,7 @@ TEST_CASE("check_force names what is forgotten", "[unit][check]") {
   CHECK(says(rubber(Fault::markers), "pushes body 'cam', on which none of its markers() is"));
   CHECK(says(rubber(Fault::breakpoint), "at t = 0.8 s, which breakpoints() does not tell"));
   CHECK(says(rubber(Fault::keeps), "pushes otherwise when it is asked again at the same inputs"));
-  CHECK(says(rubber(Fault::nan), "its force is not finite at t = "));
+  CHECK(says(rubber(Fault::nan), "its force on body 'arm' is not finite at t = "));
   CheckReport r = rubber(Fault::turns);
   CAPTURE(r.text());
   CHECK(says(r, "where body 'arm' has turned by "));

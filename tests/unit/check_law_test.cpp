@@ -69,7 +69,7 @@ TEST_CASE("check_law finds the instant of a jump that is not told", "[unit][chec
   const CheckReport r = check_law(Wrong(Fault::jump), {.seed = 3});
   CAPTURE(r.text());
   REQUIRE(r.findings().size() == 1);
-  CHECK(says(r, "ydd jumps at t = 0.7 s (by 2 at the first), which breakpoints() does not tell"));
+  CHECK(says(r, "ydd jumps by 2 at t = 0.7 s, which breakpoints() does not tell"));
 }
 
 namespace {
@@ -108,7 +108,7 @@ TEST_CASE("check_law names what is wrong in laws of rotation and translation", "
   CHECK(says(check_law(WrongTurn(3)), "so it is missing"));
   const CheckReport slide = check_law(WrongSlide(), {}, "slide");
   CHECK(says(slide, "translation law 'slide': a[2]"));
-  CHECK(says(slide, "a[2] jumps at t = 0.4 s"));
+  CHECK(says(slide, "a[2] jumps by 1 at t = 0.4 s"));
 }
 
 TEST_CASE("differences know how good they are", "[unit][check]") {

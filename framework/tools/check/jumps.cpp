@@ -1,7 +1,11 @@
 #include "framework/tools/check/jumps.h"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <cmath>
+
+#include <lockstep/text.h>
 
 namespace lockstep {
 namespace {
@@ -9,22 +13,20 @@ namespace {
 constexpr int kHalvings = 34;
 constexpr double kSmallest = 1e-6;  // jump, relative to the size of its component
 
-using Function = std::function<void(double, VecX&)>;
-
 struct Cell {
   double a, b;
   VecX fa, fm, fb;
   double bend(Eigen::Index c) const { return std::abs(fm[c] - 0.5 * (fa[c] + fb[c])); }
 };
 
-Cell cell(const Function& f, double a, double b) {
+Cell cell(const Curve& f, double a, double b) {
   Cell r{a, b, {}, {}, {}};
   f(a, r.fa), f(0.5 * (a + b), r.fm), f(b, r.fb);
   return r;
 }
 
 // The point where component c bends most, and its change there; a jump of J bends by J/2 in every cell around it.
-Jump narrow(const Function& f, Cell w, Eigen::Index c, double size) {
+Jump narrow(const Curve& f, Cell w, Eigen::Index c, double size) {
   for (int k = 0; k < kHalvings && w.bend(c) > 0.1 * kSmallest * size; ++k) {
     const double m = 0.5 * (w.a + w.b);
     Cell left{w.a, m, w.fa, {}, w.fm}, right{m, w.b, w.fm, {}, w.fb};
@@ -37,7 +39,7 @@ Jump narrow(const Function& f, Cell w, Eigen::Index c, double size) {
 
 }  // namespace
 
-std::map<int, std::vector<Jump>> find_jumps(const Function& f, double t0, double t1, std::vector<double> known,
+std::map<int, std::vector<Jump>> find_jumps(const Curve& f, double t0, double t1, std::vector<double> known,
                                             int cells) {
   const double clear = 1e-9 * (t1 - t0);  // kept from the known instants
   known.push_back(t0), known.push_back(t1);
@@ -66,6 +68,37 @@ std::map<int, std::vector<Jump>> find_jumps(const Function& f, double t0, double
       if (const Jump found = narrow(f, w, c, size[c]); std::abs(found.size) > kSmallest * size[c])
         jumps[c].push_back(found);
   return jumps;
+}
+
+std::vector<double> told_breakpoints(const TimedNumbers& f, const CheckOptions& options, CheckReport& report) {
+  const double before = options.from - 1;
+  std::vector<double> told{before};
+  f.breakpoints(options.from, options.to, told);
+  if (told.empty() || told.front() != before)
+    report.add("append", {"breakpoints() does not keep what was in the list", "breakpoints(): it has to append"});
+  std::erase(told, before);
+  for (const double t : told)
+    if (!(t > options.from && t < options.to))
+      report.add("outside", {fmt::format("breakpoints({}, {}) tells {} s, which is not between them",
+                                         text::number(options.from), text::number(options.to), text::number(t)),
+                             "breakpoints(): it appends the instants in (t0, t1) only"});
+  std::sort(told.begin(), told.end());
+  return told;
+}
+
+void check_jumps(const TimedNumbers& f, const CheckOptions& options, CheckReport& report, int cells, int n_keys) {
+  const std::vector<double> told = told_breakpoints(f, options, report);
+  for (const auto& [c, all] : find_jumps(f.at, options.from, options.to, told, cells)) {
+    std::vector<std::string> instants;
+    for (const Jump& j : all) instants.push_back(fmt::format("{:.9g}", j.t));
+    const std::size_t n = instants.size();
+    if (n > 3) instants.resize(3);
+    report.add(
+        fmt::format("jump {}", c % n_keys),
+        {fmt::format("{} jumps by {:.3g} at t = {} s{}, which breakpoints() does not tell", f.name(c), all.front().size,
+                     text::join(instants, n > 3 ? ", " : " and "), n > 3 ? fmt::format(" and {} more", n - 3) : ""),
+         f.look});
+  }
 }
 
 }  // namespace lockstep

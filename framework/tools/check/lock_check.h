@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "framework/tools/check/lock_bench.h"
@@ -10,42 +11,39 @@
 
 namespace lockstep {
 
-class LockCheck : private StateCheck {
+class LockCheck final : public StateCheck {
  public:
   /// `sibling`: another link of the type, to form a group; null: the link is twice in the group.
   LockCheck(const System&, const Lock&, const Lock* sibling, CheckReport&, const CheckOptions&);
-  void run();
 
  private:
-  // -- once
-  bool description();
-  void jumps();
-  void turn_about_z(const Marker& p, const Marker& s);
-  // -- at each state
-  bool find_state(Draw&);
+  MatX numbers(const TestState& at) override { return bench_.rows(at); }
+  std::string name(Eigen::Index row, Eigen::Index column) const override;
+  void breakpoints(double t0, double t1, std::vector<double>& out) const override;
+  std::string otherwise(int row) const override;
+  std::string why_not_finite() const override;
+  bool description() override;
+  void at_state() override;
+  void turns() override;
+  void jumped(int row, const MatX& before, const MatX& after, const std::string& what) override;
+
   void everything_written();
-  void same_again();
-  void other_sign();
+  void group();
   void pose_alone();  ///< C, Ct and the jacobian do not depend on velocities
-  void memory();
   void jacobian();
-  void time_derivative();
-  void right_side();
+  void time_derivatives();
   void tangent();
 
   std::string row(int k) const { return "row " + link_.row_name(k); }
-  std::string part(int part, int k) const { return std::string(kPartName[part]) + " of " + row(k); }
-  bool compare(double is, double should_be, double error, double size);
+  auto J(int k, int slot) const { return is_.block<1, 6>(k, 3 + 6 * slot); }
   std::string jacobian_hint(int k, int slot, bool turn, const Vec3& should_be) const;
-  Slope minus_Cdd(const TestState&);
+  Slope minus_Cdd(const TestState&) const;
   std::string diagnose_right_side(int k);
 
   const Lock& link_;
   const Lock* sibling_;
   LockBench bench_;
-  int m_;                   // rows
-  std::vector<int> slots_;  // of the link
-  LockRows rows_;           // at the state under test
+  int m_;  // rows
 };
 
 }  // namespace lockstep

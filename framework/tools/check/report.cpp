@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/tools/check/compare.h"
+
 namespace lockstep {
 
 void CheckReport::add(const std::string& key, CheckFinding finding, double weight) {
@@ -66,6 +68,20 @@ std::string likeness(double is, double should_be) {
   if (near(0.5 * should_be)) return ", so it is half of that: a factor 2 is missing";
   if (near(2 * should_be)) return ", so it is twice that: a factor 2 is too much";
   return "";
+}
+
+void compare(CheckReport& report, const Declared& d, const Slope& slope) {
+  for (int c = 0; c < d.is.size(); ++c) {
+    const double is = d.is[c], should_be = slope.value[c], off = std::abs(is - should_be);
+    const double size = std::max({std::abs(is), std::abs(should_be), d.size[c]});
+    report.compared(size > 0 ? slope.error[c] / size : 0);
+    if (off > slope.error[c] + d.rounding * size)
+      report.add(fmt::format("{} {}", d.key, c / d.kind),
+                 {fmt::format("{} is {:.6g}, {} {:.6g}{}{}", d.what(c), is, d.source, should_be,
+                              likeness(is, should_be), d.where),
+                  d.look(c)},
+                 off);
+  }
 }
 
 }  // namespace lockstep

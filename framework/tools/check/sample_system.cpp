@@ -15,25 +15,19 @@ constexpr const char* kKindNames[] = {"both bodies moving", "S on the ground", "
                                       "markers moving by laws"};
 
 // Smooth motions of markers, with exact derivatives.
-class Sway final : public TranslationLaw {
- public:
-  explicit Sway(const Vec3& a) : a_(a) {}
+struct Sway final : TranslationLaw {
+  explicit Sway(const Vec3& to) : a(to) {}
   TranslationValue at(double t) const override {
-    return {std::sin(1.3 * t) * a_, 1.3 * std::cos(1.3 * t) * a_, -1.69 * std::sin(1.3 * t) * a_};
+    return {std::sin(1.3 * t) * a, 1.3 * std::cos(1.3 * t) * a, -1.69 * std::sin(1.3 * t) * a};
   }
-
- private:
-  Vec3 a_;
+  Vec3 a;
 };
-class Wag final : public RotationLaw {
- public:
-  explicit Wag(const Vec3& axis) : n_(axis.normalized()) {}
+struct Wag final : RotationLaw {
+  explicit Wag(const Vec3& axis) : n(axis.normalized()) {}
   RotationValue at(double t) const override {
-    return {axis_angle(n_, 0.3 * std::sin(1.7 * t)), 0.51 * std::cos(1.7 * t) * n_, -0.867 * std::sin(1.7 * t) * n_};
+    return {axis_angle(n, 0.3 * std::sin(1.7 * t)), 0.51 * std::cos(1.7 * t) * n, -0.867 * std::sin(1.7 * t) * n};
   }
-
- private:
-  Vec3 n_;
+  Vec3 n;
 };
 
 }  // namespace

@@ -3,9 +3,13 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 
 #include <lockstep/error.h>
+#include <lockstep/author/relative.h>
+#include <lockstep/text.h>
+#include "framework/tools/check/jumps.h"
 
 namespace lockstep {
 
@@ -50,15 +54,6 @@ TestState coasted(const TestState& from, double x) {
   return to;
 }
 
-Motion turned(const Motion& motion, const Vec3& center, const Vec3& axis, double angle) {
-  const Quat turn = axis_angle(axis, angle);
-  Motion O = motion;
-  O.x = center + rotation(turn) * (motion.x - center);
-  O.e = turn * motion.e;
-  O.A = rotation(O.e);
-  return O;
-}
-
 bool set_up(System& system, CheckReport& report) {
   try {
     system.setup();
@@ -78,11 +73,13 @@ StateCheck::StateCheck(const System& system, CheckReport& report, const CheckOpt
       first_memory_(first_memory),
       n_(system.n_slots()) {}
 
-void StateCheck::add(const std::string& key, std::string what, std::string look, double weight) {
-  report_.add(key, {std::move(what), std::move(look)}, weight);
+void StateCheck::add(const std::string& key, const std::string& what, std::string look, double weight) {
+  report_.add(key, {what + here(), std::move(look)}, weight);
 }
 
-std::string StateCheck::here() const { return fmt::format("(seed {}, state {})", options_.seed, index_); }
+std::string StateCheck::here() const {
+  return index_ < 0 ? "" : fmt::format(" (seed {}, state {})", options_.seed, index_);
+}
 int StateCheck::n_freedoms(int slot) const { return system_.slot(slot).freedoms == Freedoms::particle ? 3 : 6; }
 
 std::string StateCheck::unknown_name(int slot, int k) const {
@@ -91,21 +88,160 @@ std::string StateCheck::unknown_name(int slot, int k) const {
                      k / 3 % 2 == 0 ? "along the world's" : "about its", "xyz"[k % 3]);
 }
 
-double StateCheck::draw_time(Draw& draw, const Breakpoints& breakpoints) {
-  double t = draw.number(options_.from, options_.to);
-  quiet_ = 0.02 * (options_.to - options_.from);
-  for (int i = 0; i < 30; ++i) {
-    std::vector<double> jumps;
-    breakpoints(t - quiet_, t + quiet_, jumps);
-    if (jumps.empty()) break;
-    t = draw.number(options_.from, options_.to), quiet_ *= 0.8;
-  }
-  return t;
+std::string StateCheck::why_not_finite() const {
+  return "a division by a length or a speed that may be zero, a root or an arc sine out of its range";
 }
 
-TestState StateCheck::other_state() const {
+void StateCheck::run() {
+  if (!description()) return;
+  length_ = std::max(Differences::distance(slots_, start_of(system_, options_.from).in()), 1e-3);
+  Draw draw(options_.seed);
+  for (index_ = 0; index_ < options_.states; ++index_) {
+    if (!find_state(draw)) return;
+    same_again();
+    at_state();
+    memory();
+  }
+  index_ = -1;
+  jumps();
+  turns();
+}
+
+void StateCheck::draw_time(Draw& draw) {
+  quiet_ = 0.02 * (options_.to - options_.from);
+  for (int i = 0; i < 30; ++i, quiet_ *= 0.8) {
+    std::vector<double> jumps;
+    state_.t = draw.number(options_.from, options_.to);
+    breakpoints(state_.t - quiet_, state_.t + quiet_, jumps);
+    if (jumps.empty()) break;
+  }
+}
+
+// A random state with finite numbers; of a link closer to the start if it has none far from it.
+bool StateCheck::find_state(Draw& draw) {
+  draw_time(draw);
+  const TestState start = start_of(system_, state_.t);
+  double share = is_link_ && index_ == 0 ? 0.05 : 1.0;
+  for (int i = 0; i < (is_link_ ? 7 : 1); ++i, share *= 0.5) {
+    state_ = random_state(system_, start, draw, share * options_.reach, share * options_.turn);
+    accept_step(state_);
+    is_ = numbers(state_);
+    if (!is_.allFinite()) continue;
+    if (i > 0 && index_ > 0)
+      report_.note(
+          fmt::format("some states had to be taken nearer to the start, where its rows are finite (state {})", index_));
+    return true;
+  }
+  for (int k = 0; k < is_.rows(); ++k)
+    for (int c = 0; c < is_.cols(); ++c) {
+      if (std::isfinite(is_(k, c))) continue;
+      add("finite",
+          fmt::format("{} is not finite at t = {} s{}", name(k, c), text::number(state_.t),
+                      is_link_ ? " near the start" : ""),
+          why_not_finite());
+      return false;
+    }
+  return false;
+}
+
+// Also for q and -q, which are the same orientation.
+void StateCheck::same_again() {
   Draw draw(options_.seed + 77);
-  return random_state(system_, start_of(system_, state_.t), draw, 0.1, 0.1);
+  numbers(random_state(system_, start_of(system_, state_.t), draw, 0.1, 0.1));
+  if (numbers(state_) != is_)
+    add("same", otherwise(-1) + " when it is asked again at the same inputs",
+        "what the class keeps between two calls: its numbers follow from the Inputs alone, memory belongs into z "
+        "(n_memory())");
+  for (const int slot : slots_) {
+    TestState on = state_;
+    on.slot(slot).e = -on.slot(slot).e;
+    const MatX r = numbers(on);
+    for (int k = 0; k < is_.rows(); ++k) {
+      double off = (r.row(k) - is_.row(k)).norm();
+      if (is_link_) off = std::min(off, (r.row(k) + is_.row(k)).norm());
+      if (off > 1e-9 * (1 + is_.row(k).norm()))
+        add("sign",
+            fmt::format("{} when the quaternion of body '{}' changes its sign, which is the same orientation",
+                        otherwise(k), body(slot)),
+            "its use of e0 ... e3: take products of two of them, the matrix A, or angle_z()");
+    }
+  }
+}
+
+// What is remembered at one state settles: of a link within some calls, as where it iterates, of a force at once.
+void StateCheck::memory() {
+  if (remembering_ == nullptr) return;
+  TestState on = state_;
+  double second = 0, last = 0;  // change of z by one more accept_step()
+  for (int i = 0; i < (is_link_ ? 8 : 2); ++i) {
+    const VecX before = on.z;
+    accept_step(on);
+    if (!on.z.allFinite()) return add("memory", "accept_step() writes a number that is not finite", "accept_step()");
+    last = (on.z - before).norm();
+    if (i == 1) second = last;
+  }
+  if (last > 1e-9 * (1 + on.z.norm()) && last > 0.999 * second)
+    add("memory",
+        "accept_step() at one state, called again and again there, adds the same each time, or settles nowhere",
+        "accept_step(): what is remembered is where the object is, as the nearest branch of an angle, and no sum over "
+        "calls");
+}
+
+void StateCheck::jumps() {
+  TestState on = state_;
+  on.stop();  // the memory may extrapolate with the velocities
+  on.t = options_.from;
+  accept_step(on);
+  const auto at = [&](double t, VecX& out) {
+    on.t = t;
+    out = numbers(on).leftCols(n_timed_).reshaped();
+  };
+  const auto n = static_cast<int>(is_.rows());
+  check_jumps({at, [&](int c) { return name(c % n, c / n); },
+               [&](double t0, double t1, std::vector<double>& out) { breakpoints(t0, t1, out); },
+               "breakpoints(): append those of every law that it uses, and of its markers' laws"},
+              options_, report_, 200, n);
+}
+
+// A jump of J makes third differences of up to 2 J in steps of any size. What else makes them is less by far in smaller
+// steps, also where the memory, which goes along, is a little late.
+void StateCheck::turn_about_z(int slot, const Marker& s, double sense, const std::string& who) {
+  if (slot == kGround || n_freedoms(slot) == 3) return;
+  constexpr int kSteps = 600, kFiner = 64;
+  constexpr double kStep = 3 * kTwoPi / kSteps;
+  const TestState start = start_of(system_, options_.from);
+  const MarkerInWorld S = in_world(MarkerFrame(s), start.in());
+  const auto walk = [&](TestState on, double from, double step, int n) {
+    std::pair<std::vector<TestState>, MatX> way{{}, MatX(is_.rows() * n_turned_, n + 1)};
+    for (int i = 0; i <= n; ++i) {
+      const Quat turn = axis_angle(Vec3(sense * S.A.col(2)), from + i * step);
+      Motion& O = on.slot(slot);
+      O.x = S.x + rotation(turn) * (start.slot(slot).x - S.x);
+      O.e = turn * start.slot(slot).e;
+      O.A = rotation(O.e);
+      way.second.col(i) = numbers(on).leftCols(n_turned_).reshaped();
+      way.first.push_back(on);
+      accept_step(on);
+    }
+    const MatX& g = way.second;
+    way.second = (g.rightCols(n - 2) - g.leftCols(n - 2) - 3 * (g.middleCols(2, n - 2) - g.middleCols(1, n - 2)))
+                     .cwiseAbs()
+                     .eval();
+    return way;
+  };
+  const auto [way, third] = walk(start, 0, kStep, kSteps);
+  for (int c = 0; c < third.rows() && third.allFinite(); ++c) {
+    Eigen::Index i = 0, k = 0;
+    const double most = third.row(c).maxCoeff();
+    if (most < 2e-6) continue;
+    while (third(c, i) < 0.99 * most) ++i;  // the first of equal ones
+    const auto [fine_way, fine] = walk(way[i], static_cast<double>(i) * kStep, kStep / kFiner, 3 * kFiner);
+    const double jump = 0.5 * fine.row(c).maxCoeff(&k);
+    if (jump > 0.25 * most)
+      jumped(c % static_cast<int>(is_.rows()), numbers(fine_way[k]), numbers(fine_way[k + 3]),
+             fmt::format("jumps by {:.3g} where {} has turned by {:.0f} degrees about z of '{}'", jump, who,
+                         (static_cast<double>(i) + static_cast<double>(k) / kFiner) * kStep * 180 / kPi, s.name));
+  }
 }
 
 // Counted angles take the branch nearest to the last: the states come from no motion.
@@ -130,29 +266,30 @@ Slope StateCheck::derivative(int slot, int k, const Output& f) const {
   return first_derivative(moved, reach[k / 3]);
 }
 
-void StateCheck::check_tangent(const TangentSum& sum, bool damping, const std::vector<int>& slots, const Output& f,
-                               double scale, const TangentWords& words) {
+void StateCheck::check_tangent(const TangentSum& sum, bool damping, const Output& f, double scale,
+                               const TangentWords& words) {
   MatX T = MatX::Zero(6 * n_, 6 * n_);
   for (std::size_t p = 0; p < sum.pairs().size(); ++p)
     T.block<6, 6>(6 * sum.pairs()[p].row, 6 * sum.pairs()[p].column) += damping ? sum.D(p) : sum.K(p);
-  for (const int slot : slots)
+  for (const int slot : slots_)
     for (int k = 0; k < n_freedoms(slot); ++k) {
-      const Slope d = derivative(slot, damping ? k + 6 : k, f);
+      const int unknown = damping ? k + 6 : k;
+      const Slope d = derivative(slot, unknown, f);
+      VecX is = T.col(6 * slot + k);
+      for (int i = 0; i < 6 * n_; ++i)
+        if (i % 6 >= n_freedoms(i / 6)) is[i] = d.value[i];  // a particle takes no moment
       const double size = std::max({T.cwiseAbs().maxCoeff(), d.value.cwiseAbs().maxCoeff(), scale});
-      for (int i = 0; i < 6 * n_; ++i) {
-        if (i % 6 >= n_freedoms(i / 6)) continue;
-        const double is = T(i, 6 * slot + k), should_be = d.value[i];
-        report_.compared(d.error[i] / std::max(size, 1e-300));
-        // A default tangent() is differenced too, to about 1e-9 of its size.
-        if (std::abs(is - should_be) <= d.error[i] + 1e-7 * size) continue;
-        add(fmt::format("{} {} {} {}", damping ? "D" : "K", i / 6, slot, k >= 3),
-            fmt::format("tangent(): {} of the {} on body '{}' along its {} axis with {} is {:.6g}, differences of {} "
-                        "say {:.6g}{} {}",
-                        words.quantity, i % 6 < 3 ? "force" : "moment", body(i / 6), "xyz"[i % 3],
-                        unknown_name(slot, damping ? k + 6 : k), is, words.function, should_be, likeness(is, should_be),
-                        here()),
-            words.look, std::abs(is - should_be));
-      }
+      compare(report_,
+              {fmt::format("{} {} {}", damping ? "D" : "K", slot, k >= 3), is, VecX::Constant(6 * n_, size),
+               [&](int i) {
+                 return fmt::format("tangent(): {} of the {} on body '{}' along its {} axis with {}", words.quantity,
+                                    i % 6 < 3 ? "force" : "moment", body(i / 6), "xyz"[i % 3],
+                                    unknown_name(slot, unknown));
+               },
+               "differences of " + words.function + " say", here(), [&](int) { return words.look; },
+               1e-7,  // a default tangent() is differenced too, to about 1e-9 of its size
+               6},
+              d);
     }
 }
 

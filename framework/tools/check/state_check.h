@@ -1,4 +1,5 @@
-// StateCheck: what check_lock and check_force share: random states of a system, and the differences taken at them.
+// StateCheck: what check_lock and check_force share. Their object says numbers at a state, and is looked at in random
+// states, in time, and along full turns.
 #pragma once
 
 #include <functional>
@@ -7,6 +8,7 @@
 
 #include <lockstep/author/check.h>
 #include <lockstep/system.h>
+#include "framework/tools/check/compare.h"
 #include "framework/tools/check/draw.h"
 #include "framework/tools/check/slope.h"
 
@@ -34,34 +36,47 @@ TestState start_of(const System&, double t);
 TestState random_state(const System&, const TestState& about, Draw&, double reach, double turn);
 /// The state x seconds later without accelerations: x + v t, e exp(w t/2).
 TestState coasted(const TestState&, double x);
-/// The motion of a body turned about an axis through a point of the world.
-Motion turned(const Motion&, const Vec3& center, const Vec3& axis, double angle);
 
 /// Sets the system up. False if user code wrote where it must not: that is reported, and nothing else can be checked.
 bool set_up(System&, CheckReport&);
 
 class StateCheck {
+ public:
+  virtual ~StateCheck() = default;
+  void run();
+
  protected:
   using Output = std::function<void(const TestState&, VecX& out)>;
-  using Breakpoints = std::function<void(double t0, double t1, std::vector<double>& out)>;
 
   /// `remembering`: the object's memory, which begins at `first_memory` in z; null: it has none.
   StateCheck(const System&, CheckReport&, const CheckOptions&, const Remembering* remembering, int first_memory);
 
-  void add(const std::string& key, std::string what, std::string look, double weight = 0);
-  std::string here() const;  ///< "(seed 7, state 3)"
+  // -- the object
+  /// Its rows with their numbers.
+  virtual MatX numbers(const TestState&) = 0;
+  virtual std::string name(Eigen::Index row, Eigen::Index column) const = 0;
+  virtual void breakpoints(double t0, double t1, std::vector<double>& out) const = 0;
+  /// What it does that it should not: "row length is another one", "pushes otherwise". `row` -1: all of it.
+  virtual std::string otherwise(int row) const = 0;
+  virtual std::string why_not_finite() const;
+
+  // -- its checks
+  /// What it is made of, into slots_ and n_timed_. False: nothing else can be checked.
+  virtual bool description() = 0;
+  virtual void at_state() = 0;  ///< at the state under test
+  virtual void turns() = 0;
+  /// It jumps in a turn, between these numbers; `what` says where.
+  virtual void jumped(int row, const MatX& before, const MatX& after, const std::string& what) = 0;
+
+  /// A finding, with here() behind it.
+  void add(const std::string& key, const std::string& what, std::string look, double weight = 0);
+  std::string here() const;  ///< " (seed 7, state 3)", or "" beside the states
   const std::string& body(int slot) const { return system_.body_of_slot(slot).name; }
   int n_freedoms(int slot) const;
   /// Unknown k of a slot as Differences::moved counts them: "the velocity of body 'cam' along the world's y axis".
   std::string unknown_name(int slot, int k) const;
-
-  /// A random time; no breakpoint is within quiet_ s of it.
-  double draw_time(Draw&, const Breakpoints&);
-  /// Another random state at the same time.
-  TestState other_state() const;
   /// Updates the object's memory as after an accepted step.
   void accept_step(TestState&) const;
-
   /// df/d(unknown k of a slot) at the state under test.
   Slope derivative(int slot, int k, const Output& f) const;
 
@@ -72,19 +87,32 @@ class StateCheck {
     std::string look;
   };
   /// K or D of `sum` against the derivatives of f, a wrench per slot. `scale`: entries below 1e-7 of it are rounding.
-  void check_tangent(const TangentSum& sum, bool damping, const std::vector<int>& slots, const Output& f, double scale,
-                     const TangentWords&);
+  void check_tangent(const TangentSum& sum, bool damping, const Output& f, double scale, const TangentWords&);
+  /// Three turns of a slot about `sense` times z of a marker: the first n_turned_ columns must not jump. `who`: what turns.
+  void turn_about_z(int slot, const Marker&, double sense, const std::string& who);
 
   const System& system_;
   CheckReport& report_;
   const CheckOptions& options_;
   const Remembering* remembering_;
   int first_memory_;
-  int n_;              // slots of the system
-  double length_ = 1;  // m, to which translations are compared
-  TestState state_;    // under test
-  int index_ = 0;      // of that state
-  double quiet_ = 0;   // s
+  int n_;                   // slots of the system
+  std::vector<int> slots_;  // of the object
+  bool is_link_ = false;    // a row may change its sign as a whole, and be finite only near the start
+  int n_timed_ = 0;         // columns that must not jump in time
+  int n_turned_ = 0;        // columns that must not jump in a turn
+  double length_ = 1;       // m, to which translations are compared
+  TestState state_;         // under test
+  MatX is_;                 // the numbers there
+  int index_ = 0;           // of that state
+  double quiet_ = 0;        // s; no breakpoint is within it
+
+ private:
+  bool find_state(Draw&);
+  void draw_time(Draw&);
+  void same_again();
+  void memory();
+  void jumps();
 };
 
 }  // namespace lockstep

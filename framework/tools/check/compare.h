@@ -1,0 +1,30 @@
+// Declared derivatives against differences: the rule that all checks have.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include <lockstep/author/check.h>
+#include "framework/tools/check/slope.h"
+
+namespace lockstep {
+
+inline constexpr double kRounding = 1e-10;  ///< of a number, as a part of its size
+
+/// Numbers that an object says, component by component.
+struct Declared {
+  std::string key;                       ///< of the findings, with the number of the component
+  VecX is;                               ///< the numbers
+  VecX size;                             ///< beside their own, by which rounding counts
+  std::function<std::string(int)> what;  ///< "yd at t = 1 s"
+  std::string source;                    ///< what the differences are of: "differences of y say"
+  std::string where;                     ///< " (seed 7, state 3)"
+  std::function<std::string(int)> look;  ///< where to look for the cause
+  double rounding = kRounding;
+  int kind = 1;  ///< so many components have one key
+};
+
+/// Compares each with what differences say. A finding is a difference beyond their error and rounding.
+void compare(CheckReport&, const Declared&, const Slope&);
+
+}  // namespace lockstep
