@@ -112,14 +112,14 @@ TEST_CASE("check_law names what is wrong in laws of rotation and translation", "
 }
 
 TEST_CASE("differences know how good they are", "[unit][check]") {
-  const auto e = [](double x, VecX& out) { out = VecX::Constant(1, std::exp(3 * x) * 1e3); };
+  const auto e = [](double x) { return VecX::Constant(1, std::exp(3 * x) * 1e3); };
   const Slope first = first_derivative(e, 0.1), second = second_derivative(e, 0.1);
   CHECK(std::abs(first.value[0] - 3e3) <= first.error[0]);
   CHECK(first.error[0] < 1e-6);
   CHECK(std::abs(second.value[0] - 9e3) <= second.error[0]);
   CHECK(second.error[0] < 1e-2);
   // noise of 1e-6 in the function is seen in the estimate
-  const auto rough = [](double x, VecX& out) { out = VecX::Constant(1, std::sin(x) + 1e-6 * std::sin(1e7 * x + 3)); };
+  const auto rough = [](double x) { return VecX::Constant(1, std::sin(x) + 1e-6 * std::sin(1e7 * x + 3)); };
   const Slope noisy = first_derivative(rough, 0.1);
   CHECK(noisy.error[0] > 1e-6);
   CHECK(std::abs(noisy.value[0] - 1) <= noisy.error[0]);

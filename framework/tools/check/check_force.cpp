@@ -23,13 +23,8 @@ class ForceCheck final : public StateCheck {
   }
 
  private:
-  /// f.v + dV/dt + dissipation - supply, which is zero, with the error of the difference and the size of its terms.
-  struct Balance {
-    double rest = 0, error = 0, size = 0;
-  };
-
-  MatX numbers(const TestState& at) override { return applied(at).transpose(); }
-  std::string name(Eigen::Index, Eigen::Index k) const override { return wrench_name(static_cast<int>(k)); }
+  MatX numbers(const TestState&) override;
+  std::string name(Eigen::Index, Eigen::Index k) const override;
   void breakpoints(double t0, double t1, std::vector<double>& out) const override { force_.breakpoints(t0, t1, out); }
   std::string otherwise(int) const override { return "pushes otherwise"; }
   bool description() override;
@@ -37,24 +32,17 @@ class ForceCheck final : public StateCheck {
   void turns() override;
   void jumped(int k, const MatX& before, const MatX& after, const std::string& what) override;
 
-  bool finite();
   void balance();
-  void diagnose_balance();
-  void diagnose_losses();
+  bool gradient();
   void tangent();
 
   Reactions reactions() const { return {rows_, {lambda_.data(), static_cast<std::size_t>(lambda_.size())}}; }
   bool reads() const { return lambda_.size() > 0; }
-  std::vector<Quantity> quantities() const;
-  VecX applied(const TestState&) const;     ///< with react(), if it reads reactions
-  double loss(const TestState&) const;      ///< dissipation(), and friction_loss() likewise
-  double power(const TestState& at) const;  ///< f.v
-  Balance balance_of(const TestState&) const;
-  std::string wrench_name(int k) const {
-    return fmt::format("its {} on body '{}'", k % 6 < 3 ? "force" : "moment", body(k / 6));
-  }
+  VecX applied(const TestState&) const;  ///< with react(), if it reads reactions
+  double loss(const TestState&) const;   ///< dissipation(), and friction_loss() likewise
 
   const Force& force_;
+  std::vector<Quantity> quantities_;
   RowTable rows_;  // with multipliers drawn once, for a force that reads reactions
   VecX lambda_;
 };
@@ -71,36 +59,37 @@ double ForceCheck::loss(const TestState& at) const {
   return force_.dissipation(at.in()) + (reads() ? force_.reacting()->friction_loss(at.in(), reactions()) : 0.0);
 }
 
-double ForceCheck::power(const TestState& at) const {
-  const VecX f = applied(at);
-  double P = 0;
-  for (int k = 0; k < n_; ++k) P += f.segment<3>(6 * k).dot(at.slot(k).v) + f.segment<3>(6 * k + 3).dot(at.slot(k).w);
-  return P;
+MatX ForceCheck::numbers(const TestState& at) {
+  const Inputs in = at.in();
+  const auto n_own = reads() ? 0 : static_cast<Eigen::Index>(quantities_.size());
+  MatX all(1, 6 * n_ + 3 + n_own);
+  all << applied(at).transpose(), force_.potential(in), loss(at), force_.supply(in), Eigen::RowVectorXd::Zero(n_own);
+  for (Eigen::Index k = 0; k < n_own; ++k) all(0, 6 * n_ + 3 + k) = force_.observable()->quantity(k, in);
+  return all;
 }
 
-std::vector<Quantity> ForceCheck::quantities() const {
-  if (const Reacting* own = force_.reacting()) return own->quantities();
-  return force_.observable() ? force_.observable()->quantities() : std::vector<Quantity>{};
+std::string ForceCheck::name(Eigen::Index, Eigen::Index column) const {
+  constexpr const char* kPowers[] = {"potential()", "dissipation()", "supply()"};
+  const auto k = static_cast<int>(column);
+  if (k < 6 * n_) return fmt::format("its {} on body '{}'", k % 6 < 3 ? "force" : "moment", body(k / 6));
+  return k < 6 * n_ + 3 ? kPowers[k - 6 * n_] : "quantity '" + quantities_[k - 6 * n_ - 3].name + "'";
 }
 
 bool ForceCheck::description() {
-  for (const Marker* m : force_.markers())
-    if (m == nullptr || m->body == nullptr) {
-      add("markers", "tells a marker that is not there", "markers()");
-      return false;
-    }
   if (slots_.empty()) {
     add("markers", "acts at no marker of a body that moves, so that nothing can be checked", "markers()");
     return false;
   }
-  for (const Quantity& q : quantities())
+  const Reacting* const own = force_.reacting();
+  if (own || force_.observable()) quantities_ = own ? own->quantities() : force_.observable()->quantities();
+  for (const Quantity& q : quantities_)
     if (q.name.empty()) add("quantities", "tells a quantity without a name", "quantities()");
-  if (force_.reacting() == nullptr) return true;
-  for (const Lock* link : force_.reacting()->reads())
-    if (link == nullptr) {
-      add("reads", "reads the reactions of a link that is not there", "reads()");
-      return true;
-    }
+  if (own == nullptr) return true;
+  const std::vector<const Lock*> read = own->reads();
+  if (std::ranges::find(read, nullptr) != read.end()) {
+    add("reads", "reads the reactions of a link that is not there", "reads()");
+    return true;
+  }
   system_.lay_out(std::vector<bool>(system_.links().size(), true), rows_);
   Draw draw(options_.seed + 5);
   lambda_.resize(rows_.n_rows);
@@ -109,7 +98,6 @@ bool ForceCheck::description() {
 }
 
 void ForceCheck::at_state() {
-  if (!finite()) return;
   for (int k = 0; k < n_; ++k)
     if (std::ranges::find(slots_, k) == slots_.end() && !is_.middleCols<6>(6 * k).isZero(0))
       add("bodies", fmt::format("pushes body '{}', on which none of its markers() is", body(k)),
@@ -118,87 +106,65 @@ void ForceCheck::at_state() {
   tangent();
 }
 
-bool ForceCheck::finite() {
-  const Inputs in = state_.in();
-  bool all = true;
-  const auto look_at = [&](double x, const std::string& what, const char* look) {
-    if (!std::isfinite(x))
-      add("finite", fmt::format("{} is not finite at t = {} s", what, text::number(state_.t)), look);
-    all = all && std::isfinite(x);
-  };
-  look_at(force_.potential(in), "potential()", "potential()");
-  look_at(loss(state_), "dissipation()", "dissipation()");
-  look_at(force_.supply(in), "supply()", "supply()");
-  const std::vector<Quantity> own = reads() ? std::vector<Quantity>{} : quantities();
-  for (std::size_t k = 0; k < own.size(); ++k)
-    look_at(force_.observable()->quantity(k, in), "quantity '" + own[k].name + "'", "quantity()");
-  return all;
-}
-
-ForceCheck::Balance ForceCheck::balance_of(const TestState& at) const {
-  const auto V = [&](double x, VecX& out) { out = VecX::Constant(1, force_.potential(coasted(at, x).in())); };
-  const Slope dV = first_derivative(V, std::min(0.05, quiet_));
-  const double P = power(at), D = loss(at), S = force_.supply(at.in());
-  return {P + dV.value[0] + D - S, dV.error[0],
-          std::max({std::abs(P), std::abs(dV.value[0]), std::abs(D), std::abs(S)})};
-}
-
+// f.v + dV/dt + dissipation - supply = 0 along a motion. Where it is not, either the force at rest is not the gradient,
+// or what goes with the velocities is wrong: D - S = -(f.v + dV/dt).
 void ForceCheck::balance() {
-  const double P = power(state_), D = loss(state_), S = force_.supply(state_.in());
+  const Slope dV = first_derivative(
+      [&](double x) { return VecX::Constant(1, force_.potential(coasted(state_, x).in())); }, std::min(0.05, quiet_));
+  const double D = is_(0, 6 * n_ + 1), S = is_(0, 6 * n_ + 2);
+  double P = 0;
+  for (int k = 0; k < n_; ++k)
+    P += is_.row(0).segment<3>(6 * k).dot(state_.slot(k).v) + is_.row(0).segment<3>(6 * k + 3).dot(state_.slot(k).w);
   if (D < 0)
     add("dissipation", fmt::format("dissipation() is {:.6g} W, below zero", D),
         "dissipation(): what dampers take out; what is put in belongs into supply()");
-  const Balance b = balance_of(state_);
-  report_.compared(b.size > 0 ? b.error / b.size : 0);
-  if (std::abs(b.rest) <= b.error + kRounding * b.size) return;
+  const double size = std::max({std::abs(P), std::abs(dV.value[0]), std::abs(D), std::abs(S)});
+  const double off = std::abs(P + dV.value[0] + D - S);
+  report_.compared(size > 0 ? dV.error[0] / size : 0);
+  if (off <= dV.error[0] + kRounding * size) return;
   add("balance",
       fmt::format("gives {:.6g} W to the bodies, and -dV/dt - dissipation() + supply() are {:.6g} W (dissipation "
                   "{:.6g}, supply {:.6g})",
-                  P, P - b.rest, D, S),
-      "potential(), dissipation() and supply(); the energy balance of a run rests on them", std::abs(b.rest));
-  diagnose_balance();
-}
-
-// Which part is wrong: a component of the force at rest, or what depends on the velocities.
-void ForceCheck::diagnose_balance() {
-  TestState still = state_;
-  still.stop();
-  const VecX f = applied(still);
-  bool found = false;
-  for (const int slot : slots_)
-    for (int k = 0; k < n_freedoms(slot); ++k) {
-      const auto with = [&](double speed) {
-        TestState on = still;
-        (k < 3 ? on.slot(slot).v : on.slot(slot).w)[k % 3] = speed;
-        return balance_of(on);
-      };
-      const Balance plus = with(1e-3), minus = with(-1e-3);  // slow, so that damping is negligible
-      const double odd = 0.5e3 * (plus.rest - minus.rest), error = 0.5e3 * (plus.error + minus.error);
-      if (std::abs(odd) <= 10 * error + 1e-7 * is_.norm()) continue;
-      const double is = f[6 * slot + k];
-      found = true;
-      add(fmt::format("gradient {} {}", slot, k >= 3),
-          fmt::format("{} along {} {} axis is {:.6g} at rest, and potential() and supply() say {:.6g}{}",
-                      wrench_name(6 * slot + k), k < 3 ? "the world's" : "its", "xyz"[k % 3], is, is - odd,
-                      likeness(is - odd, is)),
-          "potential(), whose gradient is minus the force, or at supply(), if a law or motor makes the force",
-          std::abs(odd));
-    }
-  if (!found) diagnose_losses();
-}
-
-// What goes with the velocities: the powers that are said against that which the force asks for, D - S = -(f.v + dV/dt).
-void ForceCheck::diagnose_losses() {
-  const double D = loss(state_), S = force_.supply(state_.in()), asked = D - S - balance_of(state_).rest;
-  const char* const kLoss = "dissipation(): minus the force of the damper times the speed it damps";
-  const char* const kPut = "supply(): the power that laws and motors put in";
+                  P, S - D - dV.value[0], D, S),
+      "potential(), dissipation() and supply(); the energy balance of a run rests on them", off);
+  if (gradient()) return;
+  const std::string damper = "dissipation(): minus the force of the damper times the speed it damps";
   add("damping",
       fmt::format("its force at rest fits potential() and supply(), so that what goes with the velocities is wrong: "
                   "dissipation() - supply() is {:.6g} W, and the force asks for {:.6g} W",
-                  D - S, asked),
-      S != 0      ? fmt::format("{}; or at {}", kLoss, kPut)
-      : asked < 0 ? fmt::format("{}; a force that is to damp has the wrong sign", kPut)
-                  : kLoss);
+                  D - S, -P - dV.value[0]),
+      S != 0 ? damper + "; or at supply(): the power that laws and motors put in"
+      : -P - dV.value[0] < 0
+          ? "supply(): the power that laws and motors put in; a force that is to damp has the wrong sign"
+          : damper);
+}
+
+// Whether the force at rest is not -dV/d(x, turn) + dS/d(v, w).
+bool ForceCheck::gradient() {
+  TestState still = state_;
+  still.stop();
+  const VecX f = applied(still);
+  Slope asked{f, VecX::Zero(6 * n_)};
+  for (const int slot : slots_)
+    for (int k = 0; k < n_freedoms(slot); ++k) {
+      const Slope V =
+          derivative(still, slot, k, [&](const TestState& at) { return VecX::Constant(1, force_.potential(at.in())); });
+      const Slope S = derivative(still, slot, k + 6,
+                                 [&](const TestState& at) { return VecX::Constant(1, force_.supply(at.in())); });
+      asked.value[6 * slot + k] = S.value[0] - V.value[0], asked.error[6 * slot + k] = S.error[0] + V.error[0];
+    }
+  return compare(
+      report_,
+      {"gradient", f, VecX::Constant(6 * n_, is_.leftCols(6 * n_).norm()),
+       [&](int k) {
+         return fmt::format("{} along {} {} axis", name(0, k), k % 6 < 3 ? "the world's" : "its", "xyz"[k % 3]);
+       },
+       "at rest, and potential() and supply() say", here(),
+       [](int) {
+         return "potential(), whose gradient is minus the force, or at supply(), if a law or motor makes the force";
+       },
+       1e-7, 3},
+      asked);
 }
 
 // K = -df/d(x, turn), D = -df/d(v, w).
@@ -207,10 +173,10 @@ void ForceCheck::tangent() {
   sum.lay_out(n_);
   force_.tangent(state_.in(), sum);
   if (reads()) force_.reacting()->react_tangent(state_.in(), reactions(), sum);
-  const auto minus_f = [&](const TestState& at, VecX& out) { out = -applied(at); };
+  const auto minus_f = [&](const TestState& at) -> VecX { return -applied(at); };
   for (const bool damping : {false, true}) {
     const std::string letter = damping ? "D" : "K";
-    check_tangent(sum, damping, minus_f, 1e-6 * is_.norm(),
+    check_tangent(sum, damping, minus_f, 1e-6 * is_.leftCols(6 * n_).norm(),
                   {letter, "apply()",
                    fmt::format("tangent(), {} = -df/d({}); leave it out, and the library differences apply() for "
                                "implicit methods",

@@ -17,12 +17,21 @@ namespace {
 
 constexpr int kInstants = 200;
 
+VecX numbers(const LawValue& v) { return Vec3(v.y, v.yd, v.ydd); }
+VecX numbers(const TranslationValue& v) { return (VecX(9) << v.x, v.v, v.a).finished(); }
+VecX numbers(const RotationValue& v) { return (VecX(15) << rotation(v.q).reshaped(), v.w, v.a).finished(); }
+
+VecX change(const LawValue& from, const LawValue& to) { return VecX::Constant(1, to.y - from.y); }
+VecX change(const TranslationValue& from, const TranslationValue& to) { return to.x - from.x; }
+// (1.13): w is the rate of the rotation vector of q(t)' q(t + x) at x = 0, in the moved frame's own axes
+VecX change(const RotationValue& from, const RotationValue& to) { return rotation_vector(conjugate(from.q) * to.q); }
+
 /// A law of any kind as numbers: its value, and as many first as second derivatives. A rotation's value is its matrix.
 struct LawNumbers {
-  const char* levels[3];                                    ///< "x", "v", "a"
-  int n_values, n;                                          ///< numbers of the value, and of each derivative
-  Curve at;                                                 ///< all of them, over time
-  std::function<void(double t, double x, VecX& out)> move;  ///< change of the value from t to t + x, n numbers
+  const char* levels[3];                           ///< "x", "v", "a"
+  int n_values, n;                                 ///< numbers of the value, and of each derivative
+  Curve at{};                                      ///< all of them, over time
+  std::function<VecX(double t, double x)> move{};  ///< change of the value from t to t + x, n numbers
   std::function<void(double, double, std::vector<double>&)> breakpoints{};
 
   std::string name(int c) const {
@@ -55,21 +64,18 @@ class LawCheck {
   double instant(int i) const { return options_.from + span_ * i / kInstants; }
 
   bool finite() {
-    VecX f, again, other;
     for (int i = 0; i <= kInstants; ++i) {
       const double t = instant(i);
-      law_.at(t, f);
+      const VecX f = law_.at(t);
       size_ = i == 0 ? f.cwiseAbs() : VecX(size_.cwiseMax(f.cwiseAbs()));
-      for (Eigen::Index c = 0; c < f.size(); ++c)
+      for (int c = 0; c < f.size(); ++c)
         if (!std::isfinite(f[c])) {
-          report_.add("finite",
-                      {fmt::format("{} is {} at t = {} s", law_.name(static_cast<int>(c)), f[c], text::number(t)),
-                       "its formula there: a division by zero, a root or a logarithm of a negative number"});
+          report_.add("finite", {fmt::format("{} is {} at t = {} s", law_.name(c), f[c], text::number(t)),
+                                 "its formula there: a division by zero, a root or a logarithm of a negative number"});
           return false;
         }
-      law_.at(instant(kInstants - i), other);
-      law_.at(t, again);
-      if (again != f)
+      law_.at(instant(kInstants - i));
+      if (law_.at(t) != f)
         report_.add("same", {fmt::format("says something else at t = {} s when it is asked again", text::number(t)),
                              "what it keeps between two calls: a law is a function of t alone"});
     }
@@ -86,14 +92,9 @@ class LawCheck {
       double reach = std::min({span_ / 50, t - options_.from, options_.to - t});
       for (const double b : told) reach = std::min(reach, 0.9 * std::abs(t - b));
       if (reach < 1e-6 * span_) continue;
-      VecX here;
-      law_.at(t, here);
-      const Curve value = [&](double x, VecX& out) { law_.move(t, x, out); };
-      const Curve rate = [&](double x, VecX& out) {
-        VecX all;
-        law_.at(t + x, all);
-        out = all.segment(law_.n_values, n);
-      };
+      const VecX here = law_.at(t);
+      const Curve value = [&](double x) { return law_.move(t, x); };
+      const Curve rate = [&](double x) -> VecX { return law_.at(t + x).segment(law_.n_values, n); };
       for (const int level : {1, 2}) {
         const int first = law_.n_values + (level - 1) * n;
         compare(report_,
@@ -119,45 +120,27 @@ class LawCheck {
 
 template <class Law>
 CheckReport checked(const Law& law, const char* kind, const std::string& name, const CheckOptions& options,
-                    LawNumbers numbers) {
+                    LawNumbers numbers_of) {
   CheckReport report(name.empty() ? kind : fmt::format("{} '{}'", kind, name), options.seed);
-  numbers.breakpoints = [&](double t0, double t1, std::vector<double>& out) { law.breakpoints(t0, t1, out); };
-  LawCheck(numbers, report, options).run();
+  numbers_of.at = [&](double t) { return numbers(law.at(t)); };
+  numbers_of.move = [&](double t, double x) { return change(law.at(t), law.at(t + x)); };
+  numbers_of.breakpoints = [&](double t0, double t1, std::vector<double>& out) { law.breakpoints(t0, t1, out); };
+  LawCheck(numbers_of, report, options).run();
   return report;
 }
 
 }  // namespace
 
 CheckReport check_law(const MotionLaw& law, const CheckOptions& options, const std::string& name) {
-  const auto at = [&](double t, VecX& out) {
-    const LawValue v = law.at(t);
-    out = Vec3(v.y, v.yd, v.ydd);
-  };
-  const auto move = [&](double t, double x, VecX& out) { out = VecX::Constant(1, law.at(t + x).y); };
-  return checked(law, "law", name, options, {{"y", "yd", "ydd"}, 1, 1, at, move});
+  return checked(law, "law", name, options, {{"y", "yd", "ydd"}, 1, 1});
 }
 
 CheckReport check_law(const TranslationLaw& law, const CheckOptions& options, const std::string& name) {
-  const auto at = [&](double t, VecX& out) {
-    const TranslationValue v = law.at(t);
-    out.resize(9);
-    out << v.x, v.v, v.a;
-  };
-  const auto move = [&](double t, double x, VecX& out) { out = law.at(t + x).x; };
-  return checked(law, "translation law", name, options, {{"x", "v", "a"}, 3, 3, at, move});
+  return checked(law, "translation law", name, options, {{"x", "v", "a"}, 3, 3});
 }
 
 CheckReport check_law(const RotationLaw& law, const CheckOptions& options, const std::string& name) {
-  const auto at = [&](double t, VecX& out) {
-    const RotationValue v = law.at(t);
-    out.resize(15);
-    out << rotation(v.q).reshaped(), v.w, v.a;
-  };
-  // (1.13): w is the rate of the rotation vector of q(t)' q(t + x) at x = 0, in the moved frame's own axes
-  const auto move = [&](double t, double x, VecX& out) {
-    out = rotation_vector(conjugate(law.at(t).q) * law.at(t + x).q);
-  };
-  CheckReport report = checked(law, "rotation law", name, options, {{"q", "w", "a"}, 9, 3, at, move});
+  CheckReport report = checked(law, "rotation law", name, options, {{"q", "w", "a"}, 9, 3});
   for (int i = 0; i <= kInstants; ++i) {
     const double t = options.from + (options.to - options.from) * i / kInstants, n = std::sqrt(norm2(law.at(t).q));
     if (std::isfinite(n) && std::abs(n - 1) > 1e-12)

@@ -24,7 +24,7 @@ struct Declared {
   int kind = 1;  ///< so many components have one key
 };
 
-/// Compares each with what differences say. A finding is a difference beyond their error and rounding.
-void compare(CheckReport&, const Declared&, const Slope&);
+/// Compares each with what differences say. A finding is a difference beyond their error and rounding; whether there is.
+bool compare(CheckReport&, const Declared&, const Slope&);
 
 }  // namespace lockstep

@@ -19,18 +19,11 @@ struct Cell {
   double bend(Eigen::Index c) const { return std::abs(fm[c] - 0.5 * (fa[c] + fb[c])); }
 };
 
-Cell cell(const Curve& f, double a, double b) {
-  Cell r{a, b, {}, {}, {}};
-  f(a, r.fa), f(0.5 * (a + b), r.fm), f(b, r.fb);
-  return r;
-}
-
 // The point where component c bends most, and its change there; a jump of J bends by J/2 in every cell around it.
 Jump narrow(const Curve& f, Cell w, Eigen::Index c, double size) {
   for (int k = 0; k < kHalvings && w.bend(c) > 0.1 * kSmallest * size; ++k) {
     const double m = 0.5 * (w.a + w.b);
-    Cell left{w.a, m, w.fa, {}, w.fm}, right{m, w.b, w.fm, {}, w.fb};
-    f(0.5 * (w.a + m), left.fm), f(0.5 * (m + w.b), right.fm);
+    const Cell left{w.a, m, w.fa, f(0.5 * (w.a + m)), w.fm}, right{m, w.b, w.fm, f(0.5 * (m + w.b)), w.fb};
     w = left.bend(c) >= right.bend(c) ? left : right;
   }
   const bool smooth = !(w.bend(c) > 0.1 * kSmallest * size);
@@ -57,7 +50,7 @@ std::map<int, std::vector<Jump>> find_jumps(const Curve& f, double t0, double t1
   for (std::size_t i = 0; i + 1 < borders.size(); ++i) {
     const double a = away_from_known(borders[i], 1), b = away_from_known(borders[i + 1], -1);
     if (!(b > a)) continue;
-    all.push_back(cell(f, a, b));
+    all.push_back({a, b, f(a), f(0.5 * (a + b)), f(b)});
     const VecX most = all.back().fa.cwiseAbs().cwiseMax(all.back().fb.cwiseAbs());
     size = size.size() == 0 ? most : VecX(size.cwiseMax(most));
   }

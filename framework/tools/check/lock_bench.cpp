@@ -69,10 +69,10 @@ void LockBench::move_states(const TestState& from, TestState& to) const {
 }
 
 Curve LockBench::C_along(TestState from, double sign) const {
-  return [this, sign, from = std::move(from)](double x, VecX& out) {
+  return [this, sign, from = std::move(from)](double x) -> VecX {
     TestState on = coasted(from, x);
     move_states(from, on);
-    out = sign * rows(on).col(0);
+    return sign * rows(on).col(0);
   };
 }
 

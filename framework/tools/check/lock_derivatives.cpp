@@ -9,11 +9,11 @@ namespace lockstep {
 
 // dC/d(x, turn), column by column.
 void LockCheck::jacobian() {
-  const auto C = [&](const TestState& at, VecX& out) { out = bench_.rows(at).col(0); };
+  const auto C = [&](const TestState& at) -> VecX { return bench_.rows(at).col(0); };
   const VecX size = is_.rightCols(6 * n_).cwiseAbs().rowwise().maxCoeff();
   for (int slot = 0; slot < n_; ++slot) {
     std::vector<Slope> columns;
-    for (int j = 0; j < n_freedoms(slot); ++j) columns.push_back(derivative(slot, j, C));
+    for (int j = 0; j < n_freedoms(slot); ++j) columns.push_back(derivative(state_, slot, j, C));
     for (int j = 0; j < n_freedoms(slot); ++j)
       compare(
           report_,
@@ -122,7 +122,7 @@ void LockCheck::tangent() {
   sum.lay_out(n_);
   add_tangent(link_, state_.in(), {lambda.data(), static_cast<std::size_t>(m_)}, sum);
   check_tangent(sum, false,
-                [&](const TestState& at, VecX& out) { out = bench_.rows(at).rightCols(6 * n_).transpose() * lambda; },
+                [&](const TestState& at) -> VecX { return bench_.rows(at).rightCols(6 * n_).transpose() * lambda; },
                 is_.rightCols(6 * n_).cwiseAbs().maxCoeff(),
                 {"the change", "Jh^T lambda",
                  "tangent(); leave it out, and the library differences gather() for implicit methods"});

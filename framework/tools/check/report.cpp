@@ -70,18 +70,21 @@ std::string likeness(double is, double should_be) {
   return "";
 }
 
-void compare(CheckReport& report, const Declared& d, const Slope& slope) {
+bool compare(CheckReport& report, const Declared& d, const Slope& slope) {
+  bool found = false;
   for (int c = 0; c < d.is.size(); ++c) {
     const double is = d.is[c], should_be = slope.value[c], off = std::abs(is - should_be);
     const double size = std::max({std::abs(is), std::abs(should_be), d.size[c]});
     report.compared(size > 0 ? slope.error[c] / size : 0);
-    if (off > slope.error[c] + d.rounding * size)
-      report.add(fmt::format("{} {}", d.key, c / d.kind),
-                 {fmt::format("{} is {:.6g}, {} {:.6g}{}{}", d.what(c), is, d.source, should_be,
-                              likeness(is, should_be), d.where),
-                  d.look(c)},
-                 off);
+    if (!(off > slope.error[c] + d.rounding * size)) continue;
+    found = true;
+    report.add(fmt::format("{} {}", d.key, c / d.kind),
+               {fmt::format("{} is {:.6g}, {} {:.6g}{}{}", d.what(c), is, d.source, should_be, likeness(is, should_be),
+                            d.where),
+                d.look(c)},
+               off);
   }
+  return found;
 }
 
 }  // namespace lockstep

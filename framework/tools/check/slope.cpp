@@ -21,14 +21,13 @@ Weights central(double sign, double a, double b, double c, double d) {
 Slope derivative(const Curve& f, double reach, int order, const Weights& w8, const Weights& w6) {
   const Weights eighth =
       Weights(1, -8, 28, -56, 70, -56, 28, -8, 1) / std::sqrt(12870.0);  // noise of the size e makes one of e
-  VecX out, middle;
-  f(0, middle);
+  const VecX middle = f(0);
   Slope r{VecX::Zero(middle.size()), VecX::Constant(middle.size(), std::numeric_limits<double>::infinity())};
   VecX noise;
   for (int i = kFinest; i >= 0; --i) {
     const double h = std::ldexp(reach / 4, -i), scale = std::pow(h, order);
     MatX at(middle.size(), 9);
-    for (int k = -4; k <= 4; ++k) f(k * h, out), at.col(k + 4) = out;
+    for (int k = -4; k <= 4; ++k) at.col(k + 4) = f(k * h);
     const VecX rounding = std::numeric_limits<double>::epsilon() * at.cwiseAbs().rowwise().maxCoeff();
     at.colwise() -= middle;
     if (i == kFinest) noise = (at * eighth).cwiseAbs();

@@ -15,8 +15,8 @@
 
 namespace lockstep {
 
-/// f(x) into `out`, always of one size.
-using Curve = std::function<void(double x, VecX& out)>;
+/// f(x), always of one size.
+using Curve = std::function<VecX(double x)>;
 
 /// Component by component: the derivative, and a bound for its error (several times the estimate).
 struct Slope {

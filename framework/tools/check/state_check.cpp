@@ -192,9 +192,9 @@ void StateCheck::jumps() {
   on.stop();  // the memory may extrapolate with the velocities
   on.t = options_.from;
   accept_step(on);
-  const auto at = [&](double t, VecX& out) {
+  const auto at = [&](double t) -> VecX {
     on.t = t;
-    out = numbers(on).leftCols(n_timed_).reshaped();
+    return numbers(on).leftCols(n_timed_).reshaped();
   };
   const auto n = static_cast<int>(is_.rows());
   check_jumps({at, [&](int c) { return name(c % n, c / n); },
@@ -255,13 +255,13 @@ void StateCheck::accept_step(TestState& at) const {
   at.z = z;
 }
 
-Slope StateCheck::derivative(int slot, int k, const Output& f) const {
-  const Motion& O = state_.slot(slot);
+Slope StateCheck::derivative(const TestState& at, int slot, int k, const Output& f) const {
+  const Motion& O = at.slot(slot);
   const double reach[] = {0.05 * length_, 0.1, 0.05 * std::max(1.0, O.v.norm()), 0.05 * std::max(1.0, O.w.norm())};
-  TestState on = state_;
-  const auto moved = [&](double x, VecX& out) {
+  TestState on = at;
+  const auto moved = [&](double x) {
     on.slot(slot) = Differences::moved(O, k, x);
-    f(on, out);
+    return f(on);
   };
   return first_derivative(moved, reach[k / 3]);
 }
@@ -274,7 +274,7 @@ void StateCheck::check_tangent(const TangentSum& sum, bool damping, const Output
   for (const int slot : slots_)
     for (int k = 0; k < n_freedoms(slot); ++k) {
       const int unknown = damping ? k + 6 : k;
-      const Slope d = derivative(slot, unknown, f);
+      const Slope d = derivative(state_, slot, unknown, f);
       VecX is = T.col(6 * slot + k);
       for (int i = 0; i < 6 * n_; ++i)
         if (i % 6 >= n_freedoms(i / 6)) is[i] = d.value[i];  // a particle takes no moment

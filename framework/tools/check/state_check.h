@@ -46,7 +46,7 @@ class StateCheck {
   void run();
 
  protected:
-  using Output = std::function<void(const TestState&, VecX& out)>;
+  using Output = std::function<VecX(const TestState&)>;
 
   /// `remembering`: the object's memory, which begins at `first_memory` in z; null: it has none.
   StateCheck(const System&, CheckReport&, const CheckOptions&, const Remembering* remembering, int first_memory);
@@ -77,8 +77,8 @@ class StateCheck {
   std::string unknown_name(int slot, int k) const;
   /// Updates the object's memory as after an accepted step.
   void accept_step(TestState&) const;
-  /// df/d(unknown k of a slot) at the state under test.
-  Slope derivative(int slot, int k, const Output& f) const;
+  /// df/d(unknown k of a slot) at a state.
+  Slope derivative(const TestState&, int slot, int k, const Output& f) const;
 
   /// How a tangent is called in messages.
   struct TangentWords {
