@@ -215,7 +215,7 @@ CheckReport check_force(const Registry& registry, const std::string& type, const
         &sample.system.add<Revolute>("hinge", attachment.p(), attachment.s());  // for forces that act in a link
     const Force* force = &sample.system.add(registry.forces.make(type, attachment, params, &registry, "force 'tried'"));
     return [=, &sample, &options](CheckReport& report) {
-      if (sample.kind == SampleKind::p_on_ground && force->slots().empty()) return;  // it acts at P alone
+      if (sample.kind.p_fixed && force->slots().empty()) return;  // it acts at P alone
       ForceCheck(sample.system, *force, report, options).run();
     };
   });

@@ -4,6 +4,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <lockstep/error.h>
@@ -28,119 +29,100 @@ VecX change(const RotationValue& from, const RotationValue& to) { return rotatio
 
 /// A law of any kind as numbers: its value, and as many first as second derivatives. A rotation's value is its matrix.
 struct LawNumbers {
-  const char* levels[3];                           ///< "x", "v", "a"
-  int n_values, n;                                 ///< numbers of the value, and of each derivative
-  Curve at{};                                      ///< all of them, over time
-  std::function<VecX(double t, double x)> move{};  ///< change of the value from t to t + x, n numbers
-  std::function<void(double, double, std::vector<double>&)> breakpoints{};
+  std::array<const char*, 3> levels;               ///< "x", "v", "a"
+  TimedNumbers all;                                ///< over time
+  std::function<VecX(double t, double x)> change;  ///< of the value from t to t + x
+  int n, n_values;                                 ///< numbers of a derivative, and of the value
 
   std::string name(int c) const {
     if (c < n_values && n_values > n) return fmt::format("the rotation matrix of {} [{}][{}]", levels[0], c % 3, c / 3);
     const int level = c < n_values ? 0 : 1 + (c - n_values) / n;
     return n == 1 ? levels[level] : fmt::format("{}[{}]", levels[level], (c + n - n_values) % n);
   }
-  TimedNumbers timed() const {
-    return {at, [this](int c) { return name(c); }, breakpoints,
-            "breakpoints(): append every instant where the value or one of its two derivatives jumps"};
-  }
 };
 
-class LawCheck {
- public:
-  LawCheck(const LawNumbers& law, CheckReport& report, const CheckOptions& options)
-      : law_(law), report_(report), options_(options), span_(options.to - options.from) {
-    if (!(span_ > 0) || !std::isfinite(span_))
-      throw ModelError(fmt::format("check_law: from {} s to {} s is no time to look at; give a later end", options.from,
-                                   options.to));
-  }
-
-  void run() {
-    if (!finite()) return;
-    derivatives();
-    check_jumps(law_.timed(), options_, report_, 400, law_.n_values + 2 * law_.n);
-  }
-
- private:
-  double instant(int i) const { return options_.from + span_ * i / kInstants; }
-
-  bool finite() {
-    for (int i = 0; i <= kInstants; ++i) {
-      const double t = instant(i);
-      const VecX f = law_.at(t);
-      size_ = i == 0 ? f.cwiseAbs() : VecX(size_.cwiseMax(f.cwiseAbs()));
-      for (int c = 0; c < f.size(); ++c)
-        if (!std::isfinite(f[c])) {
-          report_.add("finite", {fmt::format("{} is {} at t = {} s", law_.name(c), f[c], text::number(t)),
-                                 "its formula there: a division by zero, a root or a logarithm of a negative number"});
-          return false;
-        }
-      law_.at(instant(kInstants - i));
-      if (law_.at(t) != f)
-        report_.add("same", {fmt::format("says something else at t = {} s when it is asked again", text::number(t)),
-                             "what it keeps between two calls: a law is a function of t alone"});
-    }
-    return true;
-  }
-
-  // First derivatives against the change of the value, second ones against the first.
-  void derivatives() {
-    const int n = law_.n;
-    const std::vector<double> told = told_breakpoints(law_.timed(), options_, report_);
-    Draw draw(options_.seed);
-    for (int i = 0; i < 8 * options_.states; ++i) {
-      const double t = draw.number(options_.from, options_.to);
-      double reach = std::min({span_ / 50, t - options_.from, options_.to - t});
-      for (const double b : told) reach = std::min(reach, 0.9 * std::abs(t - b));
-      if (reach < 1e-6 * span_) continue;
-      const VecX here = law_.at(t);
-      const Curve value = [&](double x) { return law_.move(t, x); };
-      const Curve rate = [&](double x) -> VecX { return law_.at(t + x).segment(law_.n_values, n); };
-      for (const int level : {1, 2}) {
-        const int first = law_.n_values + (level - 1) * n;
-        compare(report_,
-                {fmt::format("slope {}", level), here.segment(first, n),
-                 VecX::Constant(n, size_.segment(first, n).maxCoeff()),
-                 [&](int k) { return fmt::format("{} at t = {} s", law_.name(first + k), text::number(t)); },
-                 fmt::format("differences of {} say", law_.levels[level - 1]), "",
-                 [&](int k) {
-                   return fmt::format("the formula of {}, and at the terms that come with the chain rule",
-                                      law_.name(first + k));
-                 }},
-                first_derivative(level == 1 ? value : rate, reach));
+// The largest of each number; nothing where one is not finite.
+VecX sizes(const LawNumbers& law, const CheckOptions& options, CheckReport& report) {
+  const auto instant = [&](int i) { return options.from + (options.to - options.from) * i / kInstants; };
+  VecX size = law.all.at(options.from).cwiseAbs();
+  for (int i = 0; i <= kInstants; ++i) {
+    const double t = instant(i);
+    const VecX f = law.all.at(t);
+    size = size.cwiseMax(f.cwiseAbs());
+    for (int c = 0; c < f.size(); ++c)
+      if (!std::isfinite(f[c])) {
+        report.add("finite", {fmt::format("{} is {} at t = {} s", law.name(c), f[c], text::number(t)),
+                              "its formula there: a division by zero, a root or a logarithm of a negative number"});
+        return {};
       }
+    law.all.at(instant(kInstants - i));
+    if (law.all.at(t) != f)
+      report.add("same", {fmt::format("says something else at t = {} s when it is asked again", text::number(t)),
+                          "what it keeps between two calls: a law is a function of t alone"});
+  }
+  return size;
+}
+
+// First derivatives against the change of the value, second ones against the first.
+void check_rates(const LawNumbers& law, const VecX& size, const CheckOptions& options, CheckReport& report) {
+  const std::vector<double> told = told_breakpoints(law.all, options, report);
+  const double span = options.to - options.from;
+  Draw draw(options.seed);
+  for (int i = 0; i < 8 * options.states; ++i) {
+    const double t = draw.number(options.from, options.to);
+    double reach = std::min({span / 50, t - options.from, options.to - t});
+    for (const double b : told) reach = std::min(reach, 0.9 * std::abs(t - b));
+    if (reach < 1e-6 * span) continue;
+    const Curve value = [&](double x) { return law.change(t, x); };
+    const Curve rate = [&](double x) -> VecX { return law.all.at(t + x).segment(law.n_values, law.n); };
+    for (const int level : {1, 2}) {
+      const int first = law.n_values + (level - 1) * law.n;
+      const auto what = [&](int k) { return fmt::format("{} at t = {} s", law.name(first + k), text::number(t)); };
+      const auto look = [&](int k) {
+        return fmt::format("the formula of {}, and at the terms that come with the chain rule", law.name(first + k));
+      };
+      compare(report,
+              {fmt::format("slope {}", level), law.all.at(t).segment(first, law.n),
+               VecX::Constant(law.n, size.segment(first, law.n).maxCoeff()), what,
+               fmt::format("differences of {} say", law.levels[level - 1]), "", look},
+              first_derivative(level == 1 ? value : rate, reach));
     }
   }
-
-  const LawNumbers& law_;
-  CheckReport& report_;
-  const CheckOptions& options_;
-  double span_;
-  VecX size_;
-};
+}
 
 template <class Law>
 CheckReport checked(const Law& law, const char* kind, const std::string& name, const CheckOptions& options,
-                    LawNumbers numbers_of) {
+                    const std::array<const char*, 3>& levels) {
+  if (!(options.to > options.from) || !std::isfinite(options.to - options.from))
+    throw ModelError(
+        fmt::format("check_law: from {} s to {} s is no time to look at; give a later end", options.from, options.to));
   CheckReport report(name.empty() ? kind : fmt::format("{} '{}'", kind, name), options.seed);
-  numbers_of.at = [&](double t) { return numbers(law.at(t)); };
-  numbers_of.move = [&](double t, double x) { return change(law.at(t), law.at(t + x)); };
-  numbers_of.breakpoints = [&](double t0, double t1, std::vector<double>& out) { law.breakpoints(t0, t1, out); };
-  LawCheck(numbers_of, report, options).run();
+  LawNumbers own{levels, {}, {}, 0, 0};
+  own.all = {[&](double t) { return numbers(law.at(t)); }, [&](int c) { return own.name(c); },
+             [&](double t0, double t1, std::vector<double>& out) { law.breakpoints(t0, t1, out); },
+             "breakpoints(): append every instant where the value or one of its two derivatives jumps"};
+  own.change = [&](double t, double x) { return change(law.at(t), law.at(t + x)); };
+  const auto n_all = static_cast<int>(own.all.at(options.from).size());
+  own.n = static_cast<int>(own.change(options.from, 0).size()), own.n_values = n_all - 2 * own.n;
+  const VecX size = sizes(own, options, report);
+  if (size.size() == 0) return report;
+  check_rates(own, size, options, report);
+  check_jumps(own.all, options, report, 400, n_all);
   return report;
 }
 
 }  // namespace
 
 CheckReport check_law(const MotionLaw& law, const CheckOptions& options, const std::string& name) {
-  return checked(law, "law", name, options, {{"y", "yd", "ydd"}, 1, 1});
+  return checked(law, "law", name, options, {"y", "yd", "ydd"});
 }
 
 CheckReport check_law(const TranslationLaw& law, const CheckOptions& options, const std::string& name) {
-  return checked(law, "translation law", name, options, {{"x", "v", "a"}, 3, 3});
+  return checked(law, "translation law", name, options, {"x", "v", "a"});
 }
 
 CheckReport check_law(const RotationLaw& law, const CheckOptions& options, const std::string& name) {
-  CheckReport report = checked(law, "rotation law", name, options, {{"q", "w", "a"}, 9, 3});
+  CheckReport report = checked(law, "rotation law", name, options, {"q", "w", "a"});
   for (int i = 0; i <= kInstants; ++i) {
     const double t = options.from + (options.to - options.from) * i / kInstants, n = std::sqrt(norm2(law.at(t).q));
     if (std::isfinite(n) && std::abs(n - 1) > 1e-12)

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include <lockstep/error.h>
-#include <lockstep/solvers.h>
 
 namespace lockstep {
 namespace {
@@ -16,10 +15,10 @@ constexpr double kCoarse = 3e-2;    // larger errors do not show an order yet
 constexpr double kOrderRoom = 0.4;  // by which a measured order may be lower than the stated one
 
 // Projects to round-off, so that fine steps show their error.
-Dynamics exact_dynamics(System& system) {
+DynamicsOptions exactly() {
   DynamicsOptions options;
   options.stabilization.tolerance = 1e-13;
-  return Dynamics(system, std::make_unique<SchurSolver>(), options);
+  return options;
 }
 
 // The power with which e goes with h: least squares of their logarithms.
@@ -41,20 +40,18 @@ struct Run {
 // `setting`: the step, or the tolerance of an adaptive method.
 Run run(const IntegratorMaker& make, const IntegratorInfo& info, const ClosedMotion& motion, double setting) {
   constexpr int kMostSteps = 200000;
-  Dynamics dynamics = exact_dynamics(*motion.system);
-  const auto method = make();
-  method->set_tolerance(tolerance_of(info.adaptive ? setting : 1e-7));  // with fixed steps, of an implicit iteration
-  State state = motion.system->start();
-  method->begin(dynamics, state);
-  double h = info.adaptive ? method->first_step(dynamics, state, motion.end) : setting;
+  // with fixed steps, the tolerance is that of an implicit method's iteration
+  Going going(make, motion, tolerance_of(info.adaptive ? setting : 1e-7), exactly());
+  const State& state = going.state;
+  double h = info.adaptive ? going.method->first_step(going.dynamics, state, motion.end) : setting;
   if (!(h > 0)) h = 1e-3;
   Run run;
   const double end = motion.end - (info.adaptive ? 0 : 0.5 * setting);
   int n = 0;
   try {
     for (; state.t < end && n < kMostSteps; ++n) {
-      const StepReport report = method->step(dynamics, state, h);
-      dynamics.accept(state);
+      const StepReport report = going.step(h);
+      going.dynamics.accept(going.state);
       run.error = std::max(run.error, motion.error(state));
       if (report.h_next > 0 && info.adaptive) h = report.h_next;
     }
@@ -118,34 +115,28 @@ void check_dense_output(const IntegratorMaker& make, const ClosedMotion& motion,
   const auto add = [&](const char* key, std::string what, const char* look) {
     report.add(key, {std::move(what), look});
   };
-  Dynamics dynamics = exact_dynamics(*motion.system);
   std::vector<double> h, e;
   State inside = motion.system->start();
   for (double wanted = 0.1; wanted > 2e-3; wanted *= 0.5) {
-    const auto method = make();
-    method->set_tolerance({1e-3, 1e-3});
-    State state = motion.system->start();
-    const State start = state;
-    method->begin(dynamics, state);
-    if (!method->dense(state.t, inside)) return;
+    Going going(make, motion, {1e-3, 1e-3}, exactly());
+    const State start = going.state;
+    if (!going.method->dense(start.t, inside)) return;
     if (apart(inside, start) > 1e-12)
       add("dense", "dense() right after begin() is not the state of begin()", "dense() before the first step");
-    const double h_made = method->step(dynamics, state, wanted).h;
-    if (!method->dense(start.t + 0.4 * h_made, inside)) {
-      add("dense", "dense() has an answer right after begin() and none after a step", "dense(): always, or never");
-      return;
-    }
-    if (std::abs(inside.t - start.t - 0.4 * h_made) > 1e-12)
-      add("dense", "dense() at a time gives a state of another time", "dense(): out.t = t");
-    const double error = motion.error(inside);
-    if (error > 1e-13) h.push_back(h_made), e.push_back(error);
-    for (const bool end : {false, true}) {
-      if (!method->dense(end ? state.t : start.t, inside)) continue;
-      const double gap = apart(inside, end ? state : start), room = end ? 1e-6 + 10 * motion.error(state) : 1e-10;
-      if (gap > room)
+    const double h_made = going.step(wanted).h;
+    for (const double share : {0.0, 0.4, 1.0}) {
+      const double t = start.t + share * h_made;
+      if (!going.method->dense(t, inside))
+        return add("dense", "dense() has an answer right after begin() and none after a step",
+                   "dense(): always, or never");
+      if (std::abs(inside.t - t) > 1e-12)
+        add("dense", "dense() at a time gives a state of another time", "dense(): out.t = t");
+      const double error = motion.error(inside), gap = apart(inside, share == 0 ? start : going.state);
+      if (share == 0.4 && error > 1e-13) h.push_back(h_made), e.push_back(error);
+      if (share != 0.4 && gap > (share == 0 ? 1e-10 : 1e-6 + 10 * motion.error(going.state)))
         add("dense",
             fmt::format("dense() at the {} of a step of {:.3g} s is {:.3g} away from the state there ({})",
-                        end ? "end" : "beginning", h_made, gap, motion.name),
+                        share == 0 ? "beginning" : "end", h_made, gap, motion.name),
             "dense() at the ends of the step");
     }
   }

@@ -7,12 +7,15 @@
 
 #include <lockstep/error.h>
 #include "framework/tools/check/draw.h"
+#include "framework/tools/check/state_check.h"
 
 namespace lockstep {
 namespace {
 
-constexpr const char* kKindNames[] = {"both bodies moving", "S on the ground", "P on the ground",
-                                      "markers moving by laws"};
+constexpr SampleKind kKinds[] = {{"both bodies moving", false, false, false},
+                                 {"S on the ground", true, false, false},
+                                 {"P on the ground", false, true, false},
+                                 {"markers moving by laws", false, false, true}};
 
 // Smooth motions of markers, with exact derivatives.
 struct Sway final : TranslationLaw {
@@ -32,7 +35,7 @@ struct Wag final : RotationLaw {
 
 }  // namespace
 
-SampleSystem::SampleSystem(SampleKind sample_kind, const CheckOptions& options)
+SampleSystem::SampleSystem(const SampleKind& sample_kind, const CheckOptions& options)
     : kind(sample_kind), seed_(options.seed) {
   Draw draw(seed_);
   const MassProperties mass{1.0, draw.vector(0.1), Vec3(0.5, 0.6, 0.7).asDiagonal()};
@@ -40,10 +43,9 @@ SampleSystem::SampleSystem(SampleKind sample_kind, const CheckOptions& options)
     const Pose home{draw.vector(0.3), draw.turn(0.5)};
     return fixed ? &system.ground() : &system.add_body(name, mass, home);
   };
-  common_ = body("common", kind == SampleKind::s_on_ground);
+  common_ = body("common", kind.s_fixed);
   const char* names[] = {"a", "b", "c"};
-  for (int k = 0; k < std::clamp(options.pairs, 1, 3); ++k)
-    bodies_.push_back(body(names[k], kind == SampleKind::p_on_ground && k == 0));
+  for (int k = 0; k < std::clamp(options.pairs, 1, 3); ++k) bodies_.push_back(body(names[k], kind.p_fixed && k == 0));
 }
 
 Attachment SampleSystem::attachment(const std::string& name) {
@@ -53,12 +55,11 @@ Attachment SampleSystem::attachment(const std::string& name) {
     const std::string of = name + (k == 0 ? "" : std::to_string(k + 1));
     Marker& p = system.add_marker(of + ".P", *bodies_[k], {draw.vector(0.2), draw.turn(0.5)});
     Marker& s = system.add_marker(of + ".S", *common_, {draw.vector(0.2), draw.turn(0.5)});
-    if (kind == SampleKind::markers_move) {
-      p.translation_law = std::make_shared<Sway>(draw.vector(0.2)),
-      p.rotation_law = std::make_shared<Wag>(draw.vector(1));
-      s.translation_law = std::make_shared<Sway>(draw.vector(0.2)),
-      s.rotation_law = std::make_shared<Wag>(draw.vector(1));
-    }
+    if (kind.markers_move)
+      for (Marker* m : {&p, &s}) {
+        m->translation_law = std::make_shared<Sway>(draw.vector(0.2));
+        m->rotation_law = std::make_shared<Wag>(draw.vector(1));
+      }
     attachment.pairs.emplace_back(&p, &s);
   }
   return attachment;
@@ -66,27 +67,22 @@ Attachment SampleSystem::attachment(const std::string& name) {
 
 CheckReport check_in_samples(const std::string& subject, const CheckOptions& options, const MakeCheck& make) {
   CheckReport report(subject, options.seed);
-  for (const SampleKind kind :
-       {SampleKind::moving, SampleKind::s_on_ground, SampleKind::p_on_ground, SampleKind::markers_move}) {
-    const char* name = kKindNames[static_cast<int>(kind)];
+  for (const SampleKind& kind : kKinds) {
     SampleSystem sample(kind, options);
     CheckReport found(subject, options.seed);
     std::function<void(CheckReport&)> check;
     try {
       check = make(sample);
-      sample.system.setup();
-    } catch (const UserCodeError& error) {
-      report.add("setup", {error.what(), "what it says"});
-      break;
+      if (!set_up(sample.system, report)) break;
     } catch (const ModelError& error) {
-      if (kind == SampleKind::moving) throw;
-      report.note(fmt::format("not tried with {}: {}", name, error.what()));
+      if (&kind == kKinds) throw;
+      report.note(fmt::format("not tried with {}: {}", kind.name, error.what()));
       continue;
     }
     check(found);
     report.take(found);
     if (found.ok()) continue;
-    report.note(fmt::format("the first findings came with {}", name));
+    report.note(fmt::format("the first findings came with {}", kind.name));
     break;
   }
   return report;

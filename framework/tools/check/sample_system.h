@@ -11,17 +11,20 @@
 
 namespace lockstep {
 
-enum class SampleKind { moving, s_on_ground, p_on_ground, markers_move };
+struct SampleKind {
+  const char* name;  ///< "S on the ground"
+  bool s_fixed, p_fixed, markers_move;
+};
 
 /// Bodies "a", "b", ... that carry a P each, and "common" that carries every S; each object gets its own markers.
 class SampleSystem {
  public:
-  SampleSystem(SampleKind kind, const CheckOptions& options);
+  SampleSystem(const SampleKind& kind, const CheckOptions& options);
   /// Markers for one more object of this name: options.pairs pairs.
   Attachment attachment(const std::string& name);
 
   System system;
-  const SampleKind kind;
+  const SampleKind& kind;
 
  private:
   std::uint64_t seed_;

@@ -237,7 +237,7 @@ void StateCheck::turn_about_z(int slot, const Marker& s, double sense, const std
     while (third(c, i) < 0.99 * most) ++i;  // the first of equal ones
     const auto [fine_way, fine] = walk(way[i], static_cast<double>(i) * kStep, kStep / kFiner, 3 * kFiner);
     const double jump = 0.5 * fine.row(c).maxCoeff(&k);
-    if (jump > 0.25 * most)
+    if (4 * jump > most)
       jumped(c % static_cast<int>(is_.rows()), numbers(fine_way[k]), numbers(fine_way[k + 3]),
              fmt::format("jumps by {:.3g} where {} has turned by {:.0f} degrees about z of '{}'", jump, who,
                          (static_cast<double>(i) + static_cast<double>(k) / kFiner) * kStep * 180 / kPi, s.name));
