@@ -8,14 +8,13 @@
 
 #include <lockstep/error.h>
 #include "framework/tools/charts/chart_style.h"
+#include "framework/tools/charts/grid_page.h"
 
 namespace lockstep {
 namespace {
 using namespace chart_style;
 
-// Pixels.
-constexpr double kBelowTitle = 14, kLegendRow = 22, kRemark = 19, kAbove = 42, kBelow = 58, kLeft = 78, kBetween = 84,
-                 kRight = 24, kBeforeRemarks = 22;
+constexpr GridPage::Edges kEdges{.above = 42, .below = 58, .left = 78, .between = 84};  // pixels
 
 // The colours of chart_style and five more, which most readers can distinguish; marks and dashes do the rest.
 constexpr std::array<const char*, 12> kColors{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9",
@@ -51,7 +50,7 @@ Legend legend_of(const GridSpec& spec) {
   for (const GridPanel& panel : spec.panels) legend.rings = legend.rings || !panel.open_ends.x.empty();
   if (legend.rings) longest = std::max(longest, spec.open_label.size());
   const double letters = static_cast<double>(longest);
-  const std::size_t fits = legend_columns(spec.width - kLeft - kRight, letters, 9.5);
+  const std::size_t fits = legend_columns(GridPage::inner_width(spec.width, kEdges), letters, 9.5);
   const std::size_t n = legend.labels.size() + (legend.rings ? 1 : 0);
   legend.n_rows = (n + fits - 1) / fits;
   legend.n_columns = legend.n_rows > 0 ? (n + legend.n_rows - 1) / legend.n_rows : 1;
@@ -59,57 +58,17 @@ Legend legend_of(const GridSpec& spec) {
   return legend;
 }
 
-struct Layout {
-  std::size_t n_columns, n_rows;
-  double width, height, title, top, plot_width, plot_height;  // pixels
-};
-
-Layout layout_of(const GridSpec& spec, const Legend& legend) {
-  Layout all{};
-  all.n_columns = std::min(std::max<std::size_t>(1, spec.n_columns), spec.panels.size());
-  all.n_rows = (spec.panels.size() + all.n_columns - 1) / all.n_columns;
-  all.width = spec.width;
-  all.title = kBelowTitle + title_height(spec.title);
-  all.top = all.title + kLegendRow * static_cast<double>(legend.n_rows);
-  all.plot_height = spec.panel_height - kAbove - kBelow;
-  const auto n = static_cast<double>(all.n_columns);
-  all.plot_width = (spec.width - kLeft - kRight - kBetween * (n - 1)) / n;
-  all.height = all.top + spec.panel_height * static_cast<double>(all.n_rows) +
-               kRemark * static_cast<double>(spec.remarks.size()) + (spec.remarks.empty() ? 0 : kBeforeRemarks);
-  return all;
-}
-
-// An invisible plot that fills the page, for what is placed by page coordinates.
-void whole_page(Script& out) {
-  out.line("unset border\nunset tics\nunset xlabel\nunset ylabel\nunset object\nunset label\nunset logscale");
-  out.line("set xrange [0:1]\nset yrange [0:1]");
-  margins(out, 0, 1, 1, 0);
-}
-
 constexpr const char* kRings = "with points pt 6 ps 2.2 lw 1.6 lc rgb '#555555'";
 
-void add_legend(Script& out, const GridSpec& spec, const Layout& all, const Legend& legend) {
-  whole_page(out);
-  out.line(fmt::format("set key at screen {:.5f}, screen {:.5f} left top horizontal maxcols {} width {}",
-                       kLeft / all.width, 1 - (all.title - 6) / all.height, legend.n_columns, legend.width));
-  std::vector<std::string> clauses{"2 notitle"};
+std::vector<std::string> legend_entries(const GridSpec& spec, const Legend& legend) {
+  std::vector<std::string> entries;
   for (std::size_t i = 0; i < legend.labels.size(); ++i) {
-    std::string clause = plot_clause("none", {legend.labels[i], {}, {}, legend.styles[i], legend.colors[i]}, i);
-    clause.replace(0, std::string("$none using 1:2").size(), "keyentry");
-    clauses.push_back(clause);
+    std::string entry = plot_clause("none", {legend.labels[i], {}, {}, legend.styles[i], legend.colors[i]}, i);
+    entry.replace(0, std::string("$none using 1:2").size(), "keyentry");
+    entries.push_back(entry);
   }
-  if (legend.rings) clauses.push_back(fmt::format("keyentry {} title {}", kRings, quoted_text(spec.open_label)));
-  plot(out, clauses);
-  out.line("unset key\nset border 3 lc rgb '#555555' lw 1\nset tics nomirror out textcolor rgb '#333333'");
-}
-
-void place(Script& out, const GridSpec& spec, const Layout& all, std::size_t k) {
-  const std::size_t rows_above = k / all.n_columns;
-  const double column = static_cast<double>(k % all.n_columns), row = static_cast<double>(rows_above);
-  const double left = kLeft + column * (all.plot_width + kBetween);
-  const double top = all.top + row * spec.panel_height + kAbove;
-  margins(out, left / all.width, (left + all.plot_width) / all.width, 1 - top / all.height,
-          1 - (top + all.plot_height) / all.height);
+  if (legend.rings) entries.push_back(fmt::format("keyentry {} title {}", kRings, quoted_text(spec.open_label)));
+  return entries;
 }
 
 // Whole decades around what is there, so that every axis has labels.
@@ -130,9 +89,8 @@ void strip(Script& out, const GridPanel& panel, const std::string& name) {
                   quoted_text(name)));
 }
 
-void add_panel(Script& out, const GridSpec& spec, const Layout& all, const Legend& legend, std::size_t k) {
+void add_panel(Script& out, const GridSpec& spec, const Legend& legend, std::size_t k) {
   const GridPanel& panel = spec.panels[k];
-  place(out, spec, all, k);
   Extent x{}, y{};
   for (const Series& s : panel.series) x.take(s.x, true), y.take(s.y, true);
   axis(out, 'x', panel.x_label, true, x.low, x.high);
@@ -157,18 +115,6 @@ void add_panel(Script& out, const GridSpec& spec, const Layout& all, const Legen
   plot(out, clauses);
 }
 
-void add_remarks(Script& out, const GridSpec& spec, const Layout& all) {
-  if (spec.remarks.empty()) return;
-  whole_page(out);
-  for (std::size_t i = 0; i < spec.remarks.size(); ++i)
-    out.line(
-        fmt::format("set label {} {} at screen {:.5f}, screen {:.5f} left noenhanced font ',10' textcolor rgb "
-                    "'#444444'",
-                    i + 1, quoted_text(spec.remarks[i]), kLeft / all.width,
-                    (kRemark * static_cast<double>(spec.remarks.size() - i) - 2) / all.height));
-  out.line("plot 2 notitle");
-}
-
 void check(const GridSpec& spec) {
   if (spec.panels.empty()) throw ModelError(fmt::format("chart \"{}\" has no panels; give it one", spec.title));
   for (const GridPanel& panel : spec.panels)
@@ -181,16 +127,16 @@ void check(const GridSpec& spec) {
 void write_grid(const std::string& path, const GridSpec& spec) {
   check(spec);
   const Legend legend = legend_of(spec);
-  const Layout all = layout_of(spec, legend);
+  const GridPage page(spec.title, spec.remarks, spec.panels.size(), spec.n_columns, legend.n_rows, spec.width,
+                      spec.panel_height, kEdges);
   Script out;
   panel_data(out, spec.panels);
-  common(out);
-  begin_page(out, 1, spec.title);
-  add_legend(out, spec, all, legend);
-  for (std::size_t k = 0; k < spec.panels.size(); ++k) add_panel(out, spec, all, legend, k);
-  add_remarks(out, spec, all);
-  end_page(out);
-  draw(out, path, spec.width, static_cast<int>(std::lround(all.height)));
+  page.begin(out, legend_entries(spec, legend), legend.n_columns, legend.width);
+  for (std::size_t k = 0; k < spec.panels.size(); ++k) {
+    page.place(out, k);
+    add_panel(out, spec, legend, k);
+  }
+  page.draw_to(path, out);
 }
 
 }  // namespace lockstep

@@ -6,6 +6,7 @@
 
 #include <lockstep/error.h>
 #include "framework/tools/charts/chart_style.h"
+#include "framework/tools/charts/grid_page.h"
 #include "framework/tools/charts/map_grid.h"
 
 namespace lockstep {
@@ -110,19 +111,6 @@ void add_map(Script& out, const MapSpec& spec) {
   plot(out, clauses);
 }
 
-// Pixels.
-namespace page {
-constexpr double kBelowTitle = 14, kLegendRow = 24, kRemark = 19, kAbove = 40, kBelow = 74, kLeft = 92, kBetween = 108,
-                 kRight = 24, kBeforeRemarks = 10;
-}
-
-struct MapLayout {
-  std::size_t n_columns, n_rows;
-  double width, height, top, map_width, map_height;  // pixels
-};
-
-constexpr std::size_t kLegendColumns = 2;  // labels are long
-
 // Numbers of the kinds that some map shows.
 std::vector<std::size_t> shown_kinds(const MapGridSpec& spec) {
   std::vector<std::size_t> shown;
@@ -132,61 +120,20 @@ std::vector<std::size_t> shown_kinds(const MapGridSpec& spec) {
   return shown;
 }
 
-MapLayout map_layout_of(const MapGridSpec& spec) {
-  MapLayout all{};
-  all.n_columns = std::min(std::max<std::size_t>(1, spec.n_columns), spec.maps.size());
-  all.n_rows = (spec.maps.size() + all.n_columns - 1) / all.n_columns;
-  const auto n = static_cast<double>(all.n_columns);
-  all.width = spec.width;
-  all.top =
-      (page::kBelowTitle + title_height(spec.title)) +
-      page::kLegendRow *
-          static_cast<double>((shown_kinds(spec).size() + kLegendColumns + !spec.mark_label.empty()) / kLegendColumns);
-  all.map_width = (all.width - page::kLeft - page::kRight - page::kBetween * (n - 1)) / n;
-  all.map_height = spec.map_height - page::kAbove - page::kBelow;
-  all.height = all.top + spec.map_height * static_cast<double>(all.n_rows) +
-               page::kRemark * static_cast<double>(spec.remarks.size()) +
-               (spec.remarks.empty() ? 0 : page::kBeforeRemarks);
-  return all;
-}
-
-void whole_map_page(Script& out) {
-  out.line(
-      "unset border\nunset tics\nunset xlabel\nunset ylabel\nunset object\nunset label\nunset logscale\nunset title");
-  out.line("set xrange [0:1]\nset yrange [0:1]");
-  margins(out, 0, 1, 1, 0);
-}
-
-void add_map_legend(Script& out, const MapGridSpec& spec, const MapLayout& all) {
-  whole_map_page(out);
-  std::vector<std::string> clauses{"2 notitle"};
+std::vector<std::string> legend_entries(const MapGridSpec& spec) {
+  std::vector<std::string> entries;
   const std::vector<MapSpec::Kind>& kinds = spec.maps.front().kinds;
   for (const std::size_t k : shown_kinds(spec))
-    clauses.push_back(fmt::format("keyentry with boxes lc rgb '{}' fs solid 0.85 title {}",
+    entries.push_back(fmt::format("keyentry with boxes lc rgb '{}' fs solid 0.85 title {}",
                                   color_or(kinds[k].color, k, "kind \"" + kinds[k].label + "\""),
                                   quoted_text(kinds[k].label)));
   if (!spec.curve_label.empty())
-    clauses.push_back(
+    entries.push_back(
         fmt::format("keyentry with lines lc rgb '#111111' lw 2.4 title {}", quoted_text(spec.curve_label)));
   if (!spec.mark_label.empty())
-    clauses.push_back(
+    entries.push_back(
         fmt::format("keyentry with points pt 2 ps 0.8 lw 1.8 lc rgb '#111111' title {}", quoted_text(spec.mark_label)));
-  out.line(fmt::format("set key at screen {:.5f}, screen {:.5f} left top horizontal maxcols {} width 2",
-                       page::kLeft / all.width, 1 - ((page::kBelowTitle + title_height(spec.title)) - 6) / all.height,
-                       kLegendColumns));
-  plot(out, clauses);
-  out.line("unset key\nset border 3 lc rgb '#555555' lw 1\nset tics nomirror out textcolor rgb '#333333'");
-}
-
-void add_map_remarks(Script& out, const MapGridSpec& spec, const MapLayout& all) {
-  if (spec.remarks.empty()) return;
-  whole_map_page(out);
-  for (std::size_t i = 0; i < spec.remarks.size(); ++i)
-    out.line(fmt::format(
-        "set label {} {} at screen {:.5f}, screen {:.5f} left noenhanced font ',10' textcolor rgb '#444444'", i + 1,
-        quoted_text(spec.remarks[i]), page::kLeft / all.width,
-        (page::kRemark * static_cast<double>(spec.remarks.size() - i) - 2) / all.height));
-  out.line("plot 2 notitle");
+  return entries;
 }
 
 void check(const BarSpec& spec) {
@@ -230,26 +177,22 @@ void write_maps(const std::string& path, const std::string& title, const std::ve
 void write_map_grid(const std::string& path, const MapGridSpec& spec) {
   if (spec.maps.empty()) throw ModelError(fmt::format("\"{}\" has no maps; give it at least one", spec.title));
   for (const MapSpec& map : spec.maps) check(map);
-  const MapLayout all = map_layout_of(spec);
+  constexpr std::size_t kLegendColumns = 2;  // labels are long
+  const std::vector<std::string> entries = legend_entries(spec);
+  const GridPage page(spec.title, spec.remarks, spec.maps.size(), spec.n_columns,
+                      (entries.size() + kLegendColumns - 1) / kLegendColumns, spec.width, spec.map_height,
+                      {.above = 40, .below = 74, .left = 92, .between = 108});
   Script out;
-  common(out);
-  begin_page(out, 1, spec.title);
-  add_map_legend(out, spec, all);
+  page.begin(out, entries, kLegendColumns, 2);
   for (std::size_t k = 0; k < spec.maps.size(); ++k) {
-    const double column = static_cast<double>(k % all.n_columns), row = static_cast<double>(k / all.n_columns);
-    const double left = page::kLeft + column * (all.map_width + page::kBetween),
-                 top = all.top + row * spec.map_height + page::kAbove;
-    margins(out, left / all.width, (left + all.map_width) / all.width, 1 - top / all.height,
-            1 - (top + all.map_height) / all.height);
+    page.place(out, k);
     MapSpec map = spec.maps[k];
     for (Series& s : map.curves) s.label.clear();
     out.line(fmt::format("set title {} noenhanced font ',13'", quoted_text(map.title)));
     out.line("set xtics nomirror out\nset ytics nomirror out");
     add_map(out, map);
   }
-  add_map_remarks(out, spec, all);
-  end_page(out);
-  draw(out, path, spec.width, static_cast<int>(std::lround(all.height)));
+  page.draw_to(path, out);
 }
 
 void write_bars(const std::string& path, const BarSpec& spec) {
