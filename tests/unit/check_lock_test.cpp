@@ -279,7 +279,7 @@ TEST_CASE("check_lock follows a joint over full turns", "[unit][check]") {
   CHECK(counted.ok());
   CHECK(says(forgotten, "row phi jumps by 0.126 where 'thread.P' has turned by 1"));
   CHECK(says(forgotten, "kCountsTurns = true"));
-  CHECK(says(odd, "row phi is another one when the quaternion of body 'nut' changes its sign"));
+  CHECK(says(odd, "row phi on body 'nut' is another one when the quaternion of body 'nut' changes its sign"));
 }
 
 TEST_CASE("every link of the library passes its check", "[unit][check]") {

@@ -26,11 +26,9 @@ class ForceCheck final : public StateCheck {
   MatX numbers(const TestState&) override;
   std::string name(Eigen::Index, Eigen::Index k) const override;
   void breakpoints(double t0, double t1, std::vector<double>& out) const override { force_.breakpoints(t0, t1, out); }
-  std::string otherwise(int) const override { return "pushes otherwise"; }
   bool description() override;
   void at_state() override;
   void turns() override;
-  void jumped(int k, const MatX& before, const MatX& after, const std::string& what) override;
 
   void balance();
   bool gradient();
@@ -174,26 +172,12 @@ void ForceCheck::tangent() {
   force_.tangent(state_.in(), sum);
   if (reads()) force_.reacting()->react_tangent(state_.in(), reactions(), sum);
   const auto minus_f = [&](const TestState& at) -> VecX { return -applied(at); };
-  for (const bool damping : {false, true}) {
-    const std::string letter = damping ? "D" : "K";
-    check_tangent(sum, damping, minus_f, 1e-6 * is_.leftCols(6 * n_).norm(),
-                  {letter, "apply()",
-                   fmt::format("tangent(), {} = -df/d({}); leave it out, and the library differences apply() for "
-                               "implicit methods",
-                               letter, damping ? "v, w" : "x, turn")});
-  }
+  for (const bool damping : {false, true}) check_tangent(sum, damping, minus_f, 1e-6 * is_.leftCols(6 * n_).norm());
 }
 
 // Its first body about z of its last marker.
 void ForceCheck::turns() {
   turn_about_z(slots_.front(), *force_.markers().back(), 1, fmt::format("body '{}'", body(slots_.front())));
-}
-
-void ForceCheck::jumped(int, const MatX&, const MatX&, const std::string& what) {
-  if (remembering_ != nullptr)
-    add("turns", what, "accept_step() and start_memory(), or count_angles(), which counts an angle for it");
-  else
-    report_.note("it " + what + "; if it is to run on past full turns, count them: count_angles()");
 }
 
 }  // namespace

@@ -18,7 +18,6 @@ LockCheck::LockCheck(const System& system, const Lock& link, const Lock* sibling
     : StateCheck(system, report, options, link.remembering(), link.first_memory()),
       link_(link),
       sibling_(sibling),
-      bench_(system, link),
       m_(link.row_count()) {
   is_link_ = true, n_timed_ = 3, n_turned_ = 1;
   for (int i = 0; i < link.slots().n; ++i) slots_.push_back(link.slots()[i]);
@@ -34,8 +33,6 @@ std::string LockCheck::name(Eigen::Index k, Eigen::Index column) const {
 void LockCheck::breakpoints(double t0, double t1, std::vector<double>& out) const {
   if (link_.driven()) link_.driven()->breakpoints(t0, t1, out);
 }
-
-std::string LockCheck::otherwise(int k) const { return k < 0 ? "says something else" : row(k) + " is another one"; }
 
 std::string LockCheck::why_not_finite() const {
   const std::string fault = link_.driven() ? link_.driven()->diagnose(state_.t) : "";
@@ -83,13 +80,15 @@ bool LockCheck::description() {
 }
 
 void LockCheck::everything_written() {
-  const MatX r = bench_.rows(state_, std::numeric_limits<double>::quiet_NaN());
+  const Lock* self = &link_;
+  bool outside = false;
+  const MatX r = gathered(system_, Group(&self, 1), state_, std::numeric_limits<double>::quiet_NaN(), &outside)[0];
   for (int k = 0; k < m_; ++k)
     for (int c = 0; c < r.cols(); ++c)
       if (std::isnan(r(k, c)))
         add("written " + name(k, c), name(k, c) + " is not written: what stood there before shows through",
             "gather(): it writes every number of every row and slot, by set(), also those that are zero");
-  if (bench_.wrote_outside())
+  if (outside)
     add("outside", "writes outside of its rows",
         "gather(): row numbers from 0 to row_count() - 1, slots from slots().position()");
 }
@@ -98,12 +97,13 @@ void LockCheck::group() {
   const bool grouped = sibling_ != nullptr && sibling_->pattern() == link_.pattern() && sibling_->row_count() == m_ &&
                        sibling_->slots().n == link_.slots().n;
   const Lock& other = grouped ? *sibling_ : link_;
-  const auto [first, second] = bench_.rows_of_group(state_, other);
+  const Lock* both[2] = {&link_, &other};
+  const std::vector<MatX> as_one = gathered(system_, Group(both, 2), state_);
   // Equal up to rounding: a group may be gathered in packs.
   const auto near = [](const MatX& a, const MatX& b) {
     return ((a - b).colwise().norm().array() <= 1e-10 * (1 + b.colwise().norm().array())).all();
   };
-  if (!near(first, is_) || !near(second, LockBench(system_, other).rows(state_)))
+  if (!near(as_one[0], is_) || !near(as_one[1], rows_of(system_, other, state_)))
     add("group", "two links gathered as one group are not what they are alone",
         "gather(): for each i, links[i] (not this) writes into out.lane(i)");
 }
@@ -111,7 +111,7 @@ void LockCheck::group() {
 void LockCheck::pose_alone() {
   TestState on = state_;
   for (Motion& O : on.motions) O.v *= 1.7, O.w *= -0.6;
-  MatX r = bench_.rows(on);
+  MatX r = numbers(on);
   r.col(2) = is_.col(2);
   for (int k = 0; k < m_; ++k)
     for (int c = 0; c < r.cols(); ++c)
@@ -125,18 +125,6 @@ void LockCheck::turns() {
     const bool move_p = p->body->slot != kGround;
     turn_about_z((move_p ? p : s)->body->slot, *s, move_p ? 1 : -1, fmt::format("'{}'", (move_p ? p : s)->name));
   }
-}
-
-// The jacobian is continuous across an uncounted angle; where a link passes to another point of its curve, it jumps too.
-void LockCheck::jumped(int k, const MatX& before, const MatX& after, const std::string& what) {
-  const auto J = [&](const MatX& rows) { return rows.row(k).tail(6 * n_); };
-  if ((J(after) - J(before)).norm() > 0.01 * J(after).norm())
-    report_.note(fmt::format(
-        "{} {}, far off the constraint, and its jacobian with it: it passes to another place there", row(k), what));
-  else
-    add("turns", fmt::format("{} {}", row(k), what),
-        remembering_ ? "accept_step() and start_memory(), or count_angles(), which counts an angle for it"
-                     : "its angles: kCountsTurns = true and y.angle_z(), so that they run on past a full turn");
 }
 
 CheckReport check_lock(System& system, const Lock& link, const CheckOptions& options) {

@@ -37,22 +37,18 @@ std::map<int, std::vector<Jump>> find_jumps(const Curve& f, double t0, double t1
   const double clear = 1e-9 * (t1 - t0);  // kept from the known instants
   known.push_back(t0), known.push_back(t1);
   std::erase_if(known, [&](double t) { return t < t0 || t > t1; });
-  std::vector<double> borders = known;
-  for (int i = 0; i <= cells; ++i) borders.push_back(t0 + (t1 - t0) * i / cells);
-  std::sort(borders.begin(), borders.end());
-  const auto away_from_known = [&](double x, double direction) {
-    for (const double t : known)
-      if (std::abs(x - t) < clear) x = t + direction * clear;
-    return x;
-  };
+  std::sort(known.begin(), known.end());
   std::vector<Cell> all;
   VecX size;
-  for (std::size_t i = 0; i + 1 < borders.size(); ++i) {
-    const double a = away_from_known(borders[i], 1), b = away_from_known(borders[i + 1], -1);
-    if (!(b > a)) continue;
-    all.push_back({a, b, f(a), f(0.5 * (a + b)), f(b)});
-    const VecX most = all.back().fa.cwiseAbs().cwiseMax(all.back().fb.cwiseAbs());
-    size = size.size() == 0 ? most : VecX(size.cwiseMax(most));
+  for (std::size_t i = 0; i + 1 < known.size(); ++i) {
+    const double begin = known[i] + clear, length = known[i + 1] - clear - begin;
+    const int n = length > 0 ? static_cast<int>(std::ceil(cells * length / (t1 - t0))) : 0;
+    for (int k = 0; k < n; ++k) {
+      const double a = begin + length * k / n, b = begin + length * (k + 1) / n;
+      all.push_back({a, b, f(a), f(0.5 * (a + b)), f(b)});
+      const VecX most = all.back().fa.cwiseAbs().cwiseMax(all.back().fb.cwiseAbs());
+      size = size.size() == 0 ? most : VecX(size.cwiseMax(most));
+    }
   }
   if (size.size() > 0) size = size.cwiseMax(1e-10 * size.maxCoeff());  // less is rounding
   std::map<int, std::vector<Jump>> jumps;

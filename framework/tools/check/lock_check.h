@@ -17,15 +17,13 @@ class LockCheck final : public StateCheck {
   LockCheck(const System&, const Lock&, const Lock* sibling, CheckReport&, const CheckOptions&);
 
  private:
-  MatX numbers(const TestState& at) override { return bench_.rows(at); }
+  MatX numbers(const TestState& at) override { return rows_of(system_, link_, at); }
   std::string name(Eigen::Index row, Eigen::Index column) const override;
   void breakpoints(double t0, double t1, std::vector<double>& out) const override;
-  std::string otherwise(int row) const override;
   std::string why_not_finite() const override;
   bool description() override;
   void at_state() override;
   void turns() override;
-  void jumped(int row, const MatX& before, const MatX& after, const std::string& what) override;
 
   void everything_written();
   void group();
@@ -42,7 +40,6 @@ class LockCheck final : public StateCheck {
 
   const Lock& link_;
   const Lock* sibling_;
-  LockBench bench_;
   int m_;  // rows
 };
 

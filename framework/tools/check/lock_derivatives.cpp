@@ -9,7 +9,7 @@ namespace lockstep {
 
 // dC/d(x, turn), column by column.
 void LockCheck::jacobian() {
-  const auto C = [&](const TestState& at) -> VecX { return bench_.rows(at).col(0); };
+  const auto C = [&](const TestState& at) -> VecX { return numbers(at).col(0); };
   const VecX size = is_.rightCols(6 * n_).cwiseAbs().rowwise().maxCoeff();
   for (int slot = 0; slot < n_; ++slot) {
     std::vector<Slope> columns;
@@ -60,7 +60,7 @@ void LockCheck::time_derivatives() {
              return "Ct in gather(): the rate of C by its laws alone, the markers' own motion included, with the sign "
                     "that the law has in C";
            }},
-          first_derivative(bench_.C_along(held, 1), quiet_));
+          first_derivative(C_along(system_, link_, held, 1), quiet_));
   compare(report_,
           {"Qhat", is_.col(2), VecX::Zero(m_), [&](int k) { return name(k, 2); },
            "second differences of C along a motion say", here(),
@@ -69,7 +69,7 @@ void LockCheck::time_derivatives() {
 }
 
 Slope LockCheck::minus_Cdd(const TestState& from) const {
-  return second_derivative(bench_.C_along(from, -1), std::min(0.05, quiet_));
+  return second_derivative(C_along(system_, link_, from, -1), std::min(0.05, quiet_));
 }
 
 // Which term of Qhat is wrong: constant, linear or quadratic in one velocity, or a product of two velocities.
@@ -90,7 +90,7 @@ std::string LockCheck::diagnose_right_side(int k) {
         on.slot(slots_[g / 2]).v = moving[g] * O.v, on.slot(slots_[g / 2]).w = moving[g + 1] * O.w;
       }
       const Slope d = minus_Cdd(on);
-      is += weight * bench_.rows(on)(k, 2), should_be += weight * d.value[k], error += std::abs(weight) * d.error[k];
+      is += weight * numbers(on)(k, 2), should_be += weight * d.value[k], error += std::abs(weight) * d.error[k];
     }
     if (std::abs(is - should_be) <= error + kRounding * std::max(std::abs(is), std::abs(should_be))) return false;
     found = fmt::format("; its part {} is {:.6g} and should be {:.6g}{}", part, is, should_be, likeness(is, should_be));
@@ -121,11 +121,8 @@ void LockCheck::tangent() {
   TangentSum sum;
   sum.lay_out(n_);
   add_tangent(link_, state_.in(), {lambda.data(), static_cast<std::size_t>(m_)}, sum);
-  check_tangent(sum, false,
-                [&](const TestState& at) -> VecX { return bench_.rows(at).rightCols(6 * n_).transpose() * lambda; },
-                is_.rightCols(6 * n_).cwiseAbs().maxCoeff(),
-                {"the change", "Jh^T lambda",
-                 "tangent(); leave it out, and the library differences gather() for implicit methods"});
+  const auto pull = [&](const TestState& at) -> VecX { return numbers(at).rightCols(6 * n_).transpose() * lambda; };
+  check_tangent(sum, false, pull, is_.rightCols(6 * n_).cwiseAbs().maxCoeff());
 }
 
 }  // namespace lockstep

@@ -149,7 +149,9 @@ void StateCheck::same_again() {
   Draw draw(options_.seed + 77);
   numbers(random_state(system_, start_of(system_, state_.t), draw, 0.1, 0.1));
   if (numbers(state_) != is_)
-    add("same", otherwise(-1) + " when it is asked again at the same inputs",
+    add("same",
+        fmt::format("{} when it is asked again at the same inputs",
+                    is_link_ ? "says something else" : "pushes otherwise"),
         "what the class keeps between two calls: its numbers follow from the Inputs alone, memory belongs into z "
         "(n_memory())");
   for (const int slot : slots_) {
@@ -157,12 +159,13 @@ void StateCheck::same_again() {
     on.slot(slot).e = -on.slot(slot).e;
     const MatX r = numbers(on);
     for (int k = 0; k < is_.rows(); ++k) {
-      double off = (r.row(k) - is_.row(k)).norm();
-      if (is_link_) off = std::min(off, (r.row(k) + is_.row(k)).norm());
-      if (off > 1e-9 * (1 + is_.row(k).norm()))
+      Eigen::Index c = 0;
+      const double sign = is_link_ && (r.row(k) + is_.row(k)).norm() < (r.row(k) - is_.row(k)).norm() ? -1 : 1;
+      if ((r.row(k) - sign * is_.row(k)).cwiseAbs().maxCoeff(&c) > 1e-9 * (1 + is_.row(k).norm()))
         add("sign",
-            fmt::format("{} when the quaternion of body '{}' changes its sign, which is the same orientation",
-                        otherwise(k), body(slot)),
+            fmt::format("{} is another one when the quaternion of body '{}' changes its sign, which is the same "
+                        "orientation",
+                        name(k, c), body(slot)),
             "its use of e0 ... e3: take products of two of them, the matrix A, or angle_z()");
     }
   }
@@ -237,10 +240,21 @@ void StateCheck::turn_about_z(int slot, const Marker& s, double sense, const std
     while (third(c, i) < 0.99 * most) ++i;  // the first of equal ones
     const auto [fine_way, fine] = walk(way[i], static_cast<double>(i) * kStep, kStep / kFiner, 3 * kFiner);
     const double jump = 0.5 * fine.row(c).maxCoeff(&k);
-    if (4 * jump > most)
-      jumped(c % static_cast<int>(is_.rows()), numbers(fine_way[k]), numbers(fine_way[k + 3]),
-             fmt::format("jumps by {:.3g} where {} has turned by {:.0f} degrees about z of '{}'", jump, who,
-                         (static_cast<double>(i) + static_cast<double>(k) / kFiner) * kStep * 180 / kPi, s.name));
+    if (4 * jump < most) continue;
+    const int row = c % static_cast<int>(is_.rows());
+    const std::string what = fmt::format(
+        "{} jumps by {:.3g} where {} has turned by {:.0f} degrees about z of '{}'", name(row, c / is_.rows()), jump,
+        who, (static_cast<double>(i) + static_cast<double>(k) / kFiner) * kStep * 180 / kPi, s.name);
+    // The jacobian is continuous across an uncounted angle.
+    const auto J = [&](Eigen::Index at) -> VecX { return numbers(fine_way[at]).row(row).tail(6 * n_); };
+    if (is_link_ && (J(k + 3) - J(k)).norm() > 0.01 * J(k).norm())
+      report_.note(what + ", far off the constraint, and its jacobian with it: it passes to another place there");
+    else if (remembering_ != nullptr)
+      add("turns", what, "accept_step() and start_memory(), or count_angles(), which counts an angle for it");
+    else if (is_link_)
+      add("turns", what, "its angles: kCountsTurns = true and y.angle_z(), so that they run on past a full turn");
+    else
+      report_.note(what + "; if it is to run on past full turns, count them: count_angles()");
   }
 }
 
@@ -266,8 +280,15 @@ Slope StateCheck::derivative(const TestState& at, int slot, int k, const Output&
   return first_derivative(moved, reach[k / 3]);
 }
 
-void StateCheck::check_tangent(const TangentSum& sum, bool damping, const Output& f, double scale,
-                               const TangentWords& words) {
+void StateCheck::check_tangent(const TangentSum& sum, bool damping, const Output& f, double scale) {
+  const char* const letter = damping ? "D" : "K";
+  const auto look = [&](int) {
+    return is_link_ ? "tangent(); leave it out, and the library differences gather() for implicit methods"
+                    : fmt::format(
+                          "tangent(), {} = -df/d({}); leave it out, and the library differences apply() for "
+                          "implicit methods",
+                          letter, damping ? "v, w" : "x, turn");
+  };
   MatX T = MatX::Zero(6 * n_, 6 * n_);
   for (std::size_t p = 0; p < sum.pairs().size(); ++p)
     T.block<6, 6>(6 * sum.pairs()[p].row, 6 * sum.pairs()[p].column) += damping ? sum.D(p) : sum.K(p);
@@ -280,13 +301,13 @@ void StateCheck::check_tangent(const TangentSum& sum, bool damping, const Output
         if (i % 6 >= n_freedoms(i / 6)) is[i] = d.value[i];  // a particle takes no moment
       const double size = std::max({T.cwiseAbs().maxCoeff(), d.value.cwiseAbs().maxCoeff(), scale});
       compare(report_,
-              {fmt::format("{} {} {}", damping ? "D" : "K", slot, k >= 3), is, VecX::Constant(6 * n_, size),
+              {fmt::format("{} {} {}", letter, slot, k >= 3), is, VecX::Constant(6 * n_, size),
                [&](int i) {
-                 return fmt::format("tangent(): {} of the {} on body '{}' along its {} axis with {}", words.quantity,
-                                    i % 6 < 3 ? "force" : "moment", body(i / 6), "xyz"[i % 3],
-                                    unknown_name(slot, unknown));
+                 return fmt::format("tangent(): {} of the {} on body '{}' along its {} axis with {}",
+                                    is_link_ ? "the change" : letter, i % 6 < 3 ? "force" : "moment", body(i / 6),
+                                    "xyz"[i % 3], unknown_name(slot, unknown));
                },
-               "differences of " + words.function + " say", here(), [&](int) { return words.look; },
+               fmt::format("differences of {} say", is_link_ ? "Jh^T lambda" : "apply()"), here(), look,
                1e-7,  // a default tangent() is differenced too, to about 1e-9 of its size
                6},
               d);

@@ -56,8 +56,6 @@ class StateCheck {
   virtual MatX numbers(const TestState&) = 0;
   virtual std::string name(Eigen::Index row, Eigen::Index column) const = 0;
   virtual void breakpoints(double t0, double t1, std::vector<double>& out) const = 0;
-  /// What it does that it should not: "row length is another one", "pushes otherwise". `row` -1: all of it.
-  virtual std::string otherwise(int row) const = 0;
   virtual std::string why_not_finite() const;
 
   // -- its checks
@@ -65,8 +63,6 @@ class StateCheck {
   virtual bool description() = 0;
   virtual void at_state() = 0;  ///< at the state under test
   virtual void turns() = 0;
-  /// It jumps in a turn, between these numbers; `what` says where.
-  virtual void jumped(int row, const MatX& before, const MatX& after, const std::string& what) = 0;
 
   /// A finding, with here() behind it.
   void add(const std::string& key, const std::string& what, std::string look, double weight = 0);
@@ -80,14 +76,8 @@ class StateCheck {
   /// df/d(unknown k of a slot) at a state.
   Slope derivative(const TestState&, int slot, int k, const Output& f) const;
 
-  /// How a tangent is called in messages.
-  struct TangentWords {
-    std::string quantity;  ///< "K", "the change"
-    std::string function;  ///< what was differenced: "apply()"
-    std::string look;
-  };
   /// K or D of `sum` against the derivatives of f, a wrench per slot. `scale`: entries below 1e-7 of it are rounding.
-  void check_tangent(const TangentSum& sum, bool damping, const Output& f, double scale, const TangentWords&);
+  void check_tangent(const TangentSum& sum, bool damping, const Output& f, double scale);
   /// Three turns of a slot about `sense` times z of a marker: the first n_turned_ columns must not jump. `who`: what turns.
   void turn_about_z(int slot, const Marker&, double sense, const std::string& who);
 
