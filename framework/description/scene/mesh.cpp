@@ -1,6 +1,7 @@
 // Meshes: STL, binary and as text, and OBJ.
 #include <algorithm>
 #include <bit>
+#include <boost/container_hash/hash.hpp>
 #include <cctype>
 #include <charconv>
 #include <cmath>
@@ -31,14 +32,6 @@ std::string too_many_triangles() {
          "simpler: MeshLab, Blender)";
 }
 
-struct HashOfCorner {
-  std::size_t operator()(const Corner& c) const {
-    std::size_t h = 0;
-    for (const float x : c) h = (h ^ std::bit_cast<std::uint32_t>(x)) * 0x9e3779b97f4a7c15ULL, h ^= h >> 29;
-    return h;
-  }
-};
-
 // Triangles by their corners, each of which is kept once.
 class Gatherer {
  public:
@@ -57,7 +50,7 @@ class Gatherer {
 
  private:
   TriangleMesh mesh_;
-  std::unordered_map<Corner, std::uint32_t, HashOfCorner> numbers_;
+  std::unordered_map<Corner, std::uint32_t, boost::hash<Corner>> numbers_;
 };
 
 // Words as the formats have them: STL's in either case.
