@@ -64,33 +64,9 @@ UserCodeError::~UserCodeError() = default;
 InterruptedError::~InterruptedError() = default;
 
 const char* to_string(Error::Kind kind) {
-  switch (kind) {
-    case Error::Kind::model:
-      return "model";
-    case Error::Kind::assembly:
-      return "assembly";
-    case Error::Kind::solve:
-      return "solve";
-    case Error::Kind::step:
-      return "step";
-    case Error::Kind::non_finite:
-      return "not finite";
-    case Error::Kind::plugin:
-      return "plugin";
-    case Error::Kind::scene:
-      return "scene";
-    case Error::Kind::file:
-      return "file";
-    case Error::Kind::user_code:
-      return "user code";
-    case Error::Kind::usage:
-      return "usage";
-    case Error::Kind::interrupted:
-      return "interrupted";
-    case Error::Kind::other:
-      break;
-  }
-  return "other";
+  constexpr const char* kWords[] = {"other",  "model", "assembly", "solve",     "step",  "not finite",
+                                    "plugin", "scene", "file",     "user code", "usage", "interrupted"};
+  return kWords[static_cast<std::size_t>(kind)];
 }
 
 std::string at_time(double t) { return std::isnan(t) ? "" : "t = " + text::number(t) + " s: "; }

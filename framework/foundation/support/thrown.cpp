@@ -3,8 +3,7 @@
 #include <cxxabi.h>
 
 #include <algorithm>
-#include <cstdlib>
-#include <memory>
+#include <boost/core/demangle.hpp>
 #include <new>
 #include <string_view>
 #include <typeinfo>
@@ -25,12 +24,7 @@ std::string what_of(const std::exception& error) {
   return words == nullptr ? "" : words;
 }
 
-std::string type_words(const std::type_info& type) {
-  int status = 0;
-  const std::unique_ptr<char, void (*)(void*)> name(abi::__cxa_demangle(type.name(), nullptr, nullptr, &status),
-                                                    std::free);
-  return status == 0 ? name.get() : type.name();
-}
+std::string type_words(const std::type_info& type) { return boost::core::demangle(type.name()); }
 
 // Mangled names: N8lockstep... of a class, ZN8lockstep... of one within a function, a lambda for instance.
 bool is_of_lockstep(const std::type_info& type) {
