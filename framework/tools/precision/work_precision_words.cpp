@@ -5,21 +5,10 @@
 #include <fstream>
 
 #include <lockstep/error.h>
+#include "framework/foundation/support/csv_cells.h"
 #include "framework/tools/precision/work_precision_chart.h"
 
 namespace lockstep {
-namespace {
-
-std::string quoted_cell(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"') out += '"';
-    out += c == '\n' ? ' ' : c;
-  }
-  return out + "\"";
-}
-
-}  // namespace
 
 std::string to_string(Stabilization::Kind kind) {
   if (kind == Stabilization::Kind::baumgarte) return "baumgarte";
@@ -70,10 +59,9 @@ std::string runs_text(const WorkPrecision& result) {
                                                       r.error.energy, r.error.reaction)
                                         : ",,,";
     const bool on_front = std::find(front.begin(), front.end(), &r) != front.end();
-    text +=
-        fmt::format("{},{},{},{},{},{},{:.6g},{},{},{},{},{},{},{}\n", r.integrator, to_string(r.formulation),
-                    to_string(r.stabilization), r.solver, setting, errors, r.cpu, r.evaluations, r.factors, r.steps,
-                    r.rejected, counts(result, r) ? 1 : 0, on_front ? 1 : 0, r.done() ? "" : quoted_cell(r.failure));
+    text += fmt::format("{},{},{},{},{},{},{:.6g},{},{},{},{},{},{},{}\n", r.integrator, to_string(r.formulation),
+                        to_string(r.stabilization), r.solver, setting, errors, r.cpu, r.evaluations, r.factors, r.steps,
+                        r.rejected, counts(result, r) ? 1 : 0, on_front ? 1 : 0, csv_cell(r.failure));
   }
   return text;
 }
