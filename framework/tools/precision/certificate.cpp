@@ -13,24 +13,14 @@ namespace {
 
 constexpr double kMostDigits = 17, kFewDigits = 6, kNothing = 1e-9, kSameInstant = 1e-9;  // of the run's length
 
-double largest(const std::vector<double>& values, std::size_t n) {
-  double most = 0;
-  for (std::size_t i = 0; i < n; ++i) most = std::isfinite(values[i]) ? std::max(most, std::abs(values[i])) : HUGE_VAL;
-  return most;
-}
-
-double largest_difference(const std::vector<double>& a, const std::vector<double>& b, std::size_t n) {
+// The largest of n numbers, or of what they are apart from others; infinite where one is not finite.
+double largest(const std::vector<double>& values, std::size_t n, const std::vector<double>* others = nullptr) {
   double most = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    const double d = std::abs(a[i] - b[i]);
-    most = std::isfinite(d) ? std::max(most, d) : HUGE_VAL;
+    const double x = std::abs(others == nullptr ? values[i] : values[i] - (*others)[i]);
+    most = std::isfinite(x) ? std::max(most, x) : HUGE_VAL;
   }
   return most;
-}
-
-void check_columns(const Table& run, const Table& repeat) {
-  if (run.names() != repeat.names())
-    throw ModelError("the repeat of a run has other columns than the run; record the same channels in both");
 }
 
 // Rows up to where the instants part.
@@ -64,7 +54,9 @@ Agreement CertifiedChannel::worst() const {
 }
 
 Certificate certify(const Table& run, const std::vector<const Table*>& repeats) {
-  for (const Table* repeat : repeats) check_columns(run, *repeat);
+  for (const Table* repeat : repeats)
+    if (run.names() != repeat->names())
+      throw ModelError("the repeat of a run has other columns than the run; record the same channels in both");
   Certificate c;
   c.n_rows = common_rows(run, repeats);
   c.cut = c.n_rows < run.n_rows() ||
@@ -80,7 +72,7 @@ Certificate certify(const Table& run, const std::vector<const Table*>& repeats) 
     double most = channel.size;
     for (const Table* repeat : repeats) {
       const std::vector<double>& other = repeat->columns()[k].values;
-      const double difference = largest_difference(column.values, other, c.n_rows);
+      const double difference = largest(column.values, c.n_rows, &other);
       most = std::max(most, largest(other, c.n_rows));
       channel.by.push_back({difference, digits_of(channel.size, difference)});
     }

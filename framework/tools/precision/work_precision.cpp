@@ -304,16 +304,8 @@ double thread_seconds() {
 }
 
 double HistoryError::of(ErrorKind kind) const {
-  switch (kind) {
-    case ErrorKind::position:
-      return position;
-    case ErrorKind::velocity:
-      return velocity;
-    case ErrorKind::energy:
-      return energy;
-    default:
-      return reaction;
-  }
+  const double all[] = {position, velocity, energy, reaction};
+  return all[static_cast<std::size_t>(kind)];
 }
 
 bool same_way(const WorkPrecisionRun& a, const WorkPrecisionRun& b) {
