@@ -94,7 +94,7 @@ class StateCheck {
   double length_ = 1;       // m, to which translations are compared
   TestState state_;         // under test
   MatX is_;                 // the numbers there
-  int index_ = 0;           // of that state
+  int index_ = -1;          // of that state
   double quiet_ = 0;        // s; no breakpoint is within it
 
  private:
