@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <optional>
+#include <span>
 
 #include <lockstep/error.h>
 #include "framework/foundation/math/limits.h"
@@ -17,6 +18,7 @@ constexpr double kLeast = 1e-16;      // drawn instead of zero
 constexpr std::size_t kMostRemarks = 8, kMostLetters = 185;
 
 using Wanted = std::function<bool(const WorkPrecisionRun&)>;
+using Curves = std::vector<std::pair<std::string, Wanted>>;  // by label
 
 // Equal to the base in all but `by`.
 bool like(const WorkPrecisionRun& run, const WorkPrecisionRun& base, ChartBy by) {
@@ -71,8 +73,7 @@ void add_floor(const WorkPrecision& result, GridPanel& panel, ErrorKind kind) {
 }
 
 // A shaded strip above all data, with a cross at its cost for each run that failed.
-void add_failures(const WorkPrecision& result, GridPanel& panel, CostKind by,
-                  const std::vector<std::pair<std::string, Wanted>>& curves, ErrorKind kind) {
+void add_failures(const WorkPrecision& result, GridPanel& panel, CostKind by, const Curves& curves, ErrorKind kind) {
   Range y = extent(panel.series, false);
   if (!(y.second > 0)) return;
   const double decade = std::max(1.0, std::log10(y.second / y.first)), from = y.second * std::pow(10.0, 0.05 * decade);
@@ -92,8 +93,7 @@ void add_failures(const WorkPrecision& result, GridPanel& panel, CostKind by,
 }
 
 // A ring at the last point of each curve that would go on: its next setting was not tried, which is no failure.
-void add_open_ends(const WorkPrecision& result, GridPanel& panel, ErrorKind kind, CostKind by,
-                   const std::vector<std::pair<std::string, Wanted>>& curves) {
+void add_open_ends(const WorkPrecision& result, GridPanel& panel, ErrorKind kind, CostKind by, const Curves& curves) {
   for (const auto& [label, wanted] : curves) {
     if (std::none_of(result.open.begin(), result.open.end(), wanted)) continue;
     const Series curve = curve_of(result, label, kind, by, wanted);
@@ -110,36 +110,28 @@ std::string shortened(std::string text, std::size_t most) {
 }
 
 // Why runs failed and what was left out, one line per curve.
-std::vector<std::string> remarks_of(const WorkPrecision& result,
-                                    const std::vector<std::pair<std::string, Wanted>>& curves) {
+std::vector<std::string> remarks_of(const WorkPrecision& result, const Curves& curves) {
   std::vector<std::string> lines{fmt::format(
       "truth: {} and {}, which agree to {:.1e} m, {:.1e} m/s, {:.1e} J, {:.1e} N", result.reference, result.second,
       result.agreement.position, result.agreement.velocity, result.agreement.energy, result.agreement.reaction)};
   for (const auto& [label, wanted] : curves) {
+    for (const WorkPrecisionRun& run : result.open)
+      if (wanted(run)) lines.push_back(label + " not tried from " + setting_words(run) + " on: the time was spent");
     std::vector<const WorkPrecisionRun*> failed;
     for (const WorkPrecisionRun& run : result.runs)
       if (wanted(run) && !run.done() && !run.given_up) failed.push_back(&run);
-    for (const WorkPrecisionRun& run : result.open)
-      if (wanted(run))
-        lines.push_back(
-            shortened(fmt::format("{} not tried from {} {:.3g}{} on: the time was spent", label,
-                                  run.adaptive ? "tolerance" : "step", run.setting, run.adaptive ? "" : " s"),
-                      kMostLetters));
     if (failed.empty()) continue;
-    const std::string what = failed.front()->adaptive ? "tolerance" : "step",
-                      unit = failed.front()->adaptive ? "" : " s";
-    const std::string range = failed.size() == 1 ? fmt::format("{} {:.3g}{}", what, failed.front()->setting, unit)
-                                                 : fmt::format("{} {:.3g} to {:.3g}{}", what, failed.front()->setting,
-                                                               failed.back()->setting, unit);
+    const std::string to = failed.size() == 1 ? "" : " to " + setting_words(*failed.back());
     lines.push_back(
-        shortened(fmt::format("× {} failed at {}: {}", label, range, failed.back()->failure), kMostLetters));
+        fmt::format("× {} failed at {}{}: {}", label, setting_words(*failed.front()), to, failed.back()->failure));
   }
-  for (const std::string& line : unsuited_lines(result)) lines.push_back(shortened("left out: " + line, kMostLetters));
+  for (const std::string& line : unsuited_lines(result)) lines.push_back("left out: " + line);
   if (lines.size() > kMostRemarks) {
     const std::size_t n = lines.size() - kMostRemarks + 1;
     lines.resize(kMostRemarks - 1);
     lines.push_back(fmt::format("and {} more; all reasons stand in the CSV file", n));
   }
+  for (std::string& line : lines) line = shortened(line, kMostLetters);
   return lines;
 }
 
@@ -164,8 +156,6 @@ std::string cost_label(CostKind by) {
   return by == CostKind::cpu ? "CPU time of the run [s]" : "evaluations of the equations of motion";
 }
 
-using Curves = std::vector<std::pair<std::string, Wanted>>;
-
 std::optional<GridPanel> panel_of(const WorkPrecision& result, const std::string& title, ErrorKind kind, CostKind by,
                                   const Curves& curves) {
   GridPanel panel{title, cost_label(by), {}};
@@ -181,19 +171,35 @@ std::optional<GridPanel> panel_of(const WorkPrecision& result, const std::string
   return panel;
 }
 
+// Of each group of curves a panel for each kind of error that is not negligible.
+GridSpec chart_of(const WorkPrecision& result, const std::string& title, std::vector<std::string> first_remarks,
+                  const std::vector<std::pair<std::string, Curves>>& groups, std::span<const ErrorKind> kinds,
+                  CostKind by) {
+  if (result.runs.empty()) throw ModelError("chart \"" + title + "\" has no runs; give it more time (--budget)");
+  GridSpec chart{title};
+  chart.strip_label = "grey: failed";
+  chart.open_label = "finer was not tried";
+  Curves all;
+  for (const auto& [name, curves] : groups) {
+    for (const ErrorKind kind : kinds) {
+      const std::string what = fmt::format("{} error [{}]", to_string(kind), unit_of(kind));
+      if (auto panel = panel_of(result, name.empty() ? what : name + ": " + what, kind, by, curves))
+        chart.panels.push_back(*panel);
+    }
+    for (const auto& [label, wanted] : curves) all.emplace_back(name.empty() ? label : name + ", " + label, wanted);
+  }
+  chart.remarks = std::move(first_remarks);
+  for (std::string& line : remarks_of(result, all)) chart.remarks.push_back(std::move(line));
+  return chart;
+}
+
 }  // namespace
 
 std::string value_of(const WorkPrecisionRun& run, ChartBy by) {
-  switch (by) {
-    case ChartBy::integrator:
-      return run.integrator;
-    case ChartBy::formulation:
-      return to_string(run.formulation);
-    case ChartBy::stabilization:
-      return run.stabilization == Stabilization::Kind::none ? "no stabilisation" : to_string(run.stabilization);
-    default:
-      return run.solver;
-  }
+  const bool none = run.stabilization == Stabilization::Kind::none;
+  const std::string all[] = {run.integrator, to_string(run.formulation),
+                             none ? "no stabilisation" : to_string(run.stabilization), run.solver};
+  return all[static_cast<std::size_t>(by)];
 }
 
 std::vector<std::string> values_of(const WorkPrecision& result, ChartBy by) {
@@ -205,33 +211,21 @@ std::vector<std::string> values_of(const WorkPrecision& result, ChartBy by) {
 
 GridSpec integrators_chart(const WorkPrecision& result, const std::string& title, const WorkPrecisionRun& base,
                            CostKind by) {
-  if (result.runs.empty()) throw ModelError("chart \"" + title + "\" has no runs; give it more time (--budget)");
-  GridSpec chart{title};
-  chart.strip_label = "grey: failed";
-  chart.open_label = "finer was not tried";
   Curves curves;
   for (const std::string& name : values_of(result, ChartBy::integrator))
     curves.emplace_back(name, [name, base](const WorkPrecisionRun& run) {
       return run.integrator == name && like(run, base, ChartBy::integrator);
     });
-  for (const ErrorKind kind : kErrorKinds)
-    if (auto panel = panel_of(result, fmt::format("{} error [{}]", to_string(kind), unit_of(kind)), kind, by, curves))
-      chart.panels.push_back(*panel);
-  chart.remarks = remarks_of(result, curves);
-  chart.remarks.insert(
-      chart.remarks.begin(),
-      fmt::format("curves: {}, {}, solver {}; the front is that of all combinations",
-                  value_of(base, ChartBy::formulation), value_of(base, ChartBy::stabilization), base.solver));
-  return chart;
+  return chart_of(
+      result, title,
+      {fmt::format("curves: {}, {}, solver {}; the front is that of all combinations",
+                   value_of(base, ChartBy::formulation), value_of(base, ChartBy::stabilization), base.solver)},
+      {{"", curves}}, kErrorKinds, by);
 }
 
 GridSpec forms_chart(const WorkPrecision& result, const std::string& title, const WorkPrecisionRun& base, ChartBy by,
                      const std::vector<std::string>& integrators) {
-  if (result.runs.empty()) throw ModelError("chart \"" + title + "\" has no runs; give it more time (--budget)");
-  GridSpec chart{title};
-  chart.strip_label = "grey: failed";
-  chart.open_label = "finer was not tried";
-  Curves all;
+  std::vector<std::pair<std::string, Curves>> groups;
   std::string solvers = base.solver;
   for (const std::string& integrator : integrators) {
     WorkPrecisionRun own = base;
@@ -246,15 +240,12 @@ GridSpec forms_chart(const WorkPrecision& result, const std::string& title, cons
       });
       own.solver = base.solver;
     }
-    for (const ErrorKind kind : {ErrorKind::position, ErrorKind::reaction})
-      if (auto panel = panel_of(result, fmt::format("{}: {} error [{}]", integrator, to_string(kind), unit_of(kind)),
-                                kind, CostKind::cpu, curves))
-        chart.panels.push_back(*panel);
-    for (const auto& [label, wanted] : curves) all.emplace_back(integrator + ", " + label, wanted);
+    groups.emplace_back(integrator, std::move(curves));
   }
-  chart.remarks = remarks_of(result, all);
-  if (by != ChartBy::solver) chart.remarks.insert(chart.remarks.begin(), "curves: solver " + solvers);
-  return chart;
+  std::vector<std::string> first;
+  if (by != ChartBy::solver) first.push_back("curves: solver " + solvers);
+  constexpr ErrorKind kKinds[] = {ErrorKind::position, ErrorKind::reaction};
+  return chart_of(result, title, first, groups, kKinds, CostKind::cpu);
 }
 
 }  // namespace lockstep

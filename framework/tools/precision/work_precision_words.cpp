@@ -30,9 +30,13 @@ std::string to_string(ChartBy by) {
   return kNames[static_cast<std::size_t>(by)];
 }
 
+std::string setting_words(const WorkPrecisionRun& run) {
+  return run.adaptive ? fmt::format("tolerance {:.3g}", run.setting) : fmt::format("step {:.3g} s", run.setting);
+}
+
 std::string label(const WorkPrecisionRun& run) {
-  return fmt::format("{}, {} {:.3g}{}, {}, {}, {}", run.integrator, run.adaptive ? "tolerance" : "step", run.setting,
-                     run.adaptive ? "" : " s", to_string(run.formulation), to_string(run.stabilization), run.solver);
+  return fmt::format("{}, {}, {}, {}, {}", run.integrator, setting_words(run), to_string(run.formulation),
+                     to_string(run.stabilization), run.solver);
 }
 
 std::vector<std::string> unsuited_lines(const WorkPrecision& result) {
