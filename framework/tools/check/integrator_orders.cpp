@@ -15,11 +15,7 @@ constexpr double kCoarse = 3e-2;    // larger errors do not show an order yet
 constexpr double kOrderRoom = 0.4;  // by which a measured order may be lower than the stated one
 
 // Projects to round-off, so that fine steps show their error.
-DynamicsOptions exactly() {
-  DynamicsOptions options;
-  options.stabilization.tolerance = 1e-13;
-  return options;
-}
+const DynamicsOptions kExact{.stabilization = {.tolerance = 1e-13}};
 
 // The power with which e goes with h: least squares of their logarithms.
 double slope(const std::vector<double>& h, const std::vector<double>& e) {
@@ -41,7 +37,7 @@ struct Run {
 Run run(const IntegratorMaker& make, const IntegratorInfo& info, const ClosedMotion& motion, double setting) {
   constexpr int kMostSteps = 200000;
   // with fixed steps, the tolerance is that of an implicit method's iteration
-  Going going(make, motion, tolerance_of(info.adaptive ? setting : 1e-7), exactly());
+  Going going(make, motion, tolerance_of(info.adaptive ? setting : 1e-7), kExact);
   const State& state = going.state;
   double h = info.adaptive ? going.method->first_step(going.dynamics, state, motion.end) : setting;
   if (!(h > 0)) h = 1e-3;
@@ -118,7 +114,7 @@ void check_dense_output(const IntegratorMaker& make, const ClosedMotion& motion,
   std::vector<double> h, e;
   State inside = motion.system->start();
   for (double wanted = 0.1; wanted > 2e-3; wanted *= 0.5) {
-    Going going(make, motion, {1e-3, 1e-3}, exactly());
+    Going going(make, motion, {1e-3, 1e-3}, kExact);
     const State start = going.state;
     if (!going.method->dense(start.t, inside)) return;
     if (apart(inside, start) > 1e-12)
