@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <tuple>
 
 #include <lockstep/error.h>
 #include <lockstep/author/relative.h>
@@ -215,30 +216,29 @@ void StateCheck::turn_about_z(int slot, const Marker& s, double sense, const std
   const TestState start = start_of(system_, options_.from);
   const MarkerInWorld S = in_world(MarkerFrame(s), start.in());
   const auto walk = [&](TestState on, double from, double step, int n) {
-    std::pair<std::vector<TestState>, MatX> way{{}, MatX(is_.rows() * n_turned_, n + 1)};
+    std::vector<TestState> way;
+    MatX g(is_.rows() * n_turned_, n + 1);
     for (int i = 0; i <= n; ++i) {
       const Quat turn = axis_angle(Vec3(sense * S.A.col(2)), from + i * step);
       Motion& O = on.slot(slot);
       O.x = S.x + rotation(turn) * (start.slot(slot).x - S.x);
       O.e = turn * start.slot(slot).e;
       O.A = rotation(O.e);
-      way.second.col(i) = numbers(on).leftCols(n_turned_).reshaped();
-      way.first.push_back(on);
+      g.col(i) = numbers(on).leftCols(n_turned_).reshaped();
+      way.push_back(on);
       accept_step(on);
     }
-    const MatX& g = way.second;
-    way.second = (g.rightCols(n - 2) - g.leftCols(n - 2) - 3 * (g.middleCols(2, n - 2) - g.middleCols(1, n - 2)))
-                     .cwiseAbs()
-                     .eval();
-    return way;
+    const MatX third = g.rightCols(n - 2) - g.leftCols(n - 2) - 3 * (g.middleCols(2, n - 2) - g.middleCols(1, n - 2));
+    return std::tuple(way, MatX(third.cwiseAbs()), g.cwiseAbs().maxCoeff());
   };
-  const auto [way, third] = walk(start, 0, kStep, kSteps);
+  const auto [way, third, size] = walk(start, 0, kStep, kSteps);
+  const double least = std::max(2e-5 * size, 1e-9);  // an iteration for a point of a curve leaves less
   for (int c = 0; c < third.rows() && third.allFinite(); ++c) {
     Eigen::Index i = 0, k = 0;
     const double most = third.row(c).maxCoeff();
-    if (most < 2e-6) continue;
+    if (most < least) continue;
     while (third(c, i) < 0.99 * most) ++i;  // the first of equal ones
-    const auto [fine_way, fine] = walk(way[i], static_cast<double>(i) * kStep, kStep / kFiner, 3 * kFiner);
+    const auto [fine_way, fine, fine_size] = walk(way[i], static_cast<double>(i) * kStep, kStep / kFiner, 3 * kFiner);
     const double jump = 0.5 * fine.row(c).maxCoeff(&k);
     if (4 * jump < most) continue;
     const int row = c % static_cast<int>(is_.rows());
