@@ -172,7 +172,7 @@ void ForceCheck::tangent() {
   force_.tangent(state_.in(), sum);
   if (reads()) force_.reacting()->react_tangent(state_.in(), reactions(), sum);
   const auto minus_f = [&](const TestState& at) -> VecX { return -applied(at); };
-  for (const bool damping : {false, true}) check_tangent(sum, damping, minus_f, 1e-6 * is_.leftCols(6 * n_).norm());
+  for (const bool damping : {false, true}) check_tangent(sum, damping, minus_f, kSlight * is_.leftCols(6 * n_).norm());
 }
 
 // Its first body about z of its last marker.

@@ -72,7 +72,7 @@ void check_rates(const LawNumbers& law, const VecX& size, const CheckOptions& op
     const double t = draw.number(options.from, options.to);
     double reach = std::min({span / 50, t - options.from, options.to - t});
     for (const double b : told) reach = std::min(reach, 0.9 * std::abs(t - b));
-    if (reach < 1e-6 * span) continue;
+    if (reach < kSlight * span) continue;
     const Curve value = [&](double x) { return law.change(t, x); };
     const Curve rate = [&](double x) -> VecX { return law.all.at(t + x).segment(law.n_values, law.n); };
     for (const int level : {1, 2}) {
@@ -125,7 +125,7 @@ CheckReport check_law(const RotationLaw& law, const CheckOptions& options, const
   CheckReport report = checked(law, "rotation law", name, options, {"q", "w", "a"});
   for (int i = 0; i <= kInstants; ++i) {
     const double t = options.from + (options.to - options.from) * i / kInstants, n = std::sqrt(norm2(law.at(t).q));
-    if (std::isfinite(n) && std::abs(n - 1) > 1e-12)
+    if (std::isfinite(n) && std::abs(n - 1) > kRoundOff)
       report.add("unit",
                  {fmt::format("q at t = {} s has length {:.9g}, not 1", text::number(t), n), "its normalisation"},
                  std::abs(n - 1));

@@ -101,7 +101,7 @@ void LockCheck::group() {
   const std::vector<MatX> as_one = gathered(system_, Group(both, 2), state_);
   // Equal up to rounding: a group may be gathered in packs.
   const auto near = [](const MatX& a, const MatX& b) {
-    return ((a - b).colwise().norm().array() <= 1e-10 * (1 + b.colwise().norm().array())).all();
+    return ((a - b).colwise().norm().array() <= kRounding * (1 + b.colwise().norm().array())).all();
   };
   if (!near(as_one[0], is_) || !near(as_one[1], rows_of(system_, other, state_)))
     add("group", "two links gathered as one group are not what they are alone",
@@ -115,7 +115,7 @@ void LockCheck::pose_alone() {
   r.col(2) = is_.col(2);
   for (int k = 0; k < m_; ++k)
     for (int c = 0; c < r.cols(); ++c)
-      if (std::abs(r(k, c) - is_(k, c)) > 1e-9 * (1 + std::abs(is_(k, c))))
+      if (std::abs(r(k, c) - is_(k, c)) > kNegligible * (1 + std::abs(is_(k, c))))
         add(fmt::format("velocity {}", k), name(k, c) + " changes with the velocities",
             "gather(): C, Ct and the jacobian follow from the pose and the time; velocities go into Qhat alone");
 }

@@ -5,6 +5,7 @@
 #include <string>
 
 #include <lockstep/author/check.h>
+#include "framework/foundation/math/limits.h"
 #include "framework/tools/check/slope.h"
 
 namespace lockstep {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <lockstep/error.h>
+#include "framework/foundation/math/limits.h"
 
 namespace lockstep {
 namespace {
@@ -117,7 +118,7 @@ void check_dense_output(const IntegratorMaker& make, const ClosedMotion& motion,
     Going going(make, motion, {1e-3, 1e-3}, kExact);
     const State start = going.state;
     if (!going.method->dense(start.t, inside)) return;
-    if (apart(inside, start) > 1e-12)
+    if (apart(inside, start) > kRoundOff)
       add("dense", "dense() right after begin() is not the state of begin()", "dense() before the first step");
     const double h_made = going.step(wanted).h;
     for (const double share : {0.0, 0.4, 1.0}) {
@@ -125,7 +126,7 @@ void check_dense_output(const IntegratorMaker& make, const ClosedMotion& motion,
       if (!going.method->dense(t, inside))
         return add("dense", "dense() has an answer right after begin() and none after a step",
                    "dense(): always, or never");
-      if (std::abs(inside.t - t) > 1e-12)
+      if (std::abs(inside.t - t) > kRoundOff)
         add("dense", "dense() at a time gives a state of another time", "dense(): out.t = t");
       const double error = motion.error(inside), gap = apart(inside, share == 0 ? start : going.state);
       if (share == 0.4 && error > 1e-13) h.push_back(h_made), e.push_back(error);

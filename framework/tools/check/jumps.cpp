@@ -6,12 +6,12 @@
 #include <cmath>
 
 #include <lockstep/text.h>
+#include "framework/tools/check/compare.h"
 
 namespace lockstep {
 namespace {
 
 constexpr int kHalvings = 34;
-constexpr double kSmallest = 1e-6;  // jump, relative to the size of its component
 
 struct Cell {
   double a, b;
@@ -21,12 +21,12 @@ struct Cell {
 
 // The point where component c bends most, and its change there; a jump of J bends by J/2 in every cell around it.
 Jump narrow(const Curve& f, Cell w, Eigen::Index c, double size) {
-  for (int k = 0; k < kHalvings && w.bend(c) > 0.1 * kSmallest * size; ++k) {
+  for (int k = 0; k < kHalvings && w.bend(c) > 0.1 * kSlight * size; ++k) {
     const double m = 0.5 * (w.a + w.b);
     const Cell left{w.a, m, w.fa, f(0.5 * (w.a + m)), w.fm}, right{m, w.b, w.fm, f(0.5 * (m + w.b)), w.fb};
     w = left.bend(c) >= right.bend(c) ? left : right;
   }
-  const bool smooth = !(w.bend(c) > 0.1 * kSmallest * size);
+  const bool smooth = !(w.bend(c) > 0.1 * kSlight * size);
   return {0.5 * (w.a + w.b), smooth ? 0.0 : w.fb[c] - w.fa[c]};
 }
 
@@ -34,7 +34,7 @@ Jump narrow(const Curve& f, Cell w, Eigen::Index c, double size) {
 
 std::map<int, std::vector<Jump>> find_jumps(const Curve& f, double t0, double t1, std::vector<double> known,
                                             int cells) {
-  const double clear = 1e-9 * (t1 - t0);  // kept from the known instants
+  const double clear = kNegligible * (t1 - t0);  // kept from the known instants
   known.push_back(t0), known.push_back(t1);
   std::erase_if(known, [&](double t) { return t < t0 || t > t1; });
   std::sort(known.begin(), known.end());
@@ -50,11 +50,11 @@ std::map<int, std::vector<Jump>> find_jumps(const Curve& f, double t0, double t1
       size = size.size() == 0 ? most : VecX(size.cwiseMax(most));
     }
   }
-  if (size.size() > 0) size = size.cwiseMax(1e-10 * size.maxCoeff());  // less is rounding
+  if (size.size() > 0) size = size.cwiseMax(kRounding * size.maxCoeff());  // less is rounding
   std::map<int, std::vector<Jump>> jumps;
   for (const Cell& w : all)
     for (int c = 0; c < size.size(); ++c)
-      if (const Jump found = narrow(f, w, c, size[c]); std::abs(found.size) > kSmallest * size[c])
+      if (const Jump found = narrow(f, w, c, size[c]); std::abs(found.size) > kSlight * size[c])
         jumps[c].push_back(found);
   return jumps;
 }

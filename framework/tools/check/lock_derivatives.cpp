@@ -26,7 +26,7 @@ void LockCheck::jacobian() {
            }},
           columns[j]);
     for (int k = 0; k < m_; ++k)
-      if (link_.row_kind(k) == RowKind::rotation && J(k, slot).head<3>().norm() > 1e-6 * size[k])
+      if (link_.row_kind(k) == RowKind::rotation && J(k, slot).head<3>().norm() > kSlight * size[k])
         add("kind", fmt::format("{} is of the kind rotation, but moves of body '{}' change it", row(k), body(slot)),
             "plan_rows(): RowKind::translation for metres, RowKind::function for anything else");
   }

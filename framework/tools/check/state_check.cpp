@@ -108,7 +108,8 @@ void StateCheck::run() {
   turns();
 }
 
-void StateCheck::draw_time(Draw& draw) {
+// A random state with finite numbers, at a random time; of a link closer to the start if it has none far from it.
+bool StateCheck::find_state(Draw& draw) {
   quiet_ = 0.02 * (options_.to - options_.from);
   for (int i = 0; i < 30; ++i, quiet_ *= 0.8) {
     std::vector<double> jumps;
@@ -116,11 +117,6 @@ void StateCheck::draw_time(Draw& draw) {
     breakpoints(state_.t - quiet_, state_.t + quiet_, jumps);
     if (jumps.empty()) break;
   }
-}
-
-// A random state with finite numbers; of a link closer to the start if it has none far from it.
-bool StateCheck::find_state(Draw& draw) {
-  draw_time(draw);
   const TestState start = start_of(system_, state_.t);
   double share = is_link_ && index_ == 0 ? 0.05 : 1.0;
   for (int i = 0; i < (is_link_ ? 7 : 1); ++i, share *= 0.5) {
@@ -162,7 +158,7 @@ void StateCheck::same_again() {
     for (int k = 0; k < is_.rows(); ++k) {
       Eigen::Index c = 0;
       const double sign = is_link_ && (r.row(k) + is_.row(k)).norm() < (r.row(k) - is_.row(k)).norm() ? -1 : 1;
-      if ((r.row(k) - sign * is_.row(k)).cwiseAbs().maxCoeff(&c) > 1e-9 * (1 + is_.row(k).norm()))
+      if ((r.row(k) - sign * is_.row(k)).cwiseAbs().maxCoeff(&c) > kNegligible * (1 + is_.row(k).norm()))
         add("sign",
             fmt::format("{} is another one when the quaternion of body '{}' changes its sign, which is the same "
                         "orientation",
@@ -184,7 +180,7 @@ void StateCheck::memory() {
     last = (on.z - before).norm();
     if (i == 1) second = last;
   }
-  if (last > 1e-9 * (1 + on.z.norm()) && last > 0.999 * second)
+  if (last > kNegligible * (1 + on.z.norm()) && last > 0.999 * second)
     add("memory",
         "accept_step() at one state, called again and again there, adds the same each time, or settles nowhere",
         "accept_step(): what is remembered is where the object is, as the nearest branch of an angle, and no sum over "
@@ -232,7 +228,7 @@ void StateCheck::turn_about_z(int slot, const Marker& s, double sense, const std
     return std::tuple(way, MatX(third.cwiseAbs()), g.cwiseAbs().maxCoeff());
   };
   const auto [way, third, size] = walk(start, 0, kStep, kSteps);
-  const double least = std::max(2e-5 * size, 1e-9);  // an iteration for a point of a curve leaves less
+  const double least = std::max(2e-5 * size, kNegligible);  // an iteration for a point of a curve leaves less
   for (int c = 0; c < third.rows() && third.allFinite(); ++c) {
     Eigen::Index i = 0, k = 0;
     const double most = third.row(c).maxCoeff();

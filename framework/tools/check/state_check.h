@@ -99,7 +99,6 @@ class StateCheck {
 
  private:
   bool find_state(Draw&);
-  void draw_time(Draw&);
   void same_again();
   void memory();
   void jumps();
