@@ -3,6 +3,7 @@
 #include <boost/property_tree/xml_parser.hpp>
 #include <cmath>
 #include <locale>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include <lockstep/body.h>
@@ -33,20 +34,13 @@ int depth_of(const std::string& text) {
   return most;
 }
 
+// JSON is written in UTF-8 alone.
 bool is_utf8(const std::string& text) {
-  for (std::size_t k = 0; k < text.size();) {
-    const auto c = static_cast<unsigned char>(text[k]);
-    const int more = c < 0x80                ? 0
-                     : c >= 0xc2 && c < 0xe0 ? 1
-                     : c >= 0xe0 && c < 0xf0 ? 2
-                     : c >= 0xf0 && c < 0xf5 ? 3
-                                             : -1;
-    if (more < 0 || k + static_cast<std::size_t>(more) >= text.size() + (more == 0 ? 1 : 0)) return false;
-    for (int i = 1; i <= more; ++i)
-      if ((static_cast<unsigned char>(text[k + static_cast<std::size_t>(i)]) & 0xc0) != 0x80) return false;
-    k += 1 + static_cast<std::size_t>(more);
+  try {
+    return !nlohmann::json(text).dump().empty();
+  } catch (const nlohmann::json::type_error&) {
+    return false;
   }
-  return true;
 }
 
 /// Reads a robot, and knows where it is for messages.
