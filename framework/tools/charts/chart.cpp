@@ -139,12 +139,10 @@ void write_chart(const std::string& path, const ChartSpec& spec) {
   check(spec);
   Script out;
   panel_data(out, spec.panels);
-  common(out);
   begin_page(out, spec.panels.size(), spec.title);
   const Layout layout = layout_of(spec);
   for (std::size_t k = 0; k < spec.panels.size(); ++k) panel(out, spec, layout, k);
-  end_page(out);
-  draw(out, path, spec.width, spec.height);
+  draw_page(out, path, spec.width, spec.height);
 }
 
 }  // namespace lockstep

@@ -152,11 +152,9 @@ void check(const BarSpec& spec) {
 void write_map(const std::string& path, const MapSpec& spec) {
   check(spec);
   Script out;
-  common(out);
   begin_page(out, 1, spec.title);
   add_map(out, spec);
-  end_page(out);
-  draw(out, path, spec.width, spec.height);
+  draw_page(out, path, spec.width, spec.height);
 }
 
 void write_maps(const std::string& path, const std::string& title, const std::vector<MapSpec>& specs, int width,
@@ -164,14 +162,12 @@ void write_maps(const std::string& path, const std::string& title, const std::ve
   if (specs.empty()) throw ModelError(fmt::format("\"{}\" has no maps; give it at least one", title));
   for (const MapSpec& spec : specs) check(spec);
   Script out;
-  common(out);
   begin_page(out, specs.size(), title);
   for (const MapSpec& spec : specs) {
     out.line(fmt::format("set title {} noenhanced font ',13'", quoted_text(spec.title)));
     add_map(out, spec);
   }
-  end_page(out);
-  draw(out, path, width, height);
+  draw_page(out, path, width, height);
 }
 
 void write_map_grid(const std::string& path, const MapGridSpec& spec) {
@@ -198,7 +194,6 @@ void write_map_grid(const std::string& path, const MapGridSpec& spec) {
 void write_bars(const std::string& path, const BarSpec& spec) {
   check(spec);
   Script out;
-  common(out);
   begin_page(out, 1, spec.title);
   Extent y{};
   for (const BarSpec::Group& g : spec.groups) y.take(g.values, spec.log_y);
@@ -249,8 +244,7 @@ void write_bars(const std::string& path, const BarSpec& spec) {
     clauses.push_back(fmt::format("${} using 1:2:(sprintf('%.4g',$2)) with labels {} font ',10' notitle", name, stand));
   }
   plot(out, clauses);
-  end_page(out);
-  draw(out, path, spec.width, spec.height);
+  draw_page(out, path, spec.width, spec.height);
 }
 
 }  // namespace lockstep

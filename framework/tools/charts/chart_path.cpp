@@ -46,7 +46,6 @@ void write_path(const std::string& path, const PathSpec& spec) {
   while (first + 1 < spec.x.size() && !(std::isfinite(spec.x[first]) && std::isfinite(spec.y[first]))) ++first;
   Script out;
   path_data(out, "p0s0", curve);
-  common(out);
   begin_page(out, 1, spec.title);
   margins(out, kLeftOfPath / spec.width, 1 - kRightOfPath / spec.width, 1 - top / spec.height, kBelowPath / spec.height);
   out.line("unset key");
@@ -56,8 +55,7 @@ void write_path(const std::string& path, const PathSpec& spec) {
       fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]", seen_x.first, seen_x.second, seen_y.first, seen_y.second));
   notes(out, {{spec.x[first], spec.y[first], "start"}});
   plot(out, {plot_clause("p0s0", curve, 0)});
-  end_page(out);
-  draw(out, path, spec.width, spec.height);
+  draw_page(out, path, spec.width, spec.height);
 }
 
 }  // namespace lockstep

@@ -77,7 +77,7 @@ std::string color_or(const std::string& wanted, std::size_t n, const std::string
   return wanted;
 }
 
-void common(Script& out) {
+void begin_page(Script& out, std::size_t n, const std::string& title) {
   out.line("set encoding utf8")
       .line("set border 3 lc rgb '#555555' lw 1")
       .line("set tics nomirror out textcolor rgb '#333333'")
@@ -87,14 +87,13 @@ void common(Script& out) {
       .line("set rmargin 4")
       .line("set datafile missing 'NaN'")
       .line("set pointsize 0.9");
-}
-
-void begin_page(Script& out, std::size_t n, const std::string& title) {
   const std::string text = title.empty() ? "" : fmt::format(" title {}", fitted(title));
   out.line(fmt::format("set multiplot layout {},1{}", n, text));
 }
 
-void end_page(Script& out) { out.line("unset multiplot"); }
+void draw_page(Script& out, const std::string& path, int width, int height) {
+  draw(out.line("unset multiplot"), path, width, height);
+}
 
 void axis(Script& out, char a, const std::string& label, bool log, double low, double high) {
   out.line(fmt::format("set {}label {} noenhanced textcolor rgb '#222222'", a, quoted_text(label)));

@@ -16,11 +16,10 @@ namespace chart_style LOCKSTEP_API {
 std::string color(std::size_t n);
 /// `wanted` if it is "#rrggbb", the n-th colour for ""; else throws ModelError naming `what`.
 std::string color_or(const std::string& wanted, std::size_t n, const std::string& what);
-/// Fonts, grid, borders, legend above the picture.
-void common(Script&);
-/// Begins a page of n panels, one below the other, with its title above the legend; `end_page` ends it.
+/// Begins a page of n panels, one below the other, with its title above the legend: fonts, grid, borders.
 void begin_page(Script&, std::size_t n, const std::string& title);
-void end_page(Script&);
+/// Ends it, and draws it as draw() does.
+void draw_page(Script&, const std::string& path, int width, int height);
 /// Pixels that the title of a page takes: nothing, one line or two.
 double title_height(const std::string& title);
 /// Label, scale and ticks of axis 'x' or 'y'; `low` and `high`: the range shown.

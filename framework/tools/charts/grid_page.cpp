@@ -37,7 +37,6 @@ void GridPage::whole(Script& out) const {
 }
 
 void GridPage::begin(Script& out, std::vector<std::string> entries, std::size_t maxcols, double letters) const {
-  chart_style::common(out);
   chart_style::begin_page(out, 1, title_);
   whole(out);
   out.line(fmt::format("set key at screen {:.5f}, screen {:.5f} left top horizontal maxcols {} width {}",
@@ -62,8 +61,7 @@ void GridPage::draw_to(const std::string& path, Script& out) const {
         quoted_text(remarks_[i]), edges_.left / width_,
         (kRemark * static_cast<double>(remarks_.size() - i) - 2) / height_));
   if (!remarks_.empty()) out.line("plot 2 notitle");
-  chart_style::end_page(out);
-  draw(out, path, static_cast<int>(width_), static_cast<int>(std::lround(height_)));
+  chart_style::draw_page(out, path, static_cast<int>(width_), static_cast<int>(std::lround(height_)));
 }
 
 }  // namespace lockstep
