@@ -167,8 +167,7 @@ TEST_CASE("a NaN anywhere in a history is its error", "[mutants]") {
   for (int i = 0; i < 3; ++i) {
     VecX q = VecX::Zero(7);
     q[3] = 1;
-    sound.t.push_back(i), sound.energy.push_back(1), sound.kinetic.push_back(1);
-    sound.q.push_back(q), sound.v.push_back(VecX::Zero(6)), sound.load.push_back(VecX::Zero(6));
+    sound.push_back({1.0 * i, 1, 1, q, VecX::Zero(6), VecX::Zero(6)});
   }
   CHECK(difference(sound, sound, 1).position == 0);
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -179,13 +178,13 @@ TEST_CASE("a NaN anywhere in a history is its error", "[mutants]") {
       spoil(h);
       return h;
     };
-    const History place = spoiled([&](History&h) { h.q[i][0] = nan; }),
-                  turn = spoiled([&](History&h) { h.q[i][4] = nan; });
-    const History speed = spoiled([&](History&h) { h.v[i][1] = nan; }),
-                  rate = spoiled([&](History&h) { h.v[i][4] = nan; });
-    const History force = spoiled([&](History&h) { h.load[i][2] = nan; }),
-                  moment = spoiled([&](History&h) { h.load[i][5] = nan; });
-    const History energy = spoiled([&](History& h) { h.energy[i] = nan; });
+    const History place = spoiled([&](History&h) { h[i].q[0] = nan; }),
+                  turn = spoiled([&](History&h) { h[i].q[4] = nan; });
+    const History speed = spoiled([&](History&h) { h[i].v[1] = nan; }),
+                  rate = spoiled([&](History&h) { h[i].v[4] = nan; });
+    const History force = spoiled([&](History&h) { h[i].load[2] = nan; }),
+                  moment = spoiled([&](History&h) { h[i].load[5] = nan; });
+    const History energy = spoiled([&](History& h) { h[i].energy = nan; });
     for (const History* h : {&place, &turn}) CHECK(std::isinf(difference(sound, *h, 1).position));
     for (const History* h : {&speed, &rate}) CHECK(std::isinf(difference(sound, *h, 1).velocity));
     for (const History* h : {&force, &moment}) CHECK(std::isinf(difference(sound, *h, 1).reaction));

@@ -17,10 +17,10 @@ void HistoryObserver::output(const Sample& s) {
   const long before = s.dynamics().work().evaluations;
   State slots = s.state;
   s.dynamics().to_slots(slots);
-  to_.t.push_back(slots.t), to_.q.push_back(slots.q), to_.v.push_back(slots.v);
-  to_.energy.push_back(energy_.value(s)), to_.kinetic.push_back(kinetic_.value(s));
+  Instant& now = to_.emplace_back(
+      Instant{slots.t, energy_.value(s), kinetic_.value(s), slots.q, slots.v, VecX::Zero(slots.v.size())});
   const Evaluated& values = s.values();
-  subtract_reactions(values.rows, values.lambda, to_.load.emplace_back(VecX::Zero(slots.v.size())));
+  subtract_reactions(values.rows, values.lambda, now.load);
   evaluations_ += s.dynamics().work().evaluations - before;
   spent_ += cpu_() - begin;
 }
@@ -28,30 +28,27 @@ void HistoryObserver::output(const Sample& s) {
 HistoryError difference(const History& a, const History& b, double length) {
   HistoryError e;
   const auto take = [](double& most, double x) { most = std::isfinite(x) ? std::max(most, x) : HUGE_VAL; };
-  if (a.t.size() != b.t.size()) return {HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL};
-  for (std::size_t i = 0; i < a.t.size(); ++i) {
-    for (Eigen::Index k = 0; k < a.v[i].size() / 6; ++k) {
-      take(e.position, (a.q[i].segment<3>(7 * k) - b.q[i].segment<3>(7 * k)).norm());
-      const Quat between = conjugate(turn_of(b.q[i], k)) * turn_of(a.q[i], k);
+  if (a.size() != b.size()) return {HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL};
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const Instant &is = a[i], &other = b[i];
+    for (Eigen::Index k = 0; k < is.v.size() / 6; ++k) {
+      take(e.position, (is.q.segment<3>(7 * k) - other.q.segment<3>(7 * k)).norm());
+      const Quat between = conjugate(turn_of(other.q, k)) * turn_of(is.q, k);
       take(e.position, length * 2.0 * std::atan2(between.vec().norm(), std::abs(between.w)));
-      take(e.velocity, (a.v[i].segment<3>(6 * k) - b.v[i].segment<3>(6 * k)).norm());
-      take(e.velocity, length * (a.v[i].segment<3>(6 * k + 3) - b.v[i].segment<3>(6 * k + 3)).norm());
-      take(e.reaction, (a.load[i].segment<3>(6 * k) - b.load[i].segment<3>(6 * k)).norm());
-      take(e.reaction, (a.load[i].segment<3>(6 * k + 3) - b.load[i].segment<3>(6 * k + 3)).norm() / length);
+      take(e.velocity, (is.v.segment<3>(6 * k) - other.v.segment<3>(6 * k)).norm());
+      take(e.velocity, length * (is.v.segment<3>(6 * k + 3) - other.v.segment<3>(6 * k + 3)).norm());
+      take(e.reaction, (is.load.segment<3>(6 * k) - other.load.segment<3>(6 * k)).norm());
+      take(e.reaction, (is.load.segment<3>(6 * k + 3) - other.load.segment<3>(6 * k + 3)).norm() / length);
     }
-    take(e.energy, std::abs(a.energy[i] - b.energy[i]));
+    take(e.energy, std::abs(is.energy - other.energy));
   }
   return e;
 }
 
 HistoryError size_of(const History& h, double length) {
-  History still;
-  const std::size_t n = h.t.size();
-  const VecX none = VecX::Zero(h.v.front().size());
-  still.t = h.t, still.energy.assign(n, h.energy.front()), still.q.assign(n, h.q.front());
-  still.v.assign(n, none), still.load.assign(n, none);
-  HistoryError size = difference(h, still, length);
-  for (const double kinetic : h.kinetic) size.energy = std::max(size.energy, kinetic);
+  const VecX none = VecX::Zero(h.front().v.size());
+  HistoryError size = difference(h, History(h.size(), {0, h.front().energy, 0, h.front().q, none, none}), length);
+  for (const Instant& now : h) size.energy = std::max(size.energy, now.kinetic);
   return size;
 }
 

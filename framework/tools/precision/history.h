@@ -9,12 +9,12 @@
 
 namespace lockstep {
 
-struct History {
-  std::vector<double> t, energy, kinetic;
-  std::vector<VecX> q, v;
-  std::vector<VecX>
-      load;  ///< of all links, 6 per slot: force (N, world), moment about the mass centre (N m, slot axes)
+struct Instant {
+  double t, energy, kinetic;
+  VecX q, v;
+  VecX load;  ///< of all links, 6 per slot: force (N, world), moment about the mass centre (N m, slot axes)
 };
+using History = std::vector<Instant>;
 
 /// Fills a history and measures its own cost: the loads take an extra evaluation.
 class HistoryObserver final : public Observer {

@@ -71,11 +71,9 @@ Ran run_scene(const Scene& scene, const Registry& registry, const std::vector<do
 History at_instants(const History& all, const std::vector<double>& some) {
   History out;
   for (const double t : some) {
-    const auto i =
-        static_cast<std::size_t>(std::ranges::lower_bound(all.t, t - 1e-9 * std::max(1.0, t)) - all.t.begin());
-    if (i >= all.t.size()) break;
-    out.t.push_back(t), out.q.push_back(all.q[i]), out.v.push_back(all.v[i]), out.load.push_back(all.load[i]);
-    out.energy.push_back(all.energy[i]), out.kinetic.push_back(all.kinetic[i]);
+    const auto at = std::ranges::lower_bound(all, t - 1e-9 * std::max(1.0, t), {}, &Instant::t);
+    if (at == all.end()) break;
+    out.push_back(*at);
   }
   return out;
 }
@@ -106,7 +104,7 @@ AtlasReference atlas_reference(const Scene& scene, const Registry& registry, con
   for (const auto& [method, tolerance] :
        {std::pair("dop853", 1e-11), std::pair("radau5", 1e-10), std::pair("dop853", 1e-8), std::pair("radau5", 1e-7)}) {
     Ran ran = with(method, tolerance);
-    if (!ran.failure.empty() || ran.given_up || ran.history.t.size() != instants.size()) {
+    if (!ran.failure.empty() || ran.given_up || ran.history.size() != instants.size()) {
       out.reason = fmt::format("{} at {:g}: {}", method, tolerance, ran.given_up ? "too slow" : ran.failure);
       if (!go_on()) return out;
       continue;
