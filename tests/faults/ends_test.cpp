@@ -143,7 +143,7 @@ TEST_CASE("every verb that prints says that a full standard output is full", "[f
                                   "--help",
                                   "--version",
                                   "complete ''"};
-  for (const Verb& verb : own_verbs()) all.push_back(std::string(verb.name) + " --help");
+  for (const Command& command : own_commands()) all.push_back(std::string(command.name) + " --help");
   for (const Tool& tool : tools()) all.push_back(std::string(tool.verb) + " --help");
   CHECK(all.size() > 30);
   for (const std::string& words : all) {

@@ -24,21 +24,21 @@ constexpr double kError = 1e-6;  // SI
 
 ErrorKind kind_of(const Arguments& args) {
   for (const ErrorKind kind : kErrorKinds)
-    if (to_string(kind) == args.of) return kind;
+    if (to_string(kind) == args["--of"]) return kind;
   return ErrorKind::position;
 }
 
 // The command that repeats this run; it gives every setting, so that none is taken from the scene.
 std::string command_line(const Arguments& args, const WorkPrecisionRun& run) {
-  std::string text = "lockstep run " + in_quotes(args.scene);
-  for (const std::string& plugin : args.plugins) text += " --plugin " + in_quotes(plugin);
+  std::string text = "lockstep run " + in_quotes(args["scene"]);
+  for (const std::string& plugin : args.all("--plugin")) text += " --plugin " + in_quotes(plugin);
   text += " --integrator " + in_quotes(run.integrator) + (run.adaptive ? " --tolerance " : " --step ") +
           text::number(run.setting) + " --formulation " + to_string(run.formulation) + " --stabilization " +
           to_string(run.stabilization);
   if (!needs_no_solver(run.formulation)) text += " --solver " + in_quotes(run.solver);
-  if (!args.until.empty()) text += " --until " + in_quotes(args.until);
-  if (!args.planar.empty()) text += " --planar " + args.planar;
-  if (args.full) text += " --full";
+  if (!args["--until"].empty()) text += " --until " + in_quotes(args["--until"]);
+  if (!args["--planar"].empty()) text += " --planar " + args["--planar"];
+  if (args.has("--full")) text += " --full";
   return text;
 }
 
@@ -163,13 +163,13 @@ void print_json(const Question& q, const WorkPrecision& result, const Advice& ad
 int advise_command(const Arguments& args) {
   Loaded loaded = load(args);
   loaded.scene = in_space(std::move(loaded.scene));  // where all formulations compute it
-  const double error = args.error.empty() ? kError : positive_number("--error", args.error, Unit::none);
+  const double error = args["--error"].empty() ? kError : positive_number("--error", args["--error"], Unit::none);
   const ErrorKind kind = kind_of(args);
-  const std::string report = args.report.empty() ? "" : report_path(args.report, "", loaded.scene);
+  const std::string report = args["--report"].empty() ? "" : report_path(args["--report"], "", loaded.scene);
   const Interrupt interrupt;
   SceneBenchmark benchmark = benchmark_of(loaded, args, interrupt);
   benchmark.options.target = error, benchmark.options.target_kind = kind;
-  if (!args.json) fmt::print("{}\n", benchmark.title);
+  if (!args.has("--json")) fmt::print("{}\n", benchmark.title);
   const std::unique_ptr<WorkPrecision> result = measure(benchmark, args, interrupt);
   if (!result) return kExitInterrupted;
   if (!report.empty())
@@ -178,7 +178,7 @@ int advise_command(const Arguments& args) {
   const std::vector<CostAtError> all = costs_at_error(*result, error, kind);
   const Question question{args, loaded, benchmark, kind, error};
   const Advice advice = advice_of(all);
-  if (args.json)
+  if (args.has("--json"))
     print_json(question, *result, advice);
   else
     print_advice(question, *result, advice);

@@ -14,19 +14,19 @@
 namespace lockstep {
 
 int assemble_command(const Arguments& args) {
-  if (!args.branches.empty()) return branches_command(args);
+  if (!args["--branches"].empty()) return branches_command(args);
   const Loaded loaded = load(args);
   Mechanism m = build_mechanism(loaded.scene, loaded.registry);
   Dynamics dynamics = make_dynamics(m, loaded.registry);
   State state = m.system.start();
   const AssemblyReport r = assemble(dynamics, state, m.start_speeds, m.assembly);
   nlohmann::ordered_json bodies = nlohmann::ordered_json::object();
-  if (!args.json) fmt::print("{}\n  assembled  {}\n", loaded.title(), r.text());
+  if (!args.has("--json")) fmt::print("{}\n  assembled  {}\n", loaded.title(), r.text());
   for (const Body& body : m.system.bodies()) {
     if (body.fixed) continue;
     const Pose at = body_pose(body, state);
     bodies[body.name] = {{"position", {at.x[0], at.x[1], at.x[2]}}, {"orientation", {at.q.w, at.q.x, at.q.y, at.q.z}}};
-    if (!args.json)
+    if (!args.has("--json"))
       fmt::print("  {:<14} at [{}, {}, {}] m, orientation [{}, {}, {}, {}]\n", body.name, at.x[0], at.x[1], at.x[2],
                  at.q.w, at.q.x, at.q.y, at.q.z);
   }
@@ -35,10 +35,10 @@ int assemble_command(const Arguments& args) {
                                          {"iterations", r.iterations},   {"largest_move", r.largest_move},
                                          {"moved_most", r.moved_most},   {"largest_turn", r.largest_turn},
                                          {"turned_most", r.turned_most}, {"bodies", bodies}};
-  if (args.json) print_document(report);
+  if (args.has("--json")) print_document(report);
   const double far = std::max(r.largest_move, m.system.length() * r.largest_turn);
-  if (args.within.empty()) return r.findings.empty() ? kExitOk : kExitDoubtful;
-  const double within = positive_number("--within", args.within, Unit::length, "0.1m");
+  if (args["--within"].empty()) return r.findings.empty() ? kExitOk : kExitDoubtful;
+  const double within = positive_number("--within", args["--within"], Unit::length, "0.1m");
   if (far <= within) return kExitOk;
   fmt::print(
       stderr,

@@ -198,18 +198,19 @@ class Atlas {
 }  // namespace
 
 int atlas_command(const Arguments& args) {
-  const std::string of = args.of == "position" ? "status" : args.of;  // the default of the other verbs
+  const std::string of = args.has("--of") ? args["--of"] : "status";
   AtlasPlan plan = make_atlas_plan(args);
   const std::string csv = csv_path(
-      args.out.empty() ? "" : (std::filesystem::path(args.out) / stem_of(args.scene)).string() + ".csv", args.scene);
+      args["--out"].empty() ? "" : (std::filesystem::path(args["--out"]) / stem_of(args["scene"])).string() + ".csv",
+      args["scene"]);
   const std::string base = std::filesystem::path(csv).replace_extension().string() + "_atlas";
   check_writable(base + ".csv");
   const Interrupt interrupt;
   set_logger(nullptr);
-  Atlas atlas(plan, interrupt, args.jobs > 0 ? args.jobs : available_processors());
+  Atlas atlas(plan, interrupt, jobs_of(args, available_processors()));
   const long n = plan.grid.n_runs() * static_cast<long>(plan.panels.size());
   {
-    Progress progress(static_cast<double>(n), args.quiet || args.json, Counts::runs);
+    Progress progress(static_cast<double>(n), args.has("--quiet") || args.has("--json"), Counts::runs);
     atlas.go(progress);
     progress.finish();
   }
@@ -220,7 +221,7 @@ int atlas_command(const Arguments& args) {
     write_map_grid(base, atlas_picture(plan, atlas.methods(), of));
     files.push_back(base + ".png"), files.push_back(base + ".svg");
   }
-  if (args.json) {
+  if (args.has("--json")) {
     nlohmann::ordered_json j = {{"scene", plan.loaded.scene.file},
                                 {"reference", atlas.methods()},
                                 {"agreement", atlas.agreement()},

@@ -88,36 +88,36 @@ std::vector<double> axis_numbers(const Variable& v) {
 AtlasPlan make_atlas_plan(const Arguments& args) {
   Loaded loaded = read_with_plugins(args);
   std::vector<std::string> texts;
-  for (const std::string& text : args.vary) texts.push_back(with_log(text));
+  for (const std::string& text : args.all("--vary")) texts.push_back(with_log(text));
   std::vector<Variable> variables = as_usage([&] { return read_variables(texts, loaded.scene, loaded.registry); });
   if (variables.size() != 2) throw UsageError("--vary: a map has two axes; give two of them");
   bool steps = false, gains = false;
   for (const Variable& v : variables) {
     axis_numbers(v);
     steps = steps || v.place == "run.step", gains = gains || v.place.starts_with("run.stabilization.");
-    if (v.place == "run.step" && !args.step.empty())
+    if (v.place == "run.step" && !args["--step"].empty())
       throw UsageError("--step: \"run.step\" varies; leave one of the two out");
-    if (v.place == "run.until" && !args.until.empty())
+    if (v.place == "run.until" && !args["--until"].empty())
       throw UsageError("--until: \"run.until\" varies; leave one of the two out");
   }
   Grid grid = as_usage([&] { return Grid({variables[0].values.size(), variables[1].values.size()}); });
   AtlasPlan plan{args, std::move(loaded), std::move(variables), std::move(grid), {}, {}, budget_of(args)};
-  if (!args.error.empty()) {
-    plan.limits.works = positive_number("--error", args.error, Unit::none);
+  if (!args["--error"].empty()) {
+    plan.limits.works = positive_number("--error", args["--error"], Unit::none);
     plan.limits.wrong = std::max(plan.limits.wrong, plan.limits.works);
   }
 
   const std::vector<TypeInfo> types = types_of(plan.loaded.registry.integrators);
   std::vector<MethodSpec> methods;
-  if (args.integrators.empty())
+  if (args.all("--integrators").empty())
     for (const TypeInfo& type : types) methods.push_back({type.name, Value(Value::Object{}), {}});
-  for (const std::string& name : args.integrators) methods.push_back(read_spec("--integrators", name, types));
+  for (const std::string& name : args.all("--integrators")) methods.push_back(read_spec("--integrators", name, types));
   std::vector<Stabilization::Kind> kinds;
-  for (const std::string& word : args.stabilizations) kinds.push_back(read_stabilization(word));
+  for (const std::string& word : args.all("--stabilizations")) kinds.push_back(read_stabilization(word));
   if (kinds.empty())
     kinds.push_back(gains ? Stabilization::Kind::baumgarte
                           : plan.scene(1, {methods.front(), {}}).run.stabilization.kind);
-  if (args.stabilizations.empty() && !gains) {
+  if (args.all("--stabilizations").empty() && !gains) {
     Scene s = plan.loaded.scene;
     override_settings(s.run, args, plan.loaded.registry);
     kinds = {s.run.stabilization.kind};

@@ -92,13 +92,13 @@ std::pair<double, double> range_of(const std::string& option, const std::string&
 }
 
 void set_ranges(const Arguments& args, const Trajectory& trajectory, WorkPrecisionOptions& options) {
-  if (!args.tolerances.empty()) {
-    const auto [coarse, fine] = range_of("--tolerances", args.tolerances, Unit::none);
+  if (!args["--tolerances"].empty()) {
+    const auto [coarse, fine] = range_of("--tolerances", args["--tolerances"], Unit::none);
     options.tolerances.clear();
     for (double x = coarse; x > 0.999 * fine; x /= 10) options.tolerances.push_back(x);
   }
-  if (!args.steps.empty()) {
-    const auto [coarse, fine] = range_of("--steps", args.steps, Unit::time);
+  if (!args["--steps"].empty()) {
+    const auto [coarse, fine] = range_of("--steps", args["--steps"], Unit::time);
     const double interval = trajectory.length / trajectory.outputs;
     options.steps.clear();
     for (double n = std::max(1.0, std::ceil(interval / coarse - 1e-9)); interval / n > 0.999 * fine && n < 1e9; n *= 2)
@@ -199,9 +199,9 @@ std::vector<MethodChoice> references_of(const RunSettings& run, const Registry& 
 }
 
 double budget_of(const Arguments& args) {
-  if (args.budget.empty()) return kBudget;
-  const double budget = positive_number("--budget", args.budget, Unit::time, "60");
-  if (budget < 1) throw UsageError("--budget: the value is " + args.budget + "; it must be 1 s at least");
+  if (args["--budget"].empty()) return kBudget;
+  const double budget = positive_number("--budget", args["--budget"], Unit::time, "60");
+  if (budget < 1) throw UsageError("--budget: the value is " + args["--budget"] + "; it must be 1 s at least");
   return budget;
 }
 
@@ -225,9 +225,9 @@ SceneBenchmark benchmark_of(const Loaded& loaded, const Arguments& args, const I
 
   WorkPrecisionOptions& o = benchmark.options;
   for (const MethodSpec& spec :
-       specs_of("--integrators", args.integrators, run.integrator, types_of(registry.integrators)))
+       specs_of("--integrators", args.all("--integrators"), run.integrator, types_of(registry.integrators)))
     o.integrators.push_back(method_of(spec, run, registry));
-  for (const MethodSpec& spec : specs_of("--solvers", args.solvers, run.solver, types_of(registry.solvers))) {
+  for (const MethodSpec& spec : specs_of("--solvers", args.all("--solvers"), run.solver, types_of(registry.solvers))) {
     RunSettings own = run;
     own.solver = spec;
     o.solvers.push_back({to_word(spec), [&registry, own] { return make_solver(own, registry); }});
@@ -237,12 +237,12 @@ SceneBenchmark benchmark_of(const Loaded& loaded, const Arguments& args, const I
   Dynamics along_joints(*first.system, make_solver(run, registry),
                         {Formulation::joint, {}});  // also where it is dearer
   if (along_joints.why_not_joint(first.start.modes).empty()) formulations.push_back(Formulation::joint);
-  o.formulations = values_of(args.formulations, run.formulation, formulations, read_formulation);
-  settle_formulations(dynamics, first.start, !args.solvers.empty(), o.formulations);
+  o.formulations = values_of(args.all("--formulations"), run.formulation, formulations, read_formulation);
+  settle_formulations(dynamics, first.start, !args.all("--solvers").empty(), o.formulations);
   o.loops = has_loops(along_joints, first.start);
-  o.stabilizations = values_of(args.stabilizations, benchmark.imposed ? Kind::none : run.stabilization.kind,
+  o.stabilizations = values_of(args.all("--stabilizations"), benchmark.imposed ? Kind::none : run.stabilization.kind,
                                {Kind::project, Kind::baumgarte, Kind::none}, read_stabilization);
-  o.separately = args.separately;
+  o.separately = args.has("--separately");
   o.gains = run.stabilization;
   RunSettings own = run;
   own.step = 1;
@@ -258,9 +258,9 @@ SceneBenchmark benchmark_of(const Loaded& loaded, const Arguments& args, const I
 }
 
 std::unique_ptr<WorkPrecision> measure(SceneBenchmark& benchmark, const Arguments& args, const Interrupt& interrupt) {
-  const bool quiet = args.quiet || args.json;
+  const bool quiet = args.has("--quiet") || args.has("--json");
   bool headed = false;
-  Progress progress(benchmark.options.budget, args.quiet, Counts::budget);
+  Progress progress(benchmark.options.budget, args.has("--quiet"), Counts::budget);
   const double begin = thread_seconds();
   const FindingScope unheard;  // what coarse settings do to a run is what is measured
   benchmark.options.progress = [&](const std::string& what) {

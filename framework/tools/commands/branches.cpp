@@ -14,12 +14,12 @@ namespace lockstep {
 constexpr int kMostStarts = 1'000'000;
 
 int branches_command(const Arguments& args) {
-  const int starts = whole_number("--branches", args.branches, kMostStarts);
+  const int starts = whole_number("--branches", args["--branches"], kMostStarts);
   const Loaded loaded = load(args);
   Mechanism m = build_mechanism(loaded.scene, loaded.registry);
   Dynamics dynamics = make_dynamics(m, loaded.registry);
   const BranchReport report = find_branches(dynamics, m.system.start(), {.starts = starts});
-  if (args.json) {
+  if (args.has("--json")) {
     nlohmann::ordered_json all = nlohmann::ordered_json::array();
     for (const AssemblyBranch& b : report.branches)
       all.push_back({{"found", b.found},

@@ -167,19 +167,21 @@ int chart_command(const Arguments& args) {
   Loaded loaded = load(args);
   loaded.scene = in_space(std::move(loaded.scene));  // where all formulations compute it
   const std::string csv = csv_path(
-      args.out.empty() ? "" : (std::filesystem::path(args.out) / stem_of(args.scene)).string() + ".csv", args.scene);
+      args["--out"].empty() ? "" : (std::filesystem::path(args["--out"]) / stem_of(args["scene"])).string() + ".csv",
+      args["scene"]);
   const std::string base = std::filesystem::path(csv).replace_extension().string() + "_chart";
   check_writable(base + ".csv");
-  const std::string report = args.report.empty() ? "" : report_path(args.report, base + ".csv", loaded.scene);
+  const std::string report = args["--report"].empty() ? "" : report_path(args["--report"], base + ".csv", loaded.scene);
 
   const Interrupt interrupt;
   SceneBenchmark benchmark = benchmark_of(loaded, args, interrupt);
-  if (!args.json) fmt::print("{}\n", benchmark.title);
+  if (!args.has("--json")) fmt::print("{}\n", benchmark.title);
   const std::unique_ptr<WorkPrecision> result = measure(benchmark, args, interrupt);
   if (!result) return kExitInterrupted;
 
-  const ChartFiles files = write_files(base, *result, benchmark, args.caption.value_or(report::measured_words()));
-  if (args.json) {
+  const ChartFiles files =
+      write_files(base, *result, benchmark, args.has("--caption") ? args["--caption"] : report::measured_words());
+  if (args.has("--json")) {
     print_json(loaded, *result, benchmark, files);
   } else {
     print_all(*result, benchmark);
@@ -187,7 +189,7 @@ int chart_command(const Arguments& args) {
   }
   if (!report.empty()) {
     write_runs_report(report, text_of(args, loaded), runs_text(*result), "cpu [s]", "position error [m]", true);
-    if (!args.json) fmt::print("       {}\n", report);
+    if (!args.has("--json")) fmt::print("       {}\n", report);
   }
   if (interrupt.asked()) fmt::print(stderr, "lockstep: interrupted; the runs up to there are written\n");
   return interrupt.asked() ? kExitInterrupted : kExitOk;

@@ -213,28 +213,28 @@ int explain_command(const Arguments& args) {
   Mechanism m = build_mechanism(loaded.scene, loaded.registry);
   const System& system = m.system;
   const std::vector<std::string> known = names_of(system);
-  if (!args.name.empty() && std::ranges::find(known, args.name) == known.end())
-    throw UsageError("nothing of the scene that moves, links or pushes is named \"" + args.name + "\"" +
-                     text::suggestion(args.name, known));
+  if (!args["thing"].empty() && std::ranges::find(known, args["thing"]) == known.end())
+    throw UsageError("nothing of the scene that moves, links or pushes is named \"" + args["thing"] + "\"" +
+                     text::suggestion(args["thing"], known));
   const State state = run_to(m, loaded.registry, instant_of(args));
   Dynamics dynamics = make_dynamics(m, loaded.registry);
-  if (!args.json) fmt::print("{}, t = {:.9g} s\n", loaded.title(), state.t);
+  if (!args.has("--json")) fmt::print("{}, t = {:.9g} s\n", loaded.title(), state.t);
 
   for (const Body& body : system.bodies())
-    if (body.name == args.name) return tell(balance_of(dynamics, state, body), args.json), kExitOk;
+    if (body.name == args["thing"]) return tell(balance_of(dynamics, state, body), args.has("--json")), kExitOk;
   for (const auto& link : system.links())
-    if (link->name() == args.name) return tell(account_of(dynamics, state, *link), args.json), kExitOk;
+    if (link->name() == args["thing"]) return tell(account_of(dynamics, state, *link), args.has("--json")), kExitOk;
   for (const auto& force : system.forces())
-    if (force->name() == args.name) return tell(account_of(dynamics, state, *force), args.json), kExitOk;
+    if (force->name() == args["thing"]) return tell(account_of(dynamics, state, *force), args.has("--json")), kExitOk;
   Json all = Json::array();
   for (int k = 0; k < system.n_slots(); ++k) {
     const BodyBalance balance = balance_of(dynamics, state, system.body_of_slot(k));
-    if (args.json)
+    if (args.has("--json"))
       all.push_back(json(balance));
     else
       print(balance);
   }
-  if (args.json) print_document(all);
+  if (args.has("--json")) print_document(all);
   return kExitOk;
 }
 

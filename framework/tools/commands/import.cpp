@@ -34,8 +34,8 @@ std::string text_of_robot(const std::string& file) {
 class MeshFinder {
  public:
   explicit MeshFinder(const Arguments& args)
-      : robots_(folder_of(args.scene == "-" ? "" : args.scene)),
-        folder_(args.out.empty() ? robots_ : folder_of(args.out)) {}
+      : robots_(folder_of(args["scene"] == "-" ? "" : args["scene"])),
+        folder_(args["--out"].empty() ? robots_ : folder_of(args["--out"])) {}
 
   std::string find(const std::string& name) {
     const std::string file = find_robot_mesh(name, robots_);
@@ -71,9 +71,9 @@ class MeshFinder {
 
 int import_command(const Arguments& args) {
   namespace fs = std::filesystem;
-  const std::string file = args.scene == "-" ? "standard input" : args.scene;
+  const std::string file = args["scene"] == "-" ? "standard input" : args["scene"];
   MeshFinder meshes(args);
-  const ImportedRobot robot = read_urdf(text_of_robot(args.scene), file, args.floating,
+  const ImportedRobot robot = read_urdf(text_of_robot(args["scene"]), file, args.has("--floating"),
                                         [&](const std::string& name) { return meshes.find(name); });
   const std::string text = write_json(robot.scene);
   build_mechanism(
@@ -86,17 +86,18 @@ int import_command(const Arguments& args) {
     fmt::print(stderr,
                "lockstep: meshes lie outside of the scene's folder: run it with --allow-files, or write it beside the "
                "robot (--out)\n");
-  if (args.out.empty()) {
+  if (args["--out"].empty()) {
     fmt::print("{}", text);
     return kExitOk;
   }
   std::error_code error;
-  if (fs::is_regular_file(args.out, error))
-    throw UsageError("--out: '" + args.out + "' is there already; name another file");
-  std::ofstream out(args.out, std::ios::binary);
+  if (fs::is_regular_file(args["--out"], error))
+    throw UsageError("--out: '" + args["--out"] + "' is there already; name another file");
+  std::ofstream out(args["--out"], std::ios::binary);
   out << text;
   out.close();
-  if (!out) throw FileError("file '" + args.out + "' cannot be written; check the folder, or name another (--out)");
+  if (!out)
+    throw FileError("file '" + args["--out"] + "' cannot be written; check the folder, or name another (--out)");
   return kExitOk;
 }
 

@@ -175,12 +175,12 @@ Json table_json(const Table& table) {
 }
 
 int follow(const Arguments& args, bool inverse) {
-  if (args.quiet) set_logger(nullptr);
+  if (args.has("--quiet")) set_logger(nullptr);
   Loaded loaded = load(args);
   const std::vector<std::string> without = inverse ? std::vector<std::string>{} : fill_masses(loaded.scene);
   Mechanism m = build_mechanism(loaded.scene, loaded.registry);
-  if (!args.interval.empty()) {
-    m.run.output = positive_number("--output", args.interval, Unit::time);
+  if (!args["--output"].empty()) {
+    m.run.output = positive_number("--output", args["--output"], Unit::time);
     m.run.times.clear();
   }
   if (m.run.until <= 0)
@@ -196,14 +196,14 @@ int follow(const Arguments& args, bool inverse) {
   if (!without.empty()) refuse_columns_of_masses(m, without);
   if (inverse) record_reactions(m);
   refuse_integrated_columns(m);
-  const std::string csv = csv_path(args.record, args.scene);
+  const std::string csv = csv_path(args["--record"], args["scene"]);
   check_overwrites(csv, loaded.scene);
   GrowingFile file(csv);
   const std::unique_ptr<Recorder> recorder = make_recorder(m);
   Dynamics dynamics = make_dynamics(m, loaded.registry);
   State start = decided_start(dynamics, m);
   assemble(dynamics, start, m.start_speeds, m.assembly);
-  if (!args.quiet && !args.json) fmt::print("{}\n", loaded.title());
+  if (!args.has("--quiet") && !args.has("--json")) fmt::print("{}\n", loaded.title());
   for (const EventRequest& e : m.events)
     fmt::print(stderr, "lockstep: event '{}' does not act: nothing runs here\n", e.event.name);
 
@@ -211,7 +211,7 @@ int follow(const Arguments& args, bool inverse) {
   DrivenMotion motion(dynamics, std::move(start));
   GrowingCsv rows(file, recorder->table());
   const StepReport report;
-  Doubts doubts(!args.quiet && records_reactions(m.run), 0);
+  Doubts doubts(!args.has("--quiet") && records_reactions(m.run), 0);
   std::exception_ptr failed;
   try {
     for (long k = 0; k < times.size(); ++k) {
@@ -235,9 +235,9 @@ int follow(const Arguments& args, bool inverse) {
   file.commit();
   for (const Finding& f : doubts.findings(motion.steps(), motion.state().t))
     fmt::print(stderr, "lockstep: {}\n", f.text());
-  if (args.json)
+  if (args.has("--json"))
     print_document(table_json(recorder->table()));
-  else if (!args.quiet)
+  else if (!args.has("--quiet"))
     print_end(recorder->table(), csv, motion.steps(), seconds, inverse);
   return kExitOk;
 }

@@ -10,8 +10,8 @@ namespace lockstep {
 
 LinearMotionOptions motion_options(const Arguments& args) {
   LinearMotionOptions options;
-  if (!args.spin.empty()) options.spin = read_vector("--spin", args.spin);
-  options.frozen = args.frozen;
+  if (!args["--spin"].empty()) options.spin = read_vector("--spin", args["--spin"]);
+  options.frozen = args.has("--frozen");
   return options;
 }
 

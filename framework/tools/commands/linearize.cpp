@@ -73,18 +73,19 @@ std::string names_of_signals(const std::vector<Signal>& signals) {
 }  // namespace
 
 int linearize_command(const Arguments& args) {
-  if (args.json && !args.csv.empty())
+  if (args.has("--json") && !args["--csv"].empty())
     throw UsageError("--json and --csv: the numbers are printed or written, not both; give one of the two");
   const Loaded loaded = load(args);
-  if (!args.csv.empty()) check_overwrites(args.csv, loaded.scene);
-  MechanismWithInputs built = build_with_inputs(loaded.scene, loaded.registry, args.inputs);
+  if (!args["--csv"].empty()) check_overwrites(args["--csv"], loaded.scene);
+  MechanismWithInputs built = build_with_inputs(loaded.scene, loaded.registry, args.all("--inputs"));
   std::vector<Channel> outputs;
-  for (const std::string& name : args.outputs) outputs.push_back(make_channel(system_of(*built.mechanism), name));
+  for (const std::string& name : args.all("--outputs"))
+    outputs.push_back(make_channel(system_of(*built.mechanism), name));
   const MechanismAt at = state_at(std::move(built.mechanism), loaded.registry, instant_of(args));
   const StateSpace s = with_words_of_program(
       [&] { return linearize(*at.dynamics, at.state, built.inputs, outputs, motion_options(args)); });
-  if (!args.csv.empty()) write_table(args.csv, s);
-  if (args.json) {
+  if (!args["--csv"].empty()) write_table(args["--csv"], s);
+  if (args.has("--json")) {
     nlohmann::ordered_json j = {{"scene", loaded.scene.file},
                                 {"t", at.state.t},
                                 {"states", signals_json(s.states)},
@@ -104,7 +105,7 @@ int linearize_command(const Arguments& args) {
              names_of_signals(s.inputs), names_of_signals(s.outputs));
   fmt::print("  accuracy   {:.1g} of B, C and D (two steps of a central difference of sixth order)\n", s.accuracy);
   print_matrix("A", s.A), print_matrix("B", s.B), print_matrix("C", s.C), print_matrix("D", s.D);
-  if (!args.csv.empty()) fmt::print("  written    {}\n", args.csv);
+  if (!args["--csv"].empty()) fmt::print("  written    {}\n", args["--csv"]);
   return kExitOk;
 }
 

@@ -1,6 +1,4 @@
 // The program lockstep-sweep: a scene run many times.
-#include <CLI/CLI.hpp>
-
 #include "framework/tools/commands/tool_verbs.h"
 
 namespace lockstep {
@@ -26,39 +24,37 @@ Under Slurm, sbatch of a script with these lines:
 The shares have one header. One table in the order of the whole grid is made by
   awk 'FNR > 1 || NR == 1' mass_*.csv | sort -t , -k 1,1n > mass.csv)";
 
-void add_sweep(CLI::App& verb, Arguments& a) {
-  add_settings(verb, a);
-  add_each(verb, "--vary", a.vary, "NAME=...",
-           "NAME=a:b:n, n values evenly from a to b, or NAME=v1,v2,...; may be repeated")
-      ->required();
-  add(verb, "--shard", a.shard, "i/n", "only every n-th run, from the i-th on; i counts from 1");
-  add(verb, "--record", a.record, "FILE.csv",
-      "the CSV file; default: <scene>_sweep.csv or <scene>_sweep_<i>of<n>.csv, in LOCKSTEP_OUTPUT or here; -: standard "
-      "output, and words to standard error");
-  add(verb, "--report", a.report, "FILE.html",
-      "one HTML file that shows each run as a point, by any two columns; with --histories a click shows its curves and "
-      "its motion");
-  add(verb, "--lanes", a.lanes, "MODE", "auto: eight runs at once if the mechanism is suited; off: one by one",
-      {"auto", "off"});
-  verb.add_option("--jobs", a.jobs,
-                  "threads that compute runs; default: the processors that the program may use, 1 with --shard. Laws, "
-                  "links and forces of plugins that share data among runs need --jobs 1")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1024));
-  add(verb, "--histories", a.histories, "DIR", "folder for the columns of each run, <its number>.csv");
-  add_headers(verb, a);
-  CLI::Option* quiet = verb.add_flag("--quiet", a.quiet, "print errors only");
-  CLI::Option* json = add_json(verb, a)->excludes(quiet);
-  verb.add_flag("--resume", a.resume,
-                "go on where the same sweep was interrupted or killed: the rows that are there stay")
-      ->excludes(json);
+std::vector<Command> commands() {
+  return {
+      {"sweep", "", "",
+       join(
+           {settings_options(),
+            {Option{"--vary", "NAME=...", "NAME=a:b:n, n values evenly from a to b, or NAME=v1,v2,...; may be repeated"}
+                 .needed()
+                 .repeated(),
+             {"--shard", "i/n", "only every n-th run, from the i-th on; i counts from 1"},
+             {"--record", "FILE.csv",
+              "the CSV file; default: <scene>_sweep.csv or <scene>_sweep_<i>of<n>.csv, in LOCKSTEP_OUTPUT or here; "
+              "-: standard output, and words to standard error"},
+             {"--report", "FILE.html",
+              "one HTML file that shows each run as a point, by any two columns; with --histories a click shows its "
+              "curves and its motion"},
+             Option{"--lanes", "MODE", "auto: eight runs at once if the mechanism is suited; off: one by one"}.among(
+                 "auto,off"),
+             {"--jobs", "N",
+              "threads that compute runs, 1 to 1024; default: the processors that the program may use, 1 with "
+              "--shard. Laws, links and forces of plugins that share data among runs need --jobs 1"},
+             {"--histories", "DIR", "folder for the columns of each run, <its number>.csv"},
+             kHeaders,
+             {"--quiet", "", "print errors only"},
+             kJson.without("--quiet"),
+             Option{"--resume", "",
+                    "go on where the same sweep was interrupted or killed: the rows that are there stay"}
+                 .without("--json")}}),
+       sweep_command, kSweepFooter}};
 }
-
-constexpr Verb kVerbs[] = {
-    {"sweep", "", add_sweep, sweep_command, kSweepFooter},
-};
 
 }  // namespace
 }  // namespace lockstep
 
-int main(int argc, char* argv[]) { return lockstep::run_program({lockstep::kVerbs}, argc, argv); }
+int main(int argc, char* argv[]) { return lockstep::run_program({lockstep::commands()}, argc, argv); }

@@ -63,21 +63,23 @@ int matrices_command(const Arguments& args) {
   const System::InSpace look = at.dynamics->look_in_space();
   const MechanismMatrices m = matrices_at(*at.dynamics, at.state);
   std::vector<std::string> files;
-  if (!args.out.empty()) {
+  if (!args["--out"].empty()) {
     std::error_code error;
-    fs::create_directories(args.out, error);
-    if (error) throw FileError("folder '" + args.out + "' cannot be made: " + error.message() + "; name another");
-    const auto file = [&](const std::string& name) { return files.emplace_back((fs::path(args.out) / name).string()); };
+    fs::create_directories(args["--out"], error);
+    if (error) throw FileError("folder '" + args["--out"] + "' cannot be made: " + error.message() + "; name another");
+    const auto file = [&](const std::string& name) {
+      return files.emplace_back((fs::path(args["--out"]) / name).string());
+    };
     const std::string where = fmt::format("{} at t = {} s", loaded.scene.file, text::number(at.state.t));
     for (const char* name : {"unknowns.csv", "rows.csv", "M.mtx", "D.mtx", "K.mtx", "J.mtx"})
-      check_overwrites((fs::path(args.out) / name).string(), loaded.scene);
+      check_overwrites((fs::path(args["--out"]) / name).string(), loaded.scene);
     for (const Named& each : all_of(m))
       write_matrix_market(file(std::string(each.name) + ".mtx"), each.matrix,
                           fmt::format("{} of {}", each.what, where));
     write_lines(file("unknowns.csv"), unknown_lines(m));
     write_lines(file("rows.csv"), row_lines(m));
   }
-  if (args.json) {
+  if (args.has("--json")) {
     nlohmann::ordered_json j = {{"scene", loaded.scene.file}, {"t", at.state.t}};
     const auto numbers = [](const VecX& v) { return std::vector<double>(v.begin(), v.end()); };
     j["unknowns"] = nlohmann::ordered_json::array();

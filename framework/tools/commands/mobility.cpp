@@ -12,7 +12,7 @@ int mobility_command(const Arguments& args) {
   Mechanism m = build_mechanism(loaded.scene, loaded.registry);
   Dynamics dynamics = make_dynamics(m, loaded.registry);
   const MobilityFindings found = mobility_of(dynamics, m, m.system.start());
-  if (args.json) {
+  if (args.has("--json")) {
     nlohmann::ordered_json j = {{"scene", loaded.scene.file}, {"title", loaded.scene.title}};
     put_mobility(j, found, m.run);
     print_document(j);

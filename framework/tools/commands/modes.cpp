@@ -35,11 +35,11 @@ const char* word(Mode::Kind kind) {
 }
 
 int count_of(const Arguments& args) {
-  if (args.count.empty()) return 0;
+  if (args["--count"].empty()) return 0;
   int n = 0;
-  const auto [end, error] = std::from_chars(args.count.data(), args.count.data() + args.count.size(), n);
-  if (error != std::errc() || end != args.count.data() + args.count.size() || n < 1)
-    throw UsageError("--count: \"" + args.count +
+  const auto [end, error] = std::from_chars(args["--count"].data(), args["--count"].data() + args["--count"].size(), n);
+  if (error != std::errc() || end != args["--count"].data() + args["--count"].size() || n < 1)
+    throw UsageError("--count: \"" + args["--count"] +
                      "\" is no number of modes; give a whole number from 1 on, as in --count 10");
   return n;
 }
@@ -206,13 +206,13 @@ int modes_command(const Arguments& args) {
   ModesOptions options;
   options.count = count_of(args);
   options.motion = motion_options(args);
-  if (!args.csv.empty()) check_overwrites(args.csv, loaded.scene);
-  const std::string report = args.report.empty() ? "" : report_path(args.report, args.csv, loaded.scene);
+  if (!args["--csv"].empty()) check_overwrites(args["--csv"], loaded.scene);
+  const std::string report = args["--report"].empty() ? "" : report_path(args["--report"], args["--csv"], loaded.scene);
   const MechanismAt at = state_at(loaded, instant_of(args));
   const Modes found = with_words_of_program([&] { return find_modes(*at.dynamics, at.state, options); });
-  if (!args.csv.empty()) write_modes(args.csv, found);
+  if (!args["--csv"].empty()) write_modes(args["--csv"], found);
   if (!report.empty()) write_modes_report(report, args, loaded, at, found);
-  if (args.json) {
+  if (args.has("--json")) {
     nlohmann::ordered_json j = {
         {"scene", loaded.scene.file},     {"t", at.state.t},
         {"freedoms", found.freedoms},     {"zeros", found.zeros},
@@ -224,7 +224,7 @@ int modes_command(const Arguments& args) {
   }
   fmt::print("{}\n{}", loaded.title(), state_words(at.state.t, found.spin, found.unrest, found.notes));
   print_modes(found);
-  for (const std::string& file : {args.csv, report})
+  for (const std::string& file : {args["--csv"], report})
     if (!file.empty()) fmt::print("  written    {}\n", file);
   return kExitOk;
 }

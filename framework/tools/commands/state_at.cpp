@@ -36,7 +36,7 @@ State run_to(Mechanism& m, const Registry& registry, double t) {
   return state;
 }
 
-double instant_of(const Arguments& args) { return args.at.empty() ? 0 : instant("--at", args.at); }
+double instant_of(const Arguments& args) { return args["--at"].empty() ? 0 : instant("--at", args["--at"]); }
 
 MechanismAt state_at(std::unique_ptr<Mechanism> mechanism, const Registry& registry, double t) {
   MechanismAt out;

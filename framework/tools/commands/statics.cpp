@@ -50,7 +50,7 @@ struct Resting {
   /// From there. `friction`: whether it may hold the poses.
   void find(const Arguments& args, const State* before, bool friction) {
     begin(args, before);
-    report = find_equilibrium(dynamics, state, {.friction = friction, .nearest = args.nearest});
+    report = find_equilibrium(dynamics, state, {.friction = friction, .nearest = args.has("--nearest")});
   }
   /// Rows and multipliers at rest, without accelerations.
   Evaluated values() {
@@ -205,14 +205,14 @@ class Rows {
 int vary(const Arguments& args, const Loaded& loaded) {
   std::vector<Variable> variables;
   try {
-    variables = read_variables(args.vary, loaded.scene, loaded.registry);
+    variables = read_variables(args.all("--vary"), loaded.scene, loaded.registry);
   } catch (const ModelError& error) {
     throw UsageError(std::string("--vary: ") + error.what());
   }
   std::vector<std::size_t> sizes;
   for (const Variable& v : variables) sizes.push_back(v.values.size());
   const Grid grid(sizes);
-  Rows rows(args.record);
+  Rows rows(args["--record"]);
   std::optional<Path> path;
   std::unique_ptr<Resting> before;
   long failed = 0;
@@ -240,25 +240,25 @@ int vary(const Arguments& args, const Loaded& loaded) {
   rows.commit();
   if (rows && path)
     fmt::print("{}\n  equilibria {}, {} failed\n  files      {}\n", loaded.title(), path->table().n_rows(), failed,
-               args.record);
+               args["--record"]);
   return failed > 0 ? kExitFailure : kExitOk;
 }
 
 /// All equilibria that random starts lead to.
 int find_all(const Arguments& args, const Loaded& loaded) {
   constexpr int kMostStarts = 1'000'000;
-  const int starts = whole_number("--all", args.all, kMostStarts);
+  const int starts = whole_number("--all", args["--all"], kMostStarts);
   Resting first(loaded.scene, loaded.registry);
   first.begin(args);
   EquilibriaReport found = find_equilibria(first.dynamics, first.state, {.starts = starts});
   Json all = Json::array();
-  if (!args.json)
+  if (!args.has("--json"))
     fmt::print("{}\n  equilibria   {}, from {} starts, of which {} led nowhere\n", loaded.title(), found.all.size(),
                found.starts, found.failed);
   int number = 0;
   for (Equilibrium& e : found.all) {
     first.state = std::move(e.state), first.report = std::move(e.report);
-    if (args.json) {
+    if (args.has("--json")) {
       all.push_back(report_json(first));
       all.back()["found"] = e.found;
       continue;
@@ -266,7 +266,8 @@ int find_all(const Arguments& args, const Loaded& loaded) {
     fmt::print("equilibrium {}, found {} time{}:\n{}{}", ++number, e.found, e.found == 1 ? "" : "s",
                stability_text(first.report.stability), pose_text(first.m.system, first.state));
   }
-  if (args.json) print_document(Json({{"starts", found.starts}, {"failed", found.failed}, {"equilibria", all}}));
+  if (args.has("--json"))
+    print_document(Json({{"starts", found.starts}, {"failed", found.failed}, {"equilibria", all}}));
   return kExitOk;
 }
 
@@ -274,17 +275,17 @@ int find_all(const Arguments& args, const Loaded& loaded) {
 
 int statics_command(const Arguments& args) {
   const Loaded loaded = load(args);
-  if (!args.record.empty()) check_overwrites(args.record, loaded.scene);
-  if (args.json && !args.vary.empty())
+  if (!args["--record"].empty()) check_overwrites(args["--record"], loaded.scene);
+  if (args.has("--json") && !args.all("--vary").empty())
     throw UsageError("--json: with --vary the rows are CSV; leave one of the two out");
-  if (!args.all.empty() && (!args.vary.empty() || !args.record.empty()))
+  if (!args["--all"].empty() && (!args.all("--vary").empty() || !args["--record"].empty()))
     throw UsageError("--all: it prints every equilibrium, and goes with neither --vary nor --record");
-  if (!args.all.empty()) return find_all(args, loaded);
-  if (!args.vary.empty()) return vary(args, loaded);
+  if (!args["--all"].empty()) return find_all(args, loaded);
+  if (!args.all("--vary").empty()) return vary(args, loaded);
   Resting resting(loaded.scene, loaded.registry);
   resting.find(args, nullptr, true);
-  if (!args.record.empty()) {
-    Rows rows(args.record);
+  if (!args["--record"].empty()) {
+    Rows rows(args["--record"]);
     Path path({}, resting.m.system);
     const Table& table = path.add({}, resting);
     std::string text;
@@ -293,7 +294,7 @@ int statics_command(const Arguments& args) {
     rows.write(text);
     rows.commit();
   }
-  if (args.json)
+  if (args.has("--json"))
     print_document(report_json(resting));
   else
     print(loaded, resting);

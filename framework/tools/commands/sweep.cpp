@@ -76,9 +76,9 @@ nlohmann::ordered_json sweep_json(long number, const std::vector<Variable>& vari
 }
 
 std::string table_path(const Arguments& args, Shard shard) {
-  const std::string stem = stem_of(args.scene);
-  const std::string share = args.shard.empty() ? "" : fmt::format("_{}of{}", shard.index, shard.count);
-  return csv_path(args.record, stem + "_sweep" + share + ".json");
+  const std::string stem = stem_of(args["scene"]);
+  const std::string share = args["--shard"].empty() ? "" : fmt::format("_{}of{}", shard.index, shard.count);
+  return csv_path(args["--record"], stem + "_sweep" + share + ".json");
 }
 
 void make_folder(const std::string& folder) {
@@ -96,10 +96,8 @@ struct Tally {
       found{};  // by code: the first warning, and how many runs have one
 };
 
-int jobs_of(const Arguments& args) {
-  if (args.jobs > 0) return args.jobs;
-  return args.shard.empty() ? available_processors() : 1;  // whoever shares out runs has a process for each processor
-}
+// Whoever shares out runs has a process for each processor.
+int jobs_of(const Arguments& args) { return jobs_of(args, args.has("--shard") ? 1 : available_processors()); }
 
 /// The runs of one shard: computed on several threads, eight at a time on each if the mechanism is suited; their rows
 /// are written in order.
@@ -112,7 +110,7 @@ class Sweep {
         mark_(plan.arguments, plan.loaded, rows),
         kept_(begin_rows()),
         interrupt_(interrupt),
-        progress_(static_cast<double>(n_runs_), plan.arguments.quiet, Counts::runs),
+        progress_(static_cast<double>(n_runs_), plan.arguments.has("--quiet"), Counts::runs),
         tally_{
             .done = kept_.n, .failed = kept_.failed, .wrong = kept_.wrong, .kept = kept_.n, .alone = why_alone(plan)},
         queue_(n_runs_, tally_.alone.empty() ? kLanes : 1, kFewestLanes, kept_.n),
@@ -152,7 +150,7 @@ class Sweep {
   // The rows that are there, with --resume; else none.
   KeptRows begin_rows() {
     const std::string header = this->header();
-    if (plan_.arguments.resume) {
+    if (plan_.arguments.has("--resume")) {
       mark_.check();
       SweepRun failed;
       failed.failed = true;
@@ -256,7 +254,7 @@ class Sweep {
     const long n = number(done.k);
     rows_.append(sweep_row(n, plan_.variables, plan_.grid.at(n), plan_.columns, done.run));
     rows_.write();
-    if (plan_.arguments.json)
+    if (plan_.arguments.has("--json"))
       tally_.runs.push_back(sweep_json(n, plan_.variables, plan_.grid.at(n), plan_.columns, done.run));
     if (done.in_lanes) ++tally_.in_lanes;
     if (done.kept) ++tally_.histories;
@@ -280,14 +278,15 @@ class Sweep {
     return [watch = watch_time(share, until, n)](const State& s) { return watch(s.t); };
   }
 
-  bool keeps_histories() const { return !plan_.arguments.histories.empty(); }
+  bool keeps_histories() const { return !plan_.arguments["--histories"].empty(); }
 
   // Writes the history of a run, if it was asked for and there is one.
   bool keep(const SweepRun& run, long k, const Table& history) const {
     if (!keeps_histories() || run.broken_off || history.n_columns() == 0) return false;
     const std::size_t width = std::to_string(plan_.grid.n_runs()).size();
-    write_csv((std::filesystem::path(plan_.arguments.histories) / fmt::format("{:0{}}.csv", number(k), width)).string(),
-              plan_.plain_headers ? without_units(history) : history);
+    write_csv(
+        (std::filesystem::path(plan_.arguments["--histories"]) / fmt::format("{:0{}}.csv", number(k), width)).string(),
+        plan_.plain_headers ? without_units(history) : history);
     return true;
   }
 
@@ -327,7 +326,8 @@ void print_end(const SweepPlan& plan, const Tally& tally, const std::string& csv
   if (tally.in_lanes > 0) words.say("             {} of them eight at a time, in vector lanes\n", tally.in_lanes);
   if (tally.in_lanes == 0 && !tally.alone.empty()) words.say("             one by one: {}\n", tally.alone);
   words.say("  files      {} ({} rows)\n", csv == "-" ? "the rows on standard output" : csv, tally.done);
-  if (tally.histories > 0) words.say("             {} ({} histories)\n", plan.arguments.histories, tally.histories);
+  if (tally.histories > 0)
+    words.say("             {} ({} histories)\n", plan.arguments["--histories"], tally.histories);
 }
 
 void print_json(const SweepPlan& plan, const Tally& tally, const std::string& csv) {
@@ -377,33 +377,33 @@ void write_report(const SweepPlan& plan, const Tally& tally, const std::string& 
   words.say("             {}{}\n", report, left_out.empty() ? "" : " (of the histories it keeps " + left_out + ")");
   if (motions != nullptr && tally.kept > 0)
     words.say("             without curves of the {} runs before the interruption; {} has them\n", tally.kept,
-              plan.arguments.histories);
+              plan.arguments["--histories"]);
 }
 
 }  // namespace
 
 int sweep_command(const Arguments& args) {
-  if (args.quiet) set_logger(nullptr);
+  if (args.has("--quiet")) set_logger(nullptr);
   const Words words(args);
-  if (args.record == "-" && !args.report.empty())
+  if (args["--record"] == "-" && !args["--report"].empty())
     throw UsageError("--report: it is made from the rows, which go to standard output; give --record a file");
   const SweepPlan plan = make_sweep_plan(args);
   const std::string csv = table_path(args, plan.shard);
   check_overwrites(csv, plan.loaded.scene);
-  make_folder(args.histories);
-  const std::string report = args.report.empty() ? "" : report_path(args.report, csv, plan.loaded.scene);
+  make_folder(args["--histories"]);
+  const std::string report = args["--report"].empty() ? "" : report_path(args["--report"], csv, plan.loaded.scene);
   GrowingFile rows(csv);
   const Interrupt interrupt;
   Sweep sweep(plan, rows, interrupt);
   print_heading(plan, sweep.n_runs(), words);
   const Tally tally = run_and_commit(sweep, rows);
   for (const auto& [code, of] : tally.found)
-    if (!args.quiet)
+    if (!args.has("--quiet"))
       tell(fmt::format("lockstep: warning: {}{}\n", of.first.text(),
                        of.second > 1 ? fmt::format(" (in {} runs)", of.second) : ""));
   const bool interrupted = tally.done < sweep.n_runs();  // what is there replaces nothing then
   const std::string table = interrupted && csv != "-" ? rows.partial() : csv;
-  if (args.json)
+  if (args.has("--json"))
     print_json(plan, tally, table);
   else
     print_end(plan, tally, table, words);

@@ -31,17 +31,20 @@ auto usage(const std::string& option, F&& read) {
 }
 
 void refuse_varied_options(const Arguments& args, const std::vector<Variable>& variables) {
-  const std::pair<const char*, const std::string*> options[] = {
-      {"integrator", &args.integrator},      {"solver", &args.solver}, {"step", &args.step},
-      {"tolerance", &args.tolerance},        {"until", &args.until},   {"formulation", &args.formulation},
-      {"stabilization", &args.stabilization}};
+  const std::pair<const char*, const std::string*> options[] = {{"integrator", &args["--integrator"]},
+                                                                {"solver", &args["--solver"]},
+                                                                {"step", &args["--step"]},
+                                                                {"tolerance", &args["--tolerance"]},
+                                                                {"until", &args["--until"]},
+                                                                {"formulation", &args["--formulation"]},
+                                                                {"stabilization", &args["--stabilization"]}};
   for (const Variable& v : variables) {
     for (const auto& [name, word] : options) {
       const std::string place = std::string("run.") + name;
       if (!word->empty() && (v.place == place || v.place.rfind(place + ".", 0) == 0))
         throw UsageError(fmt::format("--{}: \"{}\" varies; leave one of the two out", name, v.path));
     }
-    if ((!args.planar.empty() || args.full) && v.place == "planar")
+    if ((!args["--planar"].empty() || args.has("--full")) && v.place == "planar")
       throw UsageError("--planar: \"planar\" varies; leave one of the two out");
   }
 }
@@ -102,26 +105,26 @@ std::string SweepPlan::setting(long run) const { return setting_text(variables, 
 
 SweepPlan make_sweep_plan(const Arguments& args) {
   Loaded loaded = read_with_plugins(args);
-  const Shard shard = args.shard.empty() ? Shard{} : usage("--shard", [&] { return read_shard(args.shard); });
+  const Shard shard = args["--shard"].empty() ? Shard{} : usage("--shard", [&] { return read_shard(args["--shard"]); });
   std::vector<Variable> variables =
-      usage("--vary", [&] { return read_variables(args.vary, loaded.scene, loaded.registry); });
+      usage("--vary", [&] { return read_variables(args.all("--vary"), loaded.scene, loaded.registry); });
   refuse_varied_options(args, variables);
   warn_left_behind(variables, loaded);
   std::vector<std::size_t> sizes;
   for (const Variable& v : variables) sizes.push_back(v.values.size());
   Grid grid = usage("--vary", [&] { return Grid(sizes); });
-  const bool plain = args.headers.empty() ? !outputs_of(loaded.scene).units : args.headers == "plain";
+  const bool plain = args["--headers"].empty() ? !outputs_of(loaded.scene).units : args["--headers"] == "plain";
   SweepPlan plan{args, std::move(loaded), std::move(variables), std::move(grid), shard, {}, plain};
   plan.columns = columns_of(plan);
   return plan;
 }
 
-bool keeps_motion(const Arguments& args) { return !args.histories.empty() && !args.report.empty(); }
+bool keeps_motion(const Arguments& args) { return !args["--histories"].empty() && !args["--report"].empty(); }
 
 std::string why_alone(const SweepPlan& plan) {
-  if (plan.arguments.lanes == "off") return "as asked for";
+  if (plan.arguments["--lanes"] == "off") return "as asked for";
   if (keeps_motion(plan.arguments)) return "the report keeps their motion";
-  if (!plan.arguments.histories.empty() && plan.loaded.scene.run.at_jumps)
+  if (!plan.arguments["--histories"].empty() && plan.loaded.scene.run.at_jumps)
     return "the histories have rows at jumps (at_jumps)";
   if (plan.grid.n_runs(plan.shard) == 0) return {};
   try {

@@ -35,11 +35,11 @@ std::string command_of(const Arguments& args) {
 
 SweepMark::SweepMark(const Arguments& args, const Loaded& loaded, const GrowingFile& rows)
     : command_(command_of(args)) {
-  if (args.resume && (rows.in_place() || args.scene == "-"))
+  if (args.has("--resume") && (rows.in_place() || args["scene"] == "-"))
     throw UsageError("--resume: it needs a scene and rows that can be read again; give files for both");
-  if (rows.in_place() || args.scene == "-") return;
+  if (rows.in_place() || args["scene"] == "-") return;
   file_ = rows.name() + ".sweep";
-  scene_ = hash_of_files(loaded.scene), plugins_ = hash_of_plugins(loaded.scene, args.plugins);
+  scene_ = hash_of_files(loaded.scene), plugins_ = hash_of_plugins(loaded.scene, args.all("--plugin"));
 }
 
 void SweepMark::write() const {

@@ -309,7 +309,7 @@ struct Findings {
 
 std::vector<std::string> all_proposals(const Arguments& args, const Loaded& loaded, const Mechanism& m,
                                        const MobilityReport& r, bool is_tree) {
-  if (args.full) return {};
+  if (args.has("--full")) return {};
   const FindingScope unheard;                    // each builds the scene anew, with the same findings
   if (m.system.bodies().size() > kMostProposed)  // each one builds it anew
     return {fmt::format("(not looked for in more than {} bodies)", kMostProposed)};
@@ -397,12 +397,12 @@ void print_findings(const Loaded& loaded, const Mechanism& m, const Findings& fo
 
 void check_channels(const Arguments& args, const Loaded& loaded, const System& system,
                     nlohmann::ordered_json& results) {
-  if (!args.json && !args.more_scenes.empty()) fmt::print("{}\n", loaded.title());
+  if (!args.has("--json") && !args.all("more").empty()) fmt::print("{}\n", loaded.title());
   nlohmann::ordered_json channels;
-  list_channels(system, args.name, args.json ? &channels : nullptr);
-  if (args.json && args.more_scenes.empty())
+  list_channels(system, args["--of"], args.has("--json") ? &channels : nullptr);
+  if (args.has("--json") && args.all("more").empty())
     results.push_back(std::move(channels));
-  else if (args.json)
+  else if (args.has("--json"))
     results.push_back({{"scene", loaded.scene.file}, {"channels", std::move(channels)}});
 }
 
@@ -415,9 +415,9 @@ int refused(const Error& error) {
 int check_scene(const Arguments& args, nlohmann::ordered_json& results) {
   const Loaded loaded = load(args);
   Mechanism m = build_observed(loaded.scene, loaded.registry);
-  if (args.channels) return check_channels(args, loaded, m.system, results), kExitOk;
+  if (args.has("--channels")) return check_channels(args, loaded, m.system, results), kExitOk;
   const Findings found = found_in(args, loaded, m);
-  if (args.json)
+  if (args.has("--json"))
     results.push_back(findings_json(loaded, m, found));
   else
     print_findings(loaded, m, found);
@@ -425,7 +425,7 @@ int check_scene(const Arguments& args, nlohmann::ordered_json& results) {
   try {
     std::rethrow_exception(found.moves.refused);
   } catch (const Error& error) {
-    if (args.json) results.back()["error"] = error.what();
+    if (args.has("--json")) results.back()["error"] = error.what();
     return refused(error);
   }
 }
@@ -435,7 +435,7 @@ int check_scenes(const Arguments& args, nlohmann::ordered_json& results) {
   int code = kExitOk;
   Arguments one = args;
   const auto check = [&](const std::string& scene) {
-    one.scene = scene;
+    one.set("scene", scene);
     int of_one = kExitOk;
     try {
       of_one = check_scene(one, results);
@@ -445,9 +445,9 @@ int check_scenes(const Arguments& args, nlohmann::ordered_json& results) {
     }
     if (code == kExitOk) code = of_one;
   };
-  check(args.scene);
-  for (const std::string& scene : args.more_scenes) {
-    if (!args.json) fmt::print("\n");
+  check(args["scene"]);
+  for (const std::string& scene : args.all("more")) {
+    if (!args.has("--json")) fmt::print("\n");
     std::fflush(stdout);
     check(scene);
   }
@@ -458,13 +458,13 @@ int check_scenes(const Arguments& args, nlohmann::ordered_json& results) {
 
 int check_command(const Arguments& args) {
   auto results = nlohmann::ordered_json::array();
-  const bool several = !args.more_scenes.empty();
+  const bool several = !args.all("more").empty();
   int code = kExitOk;
   if (several)
     code = check_scenes(args, results);
   else
     code = check_scene(args, results);
-  if (args.json) print_document(several ? results : results.front());
+  if (args.has("--json")) print_document(several ? results : results.front());
   return code;
 }
 

@@ -29,8 +29,9 @@ namespace {
 
 // A word of the command line without the folders of a file that it names.
 std::string without_folders(std::string word, const Arguments& args) {
-  std::vector<std::string> files{args.scene, args.record, args.report, args.out, args.histories, args.csv};
-  files.insert(files.end(), args.plugins.begin(), args.plugins.end());
+  std::vector<std::string> files = args.all("--plugin");
+  for (const char* name : {"scene", "--record", "--report", "--out", "--histories", "--csv"})
+    files.push_back(args[name]);
   for (const std::string& file : files)
     if (const std::size_t slash = file.find_last_of('/'); slash != std::string::npos && word.ends_with(file))
       return word.erase(word.size() - file.size(), slash + 1);
@@ -40,11 +41,60 @@ std::string without_folders(std::string word, const Arguments& args) {
 // "lockstep run four_bar.json --until 3": the same on every machine.
 std::string command_words(int argc, const char* const* argv, const Arguments& args) {
   std::string line = "lockstep";
-  for (int k = 1; k < argc; ++k) {
-    const std::string word = without_folders(argv[k], args);
-    line += " " + in_quotes(word);
-  }
+  for (int k = 1; k < argc; ++k) line += " " + in_quotes(without_folders(argv[k], args));
   return line;
+}
+
+void add_option(CLI::App& app, const Option& o, std::map<std::string, CLI::Option*, std::less<>>& known) {
+  const std::string name(o.name), help(o.help);
+  const bool names = o.type == "A,B";
+  CLI::Option* option = nullptr;
+  if (o.flag()) {
+    option = app.add_flag(name, help);
+  } else {
+    option = app.add_option(name, help)->type_name(std::string(o.type))->expected(1);
+    if (o.repeats || names)
+      option->expected(1, CLI::detail::expected_max_vector_size)->allow_extra_args(o.positional());
+    if (names) option->delimiter(',');
+    if (!o.choices.empty()) option->check(CLI::IsMember(words_of(o.choices)));
+  }
+  option->required(o.required);
+  for (const std::string& other : words_of(o.excludes))
+    if (known.contains(other)) option->excludes(known.at(other));
+  if (!o.needs.empty()) option->needs(known.find(o.needs)->second);
+  known.emplace(o.key(), option);
+}
+
+// A command with its options: the app "list" below "plugins" for "plugins list".
+CLI::App& add_command(CLI::App& app, const Command& command) {
+  CLI::App* parent = &app;
+  std::string name(command.name);
+  if (const std::size_t blank = name.find(' '); blank != std::string::npos) {
+    const std::string first = name.substr(0, blank);
+    const auto there = app.get_subcommands([&](const CLI::App* sub) { return sub->get_name() == first; });
+    if (!there.empty())
+      parent = there.front();
+    else
+      parent = app.add_subcommand(first, "Report which plugins there are")->require_subcommand(1);
+    parent->group(std::string(group_of(command)));
+    name.erase(0, blank + 1);
+  }
+  CLI::App& sub = *parent->add_subcommand(name, std::string(help_of(command)))->group(std::string(group_of(command)));
+  std::map<std::string, CLI::Option*, std::less<>> known;
+  for (const Option& o : command.options) add_option(sub, o, known);
+  sub.footer(std::string(command.footer));
+  return sub;
+}
+
+Arguments arguments_of(const CLI::App& sub, const Command& command, int argc, const char* const* argv) {
+  Arguments args;
+  for (const Option& o : command.options) {
+    const CLI::Option* option = sub.get_option(std::string(o.key()));
+    if (option->count() == 0 || (o.flag() && !option->as<bool>())) continue;
+    args.set(o.key(), option->results());
+  }
+  args.command = command_words(argc, argv, args), args.words.assign(argv + 1, argv + argc);
+  return args;
 }
 
 // Prints what is wrong with the command line, the closest name that exists, and where help is.
@@ -114,53 +164,35 @@ int guarded(const std::function<int()>& command) {
 int run_words(const Program& program, int argc, const char* const* argv) {
   if (program.calls_tools)
     if (const std::optional<int> code = call_tool(argc, argv)) return *code;
+  if (argc > 1 && std::string_view(argv[1]) == "complete")
+    return guarded([&] { return complete_command(program, argc - 2, argv + 2); });
+  if (argc == 2 && !program.calls_tools && std::string_view(argv[1]) == "man-verbs") {
+    fmt::print("{}", commands_page(program.commands));
+    return kExitOk;
+  }
+  if (argc == 3 && std::string_view(argv[1]) == "plugin-answer")
+    return guarded([&] { return plugin_answer_command(argv[2]); });
   CLI::App app("lockstep: simulates mechanisms of rigid bodies with the lock formulation", "lockstep");
   app.set_version_flag("--version", fmt::format("lockstep {}{}{}{}", kVersion, commit_of_build().empty() ? "" : " (",
                                                 commit_of_build(), commit_of_build().empty() ? "" : ")"));
   app.require_subcommand(1);
   app.footer(
-      "Example:\n  lockstep run samples/scenes/four_bar.json\nEach verb has a --help of its own.\n\n"
-      "Exit codes: 0 done; 2 command line, 3 scene, 4 plugin or its code, 5 start off the constraints, 6 a step that "
-      "cannot be made, 7 a number that is not finite, 8 file; 9 the run went through, but its energy balance or its "
-      "drift is beyond the limits (energy_limit, violation_limit); 10 out of memory; 11 a doubtful result (run "
-      "--strict), or a start "
-      "far from the one given (assemble); 130 interrupted; 1 any other "
-      "failure");
-  Arguments arguments;
-  std::vector<std::pair<const CLI::App*, const Verb*>> verbs;
-  const auto add_verb = [&](CLI::App& parent, const Verb& verb) {
-    CLI::App* sub = parent.add_subcommand(verb.name, *verb.help != 0 ? verb.help : tool_of(verb.name)->help);
-    verb.add_options(*sub, arguments);
-    if (!program.calls_tools && tool_of(verb.name) == nullptr) sub->group("");  // run, to certify: in no page
-    sub->footer(verb.footer);
-    verbs.emplace_back(sub, &verb);
-  };
-  for (const Verb& verb : program.verbs) add_verb(app, verb);
-  if (program.calls_tools) {
-    for (const Tool& tool : tools()) app.add_subcommand(tool.verb, tool.help)->prefix_command();
-    CLI::App& plugins = *app.add_subcommand("plugins", "Report which plugins there are");
-    plugins.require_subcommand(1);
-    add_verb(plugins, plugins_list_verb());
-  }
-
-  arguments.line = &app;
-  if (argc > 1 && std::string_view(argv[1]) == "complete")
-    return guarded([&] { return complete_command(app, argc - 2, argv + 2); });
-  if (argc == 2 && !program.calls_tools && std::string_view(argv[1]) == "man-verbs") {
-    fmt::print("{}", verbs_page(app));
-    return kExitOk;
-  }
-  if (argc == 3 && std::string_view(argv[1]) == "plugin-answer")
-    return guarded([&] { return plugin_answer_command(argv[2]); });
+      std::string("Example:\n  lockstep run samples/scenes/four_bar.json\nEach verb has a --help of its own.\n\n") +
+      "Exit codes: " + kExitCodes);
+  std::vector<std::pair<const CLI::App*, const Command*>> commands;
+  for (const Command& command : program.commands) commands.emplace_back(&add_command(app, command), &command);
+  if (program.calls_tools)
+    for (const Tool& tool : tools())
+      app.add_subcommand(std::string(tool.verb), std::string(tool.help))
+          ->group(std::string(tool.group))
+          ->prefix_command();
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return error.get_exit_code() == 0 ? app.exit(error) : print_usage_error(app, error);
   }
-  const auto called = std::find_if(verbs.begin(), verbs.end(), [](const auto& v) { return v.first->parsed(); });
-  arguments.command = command_words(argc, argv, arguments);
-  arguments.words.assign(argv + 1, argv + argc);
-  return guarded([&] { return called->second->run(arguments); });
+  const auto [sub, command] = *std::ranges::find_if(commands, [](const auto& c) { return c.first->parsed(); });
+  return guarded([&] { return command->run(arguments_of(*sub, *command, argc, argv)); });
 }
 
 // The exit code of what was printed, which may be waiting in memory still.
@@ -189,10 +221,24 @@ int exit_code_of(const Error& error) {
   return code == kCodes.end() ? kExitFailure : code->second;
 }
 
+const std::string& Arguments::operator[](std::string_view name) const {
+  static const std::string kNone;
+  const auto found = values_.find(name);
+  return found == values_.end() || found->second.empty() ? kNone : found->second.front();
+}
+const std::vector<std::string>& Arguments::all(std::string_view name) const {
+  static const std::vector<std::string> kNone;
+  const auto found = values_.find(name);
+  return found == values_.end() ? kNone : found->second;
+}
+void Arguments::set(std::string_view name, std::vector<std::string> values) {
+  values_.insert_or_assign(std::string(name), std::move(values));
+}
+
 Arguments read_run_words(const std::vector<std::string>& words) {
   CLI::App app("lockstep", "lockstep");
-  Arguments arguments;
-  add_run(*app.add_subcommand("run"), arguments);
+  const Command& run = own_commands().front();
+  const CLI::App& sub = add_command(app, run);
   std::vector<const char*> argv{"lockstep"};
   for (const std::string& word : words) argv.push_back(word.c_str());
   const int argc = static_cast<int>(argv.size());
@@ -201,8 +247,7 @@ Arguments read_run_words(const std::vector<std::string>& words) {
   } catch (const CLI::ParseError& error) {
     throw UsageError(std::string("the command line that a checkpoint holds cannot be read: ") + error.what());
   }
-  arguments.command = command_words(argc, argv.data(), arguments), arguments.words = words;
-  return arguments;
+  return arguments_of(sub, run, argc, argv.data());
 }
 
 int run_program(const Program& program, int argc, const char* const* argv) {

@@ -1,18 +1,16 @@
 // The verbs of the program `lockstep`: one function each over the public interface; and what all programs share.
 #pragma once
 
-#include <optional>
+#include <functional>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
-
-namespace CLI {
-class App;
-}
 
 namespace lockstep {
 
@@ -42,45 +40,22 @@ class UsageError : public Error {
   Kind kind() const noexcept override { return Kind::usage; }
 };
 
-/// The options of the command line, as text; "" if not given.
-struct Arguments {
-  std::string scene, integrator, solver, step, tolerance, until, formulation, stabilization, record, budget, out, error,
-      of = "position", tolerances, steps;
-  std::string planar;  ///< as the scene's key
-  std::vector<std::string> plugins, integrators, solvers, formulations, stabilizations;
-  bool quiet = false, json = false, why = false, channels = false, separately = false, certify = false;
-  bool floating = false;          ///< the first link of an imported robot is not held
-  bool no_picture = false;        ///< CSV alone
-  std::optional<std::string> caption;  ///< below pictures of what was measured; none: machine, version and date
-  bool strict = false;            ///< a doubtful result is an error
-  std::vector<std::string> pictures;  ///< X:Y, columns
-  std::string headers;                ///< "units" or "plain"; "": the scene's
-  bool at_jumps = false;              ///< rows before and after what jumps
-  bool allow_files = false;       ///< the scene may read files outside of its folder
-  std::string nearly_redundant;   ///< auto, told, free or held
-  bool full = false;              ///< no shortcuts: neither planar motion nor merged bodies
-  std::vector<std::string> vary;  ///< NAME=a:b:n or NAME=v1,v2,...
-  std::vector<std::string> set;   ///< NAME=VALUE
-  std::string shard, histories;   ///< "2/8"; a folder
-  std::string report;             ///< the HTML file
-  bool open = false, no_open = false;  ///< show it in the browser; do not
-  std::string command;            ///< the whole command line, files by their names alone
-  std::string lanes;              ///< "off": one run at a time
-  int jobs = 0;                   ///< threads of a sweep; 0: as many as there are processors
-  std::vector<std::string> more_scenes;  ///< after the first
-  const CLI::App* line = nullptr;        ///< the command line itself, for its manual
-  std::string kind, name, into;   ///< kind and folder of a new plugin, or of the demo; its name, a shelf's or a type's
-  std::string within;             ///< a distance
-  std::string branches;           ///< random starts of assemble; "": branches are not looked for
-  std::string all;                ///< random starts of statics; "": one equilibrium
-  bool nearest = false;           ///< statics takes the equilibrium that it meets first
-  std::string at, interval;       ///< an instant; the interval of outputs
-  std::string count, spin, csv;   ///< how many modes; a vector; a file
-  bool frozen = false;            ///< coefficients of an instant that is no equilibrium
-  std::vector<std::string> inputs, outputs;  ///< of a linearisation
-  std::string checkpoint, every;             ///< the file of a checkpoint; how often it is written, by the clock
-  bool resume = false;                       ///< a sweep goes on where it was interrupted
-  std::vector<std::string> words;            ///< of the command line, after the program's name
+/// What the command line gives: values by the names of their options, as text.
+class Arguments {
+ public:
+  /// The value of an option or positional; "" if it is not given.
+  const std::string& operator[](std::string_view name) const;
+  bool has(std::string_view name) const { return values_.contains(name); }  ///< whether it is given
+  /// The values of one that repeats, or takes several names.
+  const std::vector<std::string>& all(std::string_view name) const;
+  void set(std::string_view name, std::vector<std::string> values);                                 ///< gives one
+  void set(std::string_view name, std::string value) { set(name, std::vector{std::move(value)}); }  ///< the same
+
+  std::string command{};             ///< the whole command line, files by their names alone
+  std::vector<std::string> words{};  ///< of the command line, after the program's name
+
+ private:
+  std::map<std::string, std::vector<std::string>, std::less<>> values_;
 };
 
 /// A scene with the plugins that it and the command line ask for.
@@ -122,18 +97,20 @@ int describe_command(const Arguments&);
 int schema_command(const Arguments&);
 int new_plugin_command(const Arguments&);
 int plugins_list_command(const Arguments&);
+int completion_command(const Arguments&);
+int man_command(const Arguments&);
 /// A verb that no help shows: answers `plugins list` about one file, whose code may end this process.
 int plugin_answer_command(const char* file);
 
-struct Verb;
+struct Command;
 
-/// The verbs of a program, and whether it is the one that finds the others (tools.h).
+/// The commands of a program, and whether it is the one that finds the others (tools.h).
 struct Program {
-  std::span<const Verb> verbs;
+  std::span<const Command> commands;
   bool calls_tools = false;
 };
 
-/// Reads the command line, runs a verb, prints errors on standard error. Returns an Exit.
+/// Reads the command line, runs a command, prints errors on standard error. Returns an Exit.
 int run_program(const Program&, int argc, const char* const* argv);
 
 }  // namespace lockstep

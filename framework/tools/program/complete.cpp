@@ -2,35 +2,22 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
 
+#include <lockstep/finding.h>
 #include <lockstep/recorder.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/describe.h"
 #include "framework/description/scene/words.h"
 #include "framework/tools/program/options.h"
+#include "framework/tools/program/tools.h"
 
 namespace lockstep {
 namespace {
 
 using Words = std::vector<std::string>;
-
-const CLI::App* subcommand(const CLI::App& app, const std::string& name) {
-  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; }))
-    if (sub->get_name() == name) return sub;
-  return nullptr;
-}
-
-const CLI::Option* option(const CLI::App& verb, const std::string& name) {
-  for (const CLI::Option* each : verb.get_options())
-    if (each->check_name(name)) return each;
-  return nullptr;
-}
-
-bool takes_value(const CLI::Option& option) { return option.get_items_expected_max() > 0; }
 
 template <class Descriptions>
 Words names_of(const Descriptions& all) {
@@ -42,7 +29,9 @@ Words names_of(const Descriptions& all) {
 /// The names that the scene of the line has, read once they are asked for.
 class SceneAtHand {
  public:
-  SceneAtHand(std::string file, Words plugins) { args_.scene = std::move(file), args_.plugins = std::move(plugins); }
+  SceneAtHand(std::string file, Words plugins) {
+    args_.set("scene", std::move(file)), args_.set("--plugin", std::move(plugins));
+  }
 
   // "crank=", and what may be varied by its path.
   Words parameters() {
@@ -77,7 +66,7 @@ class SceneAtHand {
   template <class Use>
   void with_scene(Use&& use) {
     std::error_code error;  // a pipe would wait for somebody to write
-    if (!std::filesystem::is_regular_file(args_.scene, error)) return;
+    if (!std::filesystem::is_regular_file(args_["scene"], error)) return;
     try {
       use(read_with_plugins(args_));
     } catch (...) {  // whoever types a line is not told of a scene that is not ready
@@ -88,31 +77,55 @@ class SceneAtHand {
 
 /// A line as far as it is typed.
 struct Line {
-  const CLI::App* verb = nullptr;        // the innermost
-  const CLI::Option* awaited = nullptr;  // that takes the last word as its value
-  Words positionals{}, plugins{};        // before the last word
-  std::string last, before;              // "x" and "--solver=" of "--solver=x"
+  const Program& program;
+  std::string said{};                // the first words of a command's name: "plugins"
+  const Command* command = nullptr;  // null: not yet
+  const Option* awaited = nullptr;   // that takes the last word as its value
+  Words positionals{}, plugins{};    // before the last word
+  std::string last, before{};        // "x" and "--solver=" of "--solver=x"
+
+  const Option* option(std::string_view name) const { return command != nullptr ? command->option(name) : nullptr; }
+  // What follows `said` in the names of commands.
+  Words commands() const {
+    Words all;
+    const auto take = [&](std::string_view name) {
+      if (!name.starts_with(said)) return;
+      name.remove_prefix(said.size());
+      all.emplace_back(name.substr(0, name.find(' ')));
+    };
+    for (const Command& c : program.commands) take(c.name);
+    if (program.calls_tools)
+      for (const Tool& tool : tools()) take(tool.verb);
+    return all;
+  }
+  void name(const std::string& word) {
+    const auto found = std::ranges::find(program.commands, said + word, &Command::name);
+    if (found != program.commands.end())
+      command = &*found;
+    else if (const Words all = commands(); std::ranges::find(all, word) != all.end())
+      said += word + " ";
+  }
 };
 
-Line read_line(const CLI::App& app, const Words& words) {
-  Line line{&app, nullptr, {}, {}, words.empty() ? "" : words.back(), ""};
+Line read_line(const Program& program, const Words& words) {
+  Line line{program, "", nullptr, nullptr, {}, {}, words.empty() ? "" : words.back()};
   for (std::size_t k = 0; k + 1 < words.size(); ++k) {
     const std::string& word = words[k];
     if (line.awaited != nullptr) {
-      if (line.awaited->check_name("--plugin")) line.plugins.push_back(word);
+      if (line.awaited->is("--plugin")) line.plugins.push_back(word);
       line.awaited = nullptr;
     } else if (word.starts_with('-') && word != "-") {
-      const CLI::Option* given = option(*line.verb, word);
-      if (given != nullptr && takes_value(*given)) line.awaited = given;
-    } else if (const CLI::App* sub = subcommand(*line.verb, word)) {
-      line.verb = sub;
+      const Option* given = line.option(word);
+      if (given != nullptr && !given->flag()) line.awaited = given;
+    } else if (line.command == nullptr) {
+      line.name(word);
     } else {
       line.positionals.push_back(word);
     }
   }
   const std::size_t equals = line.last.find('=');
   if (line.awaited == nullptr && line.last.starts_with("--") && equals != std::string::npos) {
-    line.awaited = option(*line.verb, line.last.substr(0, equals));
+    line.awaited = line.option(line.last.substr(0, equals));
     line.before = line.last.substr(0, equals + 1), line.last.erase(0, equals + 1);
   }
   return line;
@@ -121,49 +134,48 @@ Line read_line(const CLI::App& app, const Words& words) {
 Words names_on(const Registry& registry, const std::string& option) {
   if (option.starts_with("--integrator")) return names_of(shelf_contents(registry, "integrators"));
   if (option.starts_with("--solver")) return names_of(shelf_contents(registry, "solvers"));
-  if (option.starts_with("--formulations")) return formulation_names();
   return {};
 }
 
-Completion of_value(const Line& line, const CLI::Option& option, SceneAtHand& scene) {
-  const std::string name = "--" + (option.get_lnames().empty() ? option.get_name() : option.get_lnames().front());
-  if (const Words all = choices_of(option); !all.empty()) return {all};
+Completion of_value(const Line& line, const Option& option, SceneAtHand& scene) {
+  const std::string name(option.key());
+  if (!option.choices.empty()) return {words_of(option.choices)};
   if (name == "--set" || name == "--vary") return {scene.parameters()};
-  if (line.verb->get_name() == "check" && name == "--of") return {scene.things()};
-  if (name == "--inputs" || name == "--outputs" || name == "--channel") return {scene.channels()};
+  if (line.command->name == "check" && name == "--of") return {scene.things()};
+  if (name == "--inputs" || name == "--outputs") return {scene.channels()};
   if (Words all = names_on(make_registry(line.plugins), name); !all.empty()) return {std::move(all)};
-  const std::string type = option.get_type_name();
-  return {{}, type.find("FILE") != std::string::npos || type == "DIR" || type == "P"};
+  return {{}, option.type.find("FILE") != option.type.npos || option.type == "DIR" || option.type == "P"};
 }
 
 Completion of_positional(const Line& line, SceneAtHand& scene) {
-  std::vector<const CLI::Option*> expected;
-  for (const CLI::Option* each : line.verb->get_options())
-    if (each->get_positional()) expected.push_back(each);
+  std::vector<const Option*> expected;
+  for (const Option& each : line.command->options)
+    if (each.positional()) expected.push_back(&each);
   if (expected.empty()) return {};
-  const CLI::Option& next = *expected[std::min(line.positionals.size(), expected.size() - 1)];
-  if (const Words all = choices_of(next); !all.empty()) return {all};
-  const std::string verb = line.verb->get_name();
-  if (verb == "describe") return {known_words(make_registry(line.plugins))};
-  const std::string type = next.get_type_name();
-  if (type == "SCENE" || type.find("FILE") != std::string::npos) return {{}, true};
-  if (verb == "explain") return {scene.things()};
+  const Option& next = *expected[std::min(line.positionals.size(), expected.size() - 1)];
+  if (!next.choices.empty()) return {words_of(next.choices)};
+  if (line.command->name == "describe") {
+    Words all = known_words(make_registry(line.plugins));
+    for (const FindingKind* kind : finding_kinds()) all.emplace_back(kind->code);
+    return {std::move(all)};
+  }
+  if (next.type == "SCENE" || next.type.find("FILE") != next.type.npos) return {{}, true};
+  if (line.command->name == "explain") return {scene.things()};
   return {};
 }
 
 Completion all_of(const Line& line, SceneAtHand& scene) {
   if (line.awaited != nullptr) return of_value(line, *line.awaited, scene);
   if (line.last.starts_with('-') && line.last != "-") {
-    Completion found;
-    for (const CLI::Option* each : line.verb->get_options())
-      for (const std::string& name : each->get_lnames()) found.words.push_back("--" + name);
+    Completion found{{"--help"}};
+    if (line.command == nullptr) found.words.emplace_back("--version");
+    if (line.command != nullptr)
+      for (const Option& each : line.command->options)
+        if (!each.positional())
+          for (const std::string& name : words_of(each.name)) found.words.push_back(name);
     return found;
   }
-  Completion found = of_positional(line, scene);
-  if (!line.positionals.empty()) return found;
-  for (const CLI::App* sub : line.verb->get_subcommands([](const CLI::App*) { return true; }))
-    if (!sub->get_group().empty()) found.words.push_back(sub->get_name());
-  return found;
+  return line.command != nullptr ? of_positional(line, scene) : Completion{line.commands()};
 }
 
 constexpr const char* kBash = R"_(# Completion of lockstep for bash: `lockstep completion bash`, in a file that bash reads.
@@ -223,8 +235,8 @@ if [[ "$funcstack[1]" == _lockstep ]]; then _lockstep "$@"; else compdef _lockst
 
 }  // namespace
 
-Completion completion(const CLI::App& app, const std::vector<std::string>& words) {
-  const Line line = read_line(app, words);
+Completion completion(const Program& program, const std::vector<std::string>& words) {
+  const Line line = read_line(program, words);
   SceneAtHand scene(line.positionals.empty() ? "" : line.positionals.front(), line.plugins);
   Completion found = all_of(line, scene);
   std::erase_if(found.words, [&](const std::string& word) { return !word.starts_with(line.last); });
@@ -234,10 +246,13 @@ Completion completion(const CLI::App& app, const std::vector<std::string>& words
   return found;
 }
 
-std::string completion_script(const std::string& shell) { return shell == "zsh" ? kZsh : kBash; }
+int completion_command(const Arguments& args) {
+  fmt::print("{}", args["shell"] == "zsh" ? kZsh : kBash);
+  return kExitOk;
+}
 
-int complete_command(const CLI::App& app, int argc, const char* const* argv) {
-  const Completion found = completion(app, std::vector<std::string>(argv, argv + argc));
+int complete_command(const Program& program, int argc, const char* const* argv) {
+  const Completion found = completion(program, std::vector<std::string>(argv, argv + argc));
   if (found.files) fmt::print(":files\n");
   for (const std::string& word : found.words) fmt::print("{}\n", word);
   return kExitOk;

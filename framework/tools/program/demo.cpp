@@ -37,21 +37,22 @@ std::string scene_in(const fs::path& folder) {
 }  // namespace
 
 int demo_command(const Arguments& args) {
-  const fs::path folder =
-      args.into.empty() ? (fs::path(output_folder()) / "lockstep_demo").lexically_normal() : fs::path(args.into);
+  const fs::path folder = args["--into"].empty() ? (fs::path(output_folder()) / "lockstep_demo").lexically_normal()
+                                                 : fs::path(args["--into"]);
   Arguments run = args;
-  run.scene = scene_in(folder);
-  run.record = (folder / "four_bar.csv").string();
-  run.report = (folder / "four_bar.html").string();
-  run.open = !args.no_open;
-  if (contents_of(run.scene) == demo_scene()) run.until = "2.5";  // some turns
+  const std::string scene = scene_in(folder);
+  run.set("scene", scene);
+  run.set("--record", (folder / "four_bar.csv").string());
+  run.set("--report", (folder / "four_bar.html").string());
+  if (!args.has("--no-open")) run.set("--open", "");
+  if (contents_of(scene) == demo_scene()) run.set("--until", "2.5");  // some turns
   const int code = run_command(run);
   fmt::print(
       "\nNext:\n"
       "  lockstep report {0} --set crank=\"80 mm\" --open     another crank\n"
       "  lockstep check {0}                              what it consists of\n"
       "  lockstep describe scene                         what a scene may hold\n",
-      run.scene);
+      scene);
   return code;
 }
 

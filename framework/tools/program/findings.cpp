@@ -1,7 +1,10 @@
 #include "framework/tools/program/findings.h"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace lockstep {
 
@@ -21,6 +24,37 @@ nlohmann::ordered_json findings_json(const std::vector<Finding>& findings) {
     all.push_back(std::move(j));
   }
   return all;
+}
+
+const FindingKind* find_kind(std::string_view code) {
+  const auto all = finding_kinds();
+  const auto found = std::ranges::find(all, code, [](const FindingKind* kind) { return kind->code; });
+  return found == all.end() ? nullptr : *found;
+}
+
+std::string text_of(const FindingKind& kind) {
+  return fmt::format("{} ({})\n  {}\n  {}\n", kind.code, to_string(kind.severity), kind.cause, kind.cure);
+}
+
+std::string findings_page() {
+  constexpr std::pair<Severity, const char*> kParts[] = {
+      {Severity::wrong, "The result is wrong: the program ends with exit code 9."},
+      {Severity::doubt, "The result may be wrong: with `--strict` the program ends with exit code 11."},
+      {Severity::warning, "Probably not what was meant. The exit code does not change."},
+      {Severity::note, "Facts worth reading."}};
+  std::string page =
+      "# Findings\n\nWhat lockstep notices of a scene, a start, a run or an analysis and is not an error. Every "
+      "finding has "
+      "a code, which\nnever changes. `lockstep describe CODE` prints what stands here, `--json` lists the findings of "
+      "a run "
+      "under\n`findings`, and hosts read `SimulationReport::findings`, `RunVerdict::findings` and `FindingScope`\n"
+      "(`<lockstep/finding.h>`). This page is written by `lockstep reference findings`.\n";
+  for (const auto& [severity, words] : kParts) {
+    page += fmt::format("\n## {}\n\n{}\n\n| code | cause | cure |\n|---|---|---|\n", to_string(severity), words);
+    for (const FindingKind* kind : finding_kinds())
+      if (kind->severity == severity) page += fmt::format("| `{}` | {} | {} |\n", kind->code, kind->cause, kind->cure);
+  }
+  return page;
 }
 
 Exit exit_code_of(const std::vector<Finding>& findings, bool strict) {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include <lockstep/finding.h>
@@ -11,6 +13,13 @@ namespace lockstep {
 
 /// An object for each: severity, code, thing, message, advice, value, limit, unit, t, place; what does not apply is absent.
 nlohmann::ordered_json findings_json(const std::vector<Finding>&);
+
+/// Null if no finding has this code.
+const FindingKind* find_kind(std::string_view code);
+/// Lines: code and severity, cause, cure.
+std::string text_of(const FindingKind&);
+/// The page of all kinds, in Markdown.
+std::string findings_page();
 
 /// 9 if one is wrong, 11 if one is a doubt and doubts count (`strict`), else 0.
 Exit exit_code_of(const std::vector<Finding>&, bool strict);

@@ -14,6 +14,7 @@
 #include "framework/tools/program/commands.h"
 #include "framework/tools/program/describe_scene.h"
 #include "framework/tools/program/document.h"
+#include "framework/tools/program/findings.h"
 
 namespace lockstep {
 namespace {
@@ -60,20 +61,39 @@ void print_shelf(const std::string& shelf, const std::vector<Description>& all) 
   if (all.empty()) fmt::print("  nothing\n");
 }
 
+Json json_of(const FindingKind& kind) {
+  return {{"name", kind.code},
+          {"shelf", "findings"},
+          {"severity", to_string(kind.severity)},
+          {"cause", kind.cause},
+          {"cure", kind.cure}};
+}
+
+int list_findings(const Arguments& args) {
+  Json all = Json::array();
+  for (const FindingKind* kind : finding_kinds()) {
+    if (!args.has("--json")) fmt::print("  {:<24} {:<8} {}\n", kind->code, to_string(kind->severity), kind->cause);
+    all.push_back(json_of(*kind));
+  }
+  if (args.has("--json")) print_document(Json({{"findings", all}}));
+  return kExitOk;
+}
+
 }  // namespace
 
 int list_command(const Arguments& args) {
-  const Registry registry = make_registry(args.plugins);
+  const Registry registry = make_registry(args.all("--plugin"));
+  if (args["shelf"] == "findings") return list_findings(args);
   std::vector<std::string> shelves = {"links", "laws", "forces", "integrators", "solvers"};
-  if (!args.name.empty()) shelves = {args.name};
+  if (args.has("shelf")) shelves = {args["shelf"]};
   Json all = Json::object();
   for (const std::string& name : shelves) {
     const std::vector<Description> contents = shelf_contents(registry, name);
-    if (!args.json) print_shelf(name, contents);
+    if (!args.has("--json")) print_shelf(name, contents);
     all[name] = Json::array();
     for (const Description& d : contents) all[name].push_back(json_of(d));
   }
-  if (args.json) print_document(all);
+  if (args.has("--json")) print_document(all);
   return kExitOk;
 }
 
@@ -81,12 +101,14 @@ namespace {
 
 // Parameters and points of a scene: one of them, or all.
 int describe_in_scene(const Arguments& args) {
-  const Loaded loaded = read_with_plugins(args);
+  Arguments with_scene = args;
+  with_scene.set("scene", args["--scene"]);
+  const Loaded loaded = read_with_plugins(with_scene);
   std::vector<ParameterFacts> all;
   for (const SceneParameter& p : loaded.scene.parameters)
-    if (args.name.empty()) all.push_back(parameter_facts(loaded.scene, p.name));
-  if (!args.name.empty()) all.push_back(parameter_facts(loaded.scene, args.name));
-  if (args.json) {
+    if (args["name"].empty()) all.push_back(parameter_facts(loaded.scene, p.name));
+  if (!args["name"].empty()) all.push_back(parameter_facts(loaded.scene, args["name"]));
+  if (args.has("--json")) {
     Json list = Json::array();
     for (const ParameterFacts& f : all)
       list.push_back({{"name", f.name},
@@ -110,21 +132,26 @@ int describe_in_scene(const Arguments& args) {
 }  // namespace
 
 int describe_command(const Arguments& args) {
-  if (!args.scene.empty()) return describe_in_scene(args);
-  if (args.name.empty()) throw UsageError("describe: give a name, as in `lockstep describe revolute`");
-  const Registry registry = make_registry(args.plugins);
-  const std::vector<Description> found = find_descriptions(registry, args.name);
-  const std::string word = describe_word(registry, args.name);
-  if (found.empty() && word.empty())
-    throw UsageError("describe: unknown name \"" + args.name + "\"" +
-                     text::suggestion(args.name, known_words(registry)));
-  if (args.json) {
+  if (args.has("--scene")) return describe_in_scene(args);
+  if (args["name"].empty()) throw UsageError("describe: give a name, as in `lockstep describe revolute`");
+  const Registry registry = make_registry(args.all("--plugin"));
+  const std::vector<Description> found = find_descriptions(registry, args["name"]);
+  const std::string word = describe_word(registry, args["name"]);
+  const FindingKind* finding = find_kind(args["name"]);
+  if (found.empty() && word.empty() && finding == nullptr) {
+    std::vector<std::string> known = known_words(registry);
+    for (const FindingKind* kind : finding_kinds()) known.emplace_back(kind->code);
+    throw UsageError("describe: unknown name \"" + args["name"] + "\"" + text::suggestion(args["name"], known));
+  }
+  if (args.has("--json")) {
     Json all = Json::array();
     for (const Description& d : found) all.push_back(json_of(d));
-    if (!word.empty()) all.push_back({{"name", args.name}, {"shelf", "words"}, {"help", word}});
+    if (!word.empty()) all.push_back({{"name", args["name"]}, {"shelf", "words"}, {"help", word}});
+    if (finding != nullptr) all.push_back(json_of(*finding));
     print_document(all);
     return kExitOk;
   }
+  if (finding != nullptr) fmt::print("{}", text_of(*finding));
   for (const Description& d : found) {
     fmt::print("{}", describe(d));
     if (is_default(d)) fmt::print("a run takes it when nothing else is said\n");
@@ -134,12 +161,12 @@ int describe_command(const Arguments& args) {
 }
 
 int reference_command(const Arguments& args) {
-  fmt::print("{}", scene_reference(make_registry(args.plugins)));
+  fmt::print("{}", args["page"] == "findings" ? findings_page() : scene_reference(make_registry(args.all("--plugin"))));
   return kExitOk;
 }
 
 int schema_command(const Arguments& args) {
-  fmt::print("{}", scene_schema(make_registry(args.plugins)));
+  fmt::print("{}", scene_schema(make_registry(args.all("--plugin"))));
   return kExitOk;
 }
 

@@ -32,47 +32,47 @@ bool takes_fixed_steps(const RunSettings& run, const Registry& registry) {
 }
 
 void refuse_missing_step(const RunSettings& run, const Arguments& args, const Registry& registry) {
-  if (args.integrator.empty() || run.step > 0) return;
+  if (args["--integrator"].empty() || run.step > 0) return;
   if (takes_fixed_steps(run, registry))
-    throw UsageError("--integrator: \"" + args.integrator +
+    throw UsageError("--integrator: \"" + args["--integrator"] +
                      "\" takes fixed steps and no step is given; add --step, as in --step 0.001");
 }
 
 // The step of the scene's fixed-step method does not limit an adaptive one that the command line names.
 void put_integrator(RunSettings& run, const Arguments& args, const Registry& registry) {
-  if (args.integrator.empty()) return;
+  if (args["--integrator"].empty()) return;
   const bool was_fixed =
       run.step > 0 && registry.integrators.find(run.integrator.type) != nullptr && takes_fixed_steps(run, registry);
-  run.integrator = read_spec("--integrator", args.integrator, types_of(registry.integrators));
+  run.integrator = read_spec("--integrator", args["--integrator"], types_of(registry.integrators));
   if (was_fixed && !takes_fixed_steps(run, registry)) run.step = 0;
 }
 
 void put_settings(RunSettings& run, const Arguments& args, const Registry& registry) {
   put_integrator(run, args, registry);
-  if (!args.solver.empty()) run.solver = read_spec("--solver", args.solver, types_of(registry.solvers));
-  if (!args.step.empty()) run.step = positive_number("--step", args.step, Unit::time);
-  if (!args.until.empty()) run.until = instant("--until", args.until);
-  if (!args.tolerance.empty()) {
-    const double relative = positive_number("--tolerance", args.tolerance, Unit::none);
+  if (!args["--solver"].empty()) run.solver = read_spec("--solver", args["--solver"], types_of(registry.solvers));
+  if (!args["--step"].empty()) run.step = positive_number("--step", args["--step"], Unit::time);
+  if (!args["--until"].empty()) run.until = instant("--until", args["--until"]);
+  if (!args["--tolerance"].empty()) {
+    const double relative = positive_number("--tolerance", args["--tolerance"], Unit::none);
     try {
       run.tolerance = tolerance_of(relative);
     } catch (const ModelError& error) {
       throw UsageError(std::string("--tolerance: ") + error.what());
     }
   }
-  if (!args.formulation.empty())
-    run.formulation = formulation_from(args.formulation);
-  else if ((args.full || !args.solver.empty()) && run.formulation == Formulation::automatic)
+  if (!args["--formulation"].empty())
+    run.formulation = formulation_from(args["--formulation"]);
+  else if ((args.has("--full") || !args["--solver"].empty()) && run.formulation == Formulation::automatic)
     run.formulation = Formulation::omega;
-  if (run.formulation == Formulation::joint && !args.solver.empty())
+  if (run.formulation == Formulation::joint && !args["--solver"].empty())
     throw UsageError(
         "--solver: joint coordinates are eliminated along the joints, and no linear solver is chosen; leave \"" +
-        args.solver + "\" out, or give --formulation omega");
-  if (args.formulation == "quaternion" && args.solver.empty() && run.solver.type == "schur")
+        args["--solver"] + "\" out, or give --formulation omega");
+  if (args["--formulation"] == "quaternion" && args["--solver"].empty() && run.solver.type == "schur")
     run.solver.type = "sparse";  // the default needs six velocities per body
-  run.at_jumps = run.at_jumps || args.at_jumps;
-  if (!args.nearly_redundant.empty()) run.nearly_redundant = nearly_redundant_from(args.nearly_redundant);
-  if (!args.stabilization.empty()) run.stabilization.kind = read_stabilization(args.stabilization);
+  run.at_jumps = run.at_jumps || args.has("--at-jumps");
+  if (!args["--nearly-redundant"].empty()) run.nearly_redundant = nearly_redundant_from(args["--nearly-redundant"]);
+  if (!args["--stabilization"].empty()) run.stabilization.kind = read_stabilization(args["--stabilization"]);
 }
 
 // The values of --set, all together: one alone may not fit the others' old ones.
@@ -99,16 +99,16 @@ void refuse_rows(const RunSettings& run) {
 
 // Planar motion and merged bodies.
 void put_shortcuts(Scene& scene, const Arguments& args) {
-  if (args.full) {
+  if (args.has("--full")) {
     change_root(scene, [](Value& root) {
       root = root.without({"planar", "merge"});
       root.object()->push_back({"planar", Value("off"), root.where});
     });
   }
-  if (args.planar.empty()) return;
+  if (args["--planar"].empty()) return;
   change_root(scene, [&](Value& root) {
     root = root.without({"planar"});
-    root.object()->push_back({"planar", Value(args.planar), root.where});
+    root.object()->push_back({"planar", Value(args["--planar"]), root.where});
   });
 }
 
@@ -128,16 +128,16 @@ Registry make_registry(const std::vector<std::string>& plugins, const std::vecto
 }
 
 Loaded read_with_plugins(const Arguments& args) {
-  refuse_picture(args.record);
-  const bool piped = args.scene == "-";
-  const std::string file = piped ? "standard input" : args.scene;
+  refuse_picture(args["--record"]);
+  const bool piped = args["scene"] == "-";
+  const std::string file = piped ? "standard input" : args["scene"];
   IncludeRule rule;
-  if (!args.allow_files)
+  if (!args.has("--allow-files"))
     rule = [&](const Value& named, const std::string& path) { check_file(file, named, path, *named.text()); };
   Scene scene = scene_from(piped ? read_json(standard_input(), file) : read_json_file(file), file, rule);
-  if (!args.allow_files) check_files(scene);
-  Registry registry = make_registry(args.plugins, scene.plugins);
-  if (!args.set.empty()) scene = with_values(scene, args.set, registry);
+  if (!args.has("--allow-files")) check_files(scene);
+  Registry registry = make_registry(args.all("--plugin"), scene.plugins);
+  if (!args.all("--set").empty()) scene = with_values(scene, args.all("--set"), registry);
   put_shortcuts(scene, args);
   return {std::move(registry), std::move(scene)};
 }

@@ -1,18 +1,18 @@
 #include "framework/tools/program/manual.h"
 
-#include <CLI/CLI.hpp>
+#include <spdlog/fmt/fmt.h>
+
 #include <sstream>
 
 #include <lockstep/text.h>
 #include <lockstep/version.h>
-#include "framework/tools/program/options.h"
 #include "framework/tools/program/tools.h"
 
 namespace lockstep {
 namespace {
 
 // Text of a page: nothing in it is a command of roff, and a hyphen stays one.
-std::string escaped(const std::string& text) {
+std::string escaped(std::string_view text) {
   std::string out;
   for (const char c : text) {
     if (c == '\\')
@@ -28,47 +28,28 @@ std::string escaped(const std::string& text) {
 }
 
 // Lines as they stand.
-std::string verbatim(const std::string& text) { return ".nf\n" + escaped(text) + "\n.fi\n"; }
+std::string verbatim(std::string_view text) { return ".nf\n" + escaped(text) + "\n.fi\n"; }
 
-// "--step H", "-h, --help", "SCENE".
-std::string form_of(const CLI::Option& option) {
-  const std::string type = value_of(option);
-  if (option.get_positional()) return "\\fI" + escaped(type) + "\\fR";
+// "--step H", "SCENE".
+std::string form_of(const Option& option) {
+  const std::string type = "\\fI" + escaped(option.type) + "\\fR";
+  if (option.positional()) return type;
   std::string names;
-  for (const std::string& name : option.get_snames()) names += "\\fB" + escaped("-" + name) + "\\fR, ";
-  for (const std::string& name : option.get_lnames()) names += "\\fB" + escaped("--" + name) + "\\fR, ";
-  names.resize(names.size() - 2);
-  return option.get_items_expected_max() > 0 ? names + " \\fI" + escaped(type) + "\\fR" : names;
+  for (const std::string& name : words_of(option.name))
+    names += (names.empty() ? "" : ", ") + ("\\fB" + escaped(name) + "\\fR");
+  return option.flag() ? names : names + " " + type;
 }
 
-std::string choices_text(const CLI::Option& option) {
-  const Choices all = choices_of(option);
-  return all.empty() ? "" : " (" + text::join(all) + ")";
-}
-
-void write_verb(std::ostringstream& out, const CLI::App& verb, const std::string& name) {
-  out << ".SS \"lockstep " << escaped(name);
-  for (const CLI::Option* option : verb.get_options())
-    if (option->get_positional())
-      out << " " << (option->get_required() ? "" : "[") << escaped(value_of(*option))
-          << (option->get_required() ? "" : "]");
-  out << "\"\n" << escaped(verb.get_description()) << ".\n";
-  for (const CLI::Option* option : verb.get_options())
-    if (!option->check_name("--help"))
-      out << ".TP\n" << form_of(*option) << "\n" << escaped(option->get_description() + choices_text(*option)) << "\n";
-  if (!verb.get_footer().empty()) out << ".PP\n" << verbatim(verb.get_footer());
-}
-
-void write_verbs(std::ostringstream& out, const CLI::App& app, const std::string& before) {
-  for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; })) {
-    if (verb->get_group().empty() || verb->get_prefix_command()) continue;  // of tools: theirs
-    const std::string name = before + verb->get_name();
-    const bool has_own = !verb->get_subcommands([](const CLI::App*) { return true; }).empty();
-    if (has_own)
-      write_verbs(out, *verb, name + " ");
-    else
-      write_verb(out, *verb, name);
+void write_command(std::ostringstream& out, const Command& command) {
+  out << ".SS \"lockstep " << escaped(command.name);
+  for (const Option& o : command.options)
+    if (o.positional()) out << (o.required ? " " : " [") << escaped(o.type) << (o.required ? "" : "]");
+  out << "\"\n" << escaped(help_of(command)) << ".\n";
+  for (const Option& o : command.options) {
+    const std::string choices = o.choices.empty() ? "" : " (" + text::join(words_of(o.choices)) + ")";
+    out << ".TP\n" << form_of(o) << "\n" << escaped(std::string(o.help) + choices) << "\n";
   }
+  if (!command.footer.empty()) out << ".PP\n" << verbatim(command.footer);
 }
 
 constexpr const char* kEnvironment = R"(.SH ENVIRONMENT
@@ -95,13 +76,14 @@ what a sweep that has not ended was begun by, for sweep \-\-resume
 
 }  // namespace
 
-std::string verbs_page(const CLI::App& app) {
+std::string commands_page(std::span<const Command> commands) {
   std::ostringstream out;
-  write_verbs(out, app, "");
+  for (const Command& command : commands)
+    if (!help_of(command).empty()) write_command(out, command);
   return out.str();
 }
 
-std::string manual_page(const CLI::App& app) {
+int man_command(const Arguments&) {
   std::ostringstream out;
   out << ".TH LOCKSTEP 1 \"\" \"lockstep " << kVersion << "\" \"User Commands\"\n"
       << ".SH NAME\nlockstep \\- simulate mechanisms of rigid bodies\n"
@@ -113,11 +95,9 @@ std::string manual_page(const CLI::App& app) {
          "move.\n"
       << ".PP\nBegin with\n.B lockstep demo\nor\n.BR \"lockstep describe scene\" .\n"
       << ".SH VERBS\n";
-  out << verbs_page(app) << pages_of_tools();
-  const std::string footer = app.get_footer();
-  const std::size_t codes = footer.find("Exit codes: ");
-  out << ".SH EXIT STATUS\n" << escaped(codes == std::string::npos ? footer : footer.substr(codes + 12)) << ".\n";
-  return out.str() + kEnvironment;
+  out << commands_page(own_commands()) << pages_of_tools() << ".SH EXIT STATUS\n" << escaped(kExitCodes) << ".\n";
+  fmt::print("{}{}", out.str(), kEnvironment);
+  return kExitOk;
 }
 
 }  // namespace lockstep

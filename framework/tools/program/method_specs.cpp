@@ -113,6 +113,11 @@ int whole_number(const std::string& option, const std::string& text, int most) {
   return n;
 }
 
+int jobs_of(const Arguments& args, int usual) {
+  constexpr int kMost = 1024;
+  return args.has("--jobs") ? whole_number("--jobs", args["--jobs"], kMost) : usual;
+}
+
 Formulation read_formulation(const std::string& word) { return formulation_from(word); }
 
 Stabilization::Kind read_stabilization(const std::string& word) {

@@ -32,6 +32,8 @@ double instant(const std::string& option, const std::string& text);
 
 /// A whole number of the command line, from 1 to `most`. Throws UsageError naming `option`.
 int whole_number(const std::string& option, const std::string& text, int most);
+/// --jobs; `usual` without it. Throws UsageError.
+int jobs_of(const Arguments&, int usual);
 
 Formulation read_formulation(const std::string&);
 Stabilization::Kind read_stabilization(const std::string&);

@@ -129,7 +129,7 @@ std::vector<std::string> write_plugin(const std::string& kind, const std::string
 }
 
 int new_plugin_command(const Arguments& args) {
-  const std::vector<std::string> files = write_plugin(args.kind, args.name, args.into, builtin_registry());
+  const std::vector<std::string> files = write_plugin(args["kind"], args["name"], args["--into"], builtin_registry());
   const std::string folder = fs::path(files.front()).parent_path().string();
   for (const std::string& file : files) fmt::print("{}\n", file);
   fmt::print("Build and test it: cmake -S {0} -B {0}/build && cmake --build {0}/build && ctest --test-dir {0}/build\n",

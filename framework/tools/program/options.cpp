@@ -1,109 +1,198 @@
 #include "framework/tools/program/options.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 
 namespace lockstep {
 
-// "AXIS:{off,auto,x}" holds the choices of an option.
-Choices choices_of(const CLI::Option& option) {
-  const std::string type = option.get_type_name();
-  const std::size_t open = type.find('{'), close = type.find('}');
-  if (open == std::string::npos || close == std::string::npos) return {};
-  Choices all;
-  std::size_t begin = open + 1;
-  while (begin < close) {
-    const std::size_t end = std::min(type.find(',', begin), close);
-    all.push_back(type.substr(begin, end - begin));
-    begin = end + 1;
+Options join(std::initializer_list<Options> lists) {
+  Options all;
+  for (const Options& list : lists) all.insert(all.end(), list.begin(), list.end());
+  return all;
+}
+
+const Option* Command::option(std::string_view word) const {
+  const auto found = std::ranges::find_if(options, [&](const Option& o) { return o.is(word); });
+  return found == options.end() ? nullptr : &*found;
+}
+
+std::vector<std::string> words_of(std::string_view choices) {
+  std::vector<std::string> all;
+  while (!choices.empty()) {
+    const std::size_t comma = std::min(choices.find(','), choices.size());
+    all.emplace_back(choices.substr(0, comma));
+    choices.remove_prefix(std::min(comma + 1, choices.size()));
   }
   return all;
 }
 
-std::string value_of(const CLI::Option& option) {
-  const std::string type = option.get_type_name();
-  return type.substr(0, type.find(':'));
+const Options& scene_options() {
+  static const Options kOptions{
+      Option{"scene", "SCENE", "the scene file (JSON); -: from standard input"}.needed(),
+      kPlugin,
+      Option{"--planar", "AXIS", "planar motion, by its normal; auto: where that is exact"}.among("off,auto,x,y,z"),
+      Option{"--set", "NAME=VALUE",
+             "NAME=VALUE: another value of a parameter (crank=\"120 mm\"), or of a path as in `lockstep sweep --help`; "
+             "may be repeated"}
+          .repeated(),
+      {"--allow-files", "", "let the scene read files outside of its folder"},
+      Option{"--nearly-redundant", "WORD",
+             "rows that depend on others but for a singular value below 1e-3: held (auto, where that can be), left out "
+             "(free), or told and not decided"}
+          .among("auto,told,free,held"),
+      {"--full", "", "no shortcuts: neither planar motion nor merged bodies nor coordinates of joints"}};
+  return kOptions;
 }
 
-CLI::Option* add(CLI::App& verb, const char* name, std::string& to, const char* type, const std::string& help) {
-  return verb.add_option(name, to, help)->type_name(type);
-}
-CLI::Option* add(CLI::App& verb, const char* name, std::string& to, const char* type, const std::string& help,
-                 const Choices& choices) {
-  return add(verb, name, to, type, help)->check(CLI::IsMember(choices));
-}
-
-CLI::Option* add_each(CLI::App& verb, const char* name, std::vector<std::string>& to, const char* type,
-                      const std::string& help) {
-  return verb.add_option(name, to, help)->type_name(type)->allow_extra_args(false);
-}
-CLI::Option* add_names(CLI::App& verb, const char* name, std::vector<std::string>& to, const std::string& help) {
-  return add_each(verb, name, to, "A,B", help)->delimiter(',');
-}
-
-CLI::Option* add_json(CLI::App& verb, Arguments& a) {
-  return verb.add_flag("--json", a.json, "print the result as JSON, and nothing else");
+const Options& settings_options() {
+  static const Options kOptions = join(
+      {scene_options(),
+       {{"--integrator", "N", "see `lockstep list integrators`; with keys: dopri5:fixed=true"},
+        {"--step", "H", "fixed step, or the largest step of an adaptive integrator, s"},
+        Option{"--tolerance", "T", "relative tolerance of adaptive integrators"}.without("--step"),
+        {"--until", "T", "end of the run, s"},
+        Option{"--formulation", "F",
+               "unknowns: 6 velocities per body, the paper's 7 coordinates, or the coordinates of the joints; auto: of "
+               "the joints where that can be, else omega"}
+            .among(kFormulations),
+        Option{"--stabilization", "S", "constraint stabilisation"}.among(kStabilizations),
+        {"--solver", "N", "see `lockstep list solvers`"}}});
+  return kOptions;
 }
 
-void add_plugins(CLI::App& verb, Arguments& a) {
-  add_each(verb, "--plugin", a.plugins, "P", "load a plugin, by name or path; may be given several times");
+namespace {
+
+// What a run writes beside its report.
+Options run_outputs() {
+  return {
+      {"--record", "FILE.csv",
+       "the CSV file; default: <scene>.csv in LOCKSTEP_OUTPUT or here; -: standard output, and words to standard "
+       "error"},
+      {"--strict", "",
+       "end with 11 where the result is doubtful: singular positions passed with plain stages, a tolerance that was "
+       "not reached, recorded reactions beside a singular position"},
+      kHeaders,
+      {"--at-jumps", "", "rows also just before and just after events, impacts and jumps of laws"},
+      Option{"--picture", "X:Y",
+             "X:Y: one more picture, of column Y against column X (the path of a point); may be repeated"}
+          .repeated(),
+      Option{"--no-picture", "", "draw no picture beside the CSV file"}.without("--picture"),
+      {"--quiet", "", "print errors only; energy is then not integrated and not judged, drift is"},
+      kJson.without("--quiet")};
 }
 
-void add_scene(CLI::App& verb, Arguments& a) {
-  add(verb, "scene", a.scene, "SCENE", "the scene file (JSON); -: from standard input")->required();
-  add_plugins(verb, a);
-  add(verb, "--planar", a.planar, "AXIS", "planar motion, by its normal; auto: where that is exact",
-      {"off", "auto", "x", "y", "z"});
-  add_each(
-      verb, "--set", a.set, "NAME=VALUE",
-      "NAME=VALUE: another value of a parameter (crank=\"120 mm\"), or of a path as in `lockstep sweep --help`; may be "
-      "repeated");
-  verb.add_flag("--allow-files", a.allow_files, "let the scene read files outside of its folder");
-  add(verb, "--nearly-redundant", a.nearly_redundant, "WORD",
-      "rows that depend on others but for a singular value below 1e-3: held (auto, where that can be), left out "
-      "(free), "
-      "or told and not decided",
-      {"auto", "told", "free", "held"});
-  verb.add_flag("--full", a.full, "no shortcuts: neither planar motion nor merged bodies nor coordinates of joints");
+}  // namespace
+
+const Options& run_options() {
+  static const Options kOptions = join(
+      {settings_options(),
+       {{"--report", "FILE.html", "one HTML file that shows the motion and the columns in a browser"},
+        {"--certify", "",
+         "repeat the run with a tighter tolerance and with a second method; report how many digits of each column "
+         "agree; exit code 11 where not one digit of a column does"},
+        Option{"--budget", "T", "CPU time for all runs of --certify together; default 60 s"}.along("--certify")},
+       run_outputs(),
+       {Option{"--checkpoint", "FILE",
+               "write all that the run holds to this file now and then, and when it is interrupted; `lockstep resume` "
+               "goes on from there. It is removed when the run is done"}
+            .without("--certify,--report"),
+        Option{"--every", "T", "how often, by the clock; default 60 s"}.along("--checkpoint")}});
+  return kOptions;
 }
 
-// What run and sweep share.
-void add_settings(CLI::App& verb, Arguments& a) {
-  add_scene(verb, a);
-  add(verb, "--integrator", a.integrator, "N", "see `lockstep list integrators`; with keys: dopri5:fixed=true");
-  CLI::Option* step = add(verb, "--step", a.step, "H", "fixed step, or the largest step of an adaptive integrator, s");
-  add(verb, "--tolerance", a.tolerance, "T", "relative tolerance of adaptive integrators")->excludes(step);
-  add(verb, "--until", a.until, "T", "end of the run, s");
-  add(verb, "--formulation", a.formulation, "F",
-      "unknowns: 6 velocities per body, the paper's 7 coordinates, or the coordinates of the joints; auto: of the "
-      "joints "
-      "where that can be, else omega",
-      formulation_names());
-  add(verb, "--stabilization", a.stabilization, "S", "constraint stabilisation", kStabilizations);
-  add(verb, "--solver", a.solver, "N", "see `lockstep list solvers`");
-}
-
-void add_headers(CLI::App& verb, Arguments& a) {
-  add(verb, "--headers", a.headers, "KIND", "names of the CSV's columns: with units, \"x [m]\", or plain, \"x\"",
-      {"units", "plain"});
-}
-
-CLI::Option* add_run_outputs(CLI::App& verb, Arguments& a) {
-  add(verb, "--record", a.record, "FILE.csv",
-      "the CSV file; default: <scene>.csv in LOCKSTEP_OUTPUT or here; -: standard output, and words to standard error");
-  verb.add_flag(
-      "--strict", a.strict,
-      "end with 11 where the result is doubtful: singular positions passed with plain stages, a tolerance that "
-      "was not reached, recorded reactions beside a singular position");
-  add_headers(verb, a);
-  verb.add_flag("--at-jumps", a.at_jumps, "rows also just before and just after events, impacts and jumps of laws");
-  CLI::Option* pictures =
-      add_each(verb, "--picture", a.pictures, "X:Y",
-               "X:Y: one more picture, of column Y against column X (the path of a point); may be repeated");
-  verb.add_flag("--no-picture", a.no_picture, "draw no picture beside the CSV file")->excludes(pictures);
-  CLI::Option* quiet =
-      verb.add_flag("--quiet", a.quiet, "print errors only; energy is then not integrated and not judged, drift is");
-  return add_json(verb, a)->excludes(quiet);
+const std::vector<Command>& own_commands() {
+  constexpr std::string_view kRun = "Run a mechanism", kLook = "Look at a scene", kExtend = "Extend and install";
+  static const std::vector<Command> kCommands{
+      {"run", kRun, "Compute the motion of a scene, write CSV and a picture", run_options(), run_command,
+       "Example:\n  lockstep run samples/scenes/four_bar.json --integrator rk4 --step 1e-3 --record out.csv"},
+      {"resume",
+       kRun,
+       "Go on with a run from its checkpoint",
+       {Option{"checkpoint", "FILE", "what `lockstep run --checkpoint` wrote"}.needed()},
+       resume_command,
+       "The run has the command line and the folder that it was begun with, and equals one that was not interrupted, "
+       "to "
+       "the\nlast bit. Scene, plugins and version must be the same.\n\n"
+       "Example:\n  lockstep run samples/scenes/four_bar.json --until 10000 --checkpoint four_bar.checkpoint --every "
+       "10s\n  lockstep resume four_bar.checkpoint"},
+      {"report", kRun, "Run a scene and write it as one HTML file: the mechanism in motion, its columns, its settings",
+       join({settings_options(),
+             {{"--out", "FILE.html", "the HTML file; default: beside the CSV, with its name"},
+              {"--open", "", "show it in the browser (xdg-open)"}},
+             run_outputs()}),
+       report_command,
+       "What `lockstep run` writes is written too. The file needs no network and no other file.\n\n"
+       "Example:\n  lockstep report samples/scenes/four_bar.json --open"},
+      {"demo",
+       kRun,
+       "Show a moving four-bar in the browser, and leave its scene to play with",
+       {{"--into", "DIR", "folder of its files; default: lockstep_demo in LOCKSTEP_OUTPUT or here"},
+        {"--no-open", "", "only write the files, open no browser"}},
+       demo_command,
+       "Writes four_bar.json, .csv, .png, .svg and .html; a four_bar.json that is there already is shown as it is.\n\n"
+       "Example:\n  lockstep demo"},
+      {"check", kLook, "Read and build a scene; report its bodies, unknowns, rows and degrees of freedom",
+       join({scene_options(),
+             {kJson,
+              {"--channels", "", "list every channel that the scene may record, with unit and meaning"},
+              Option{"--of", "NAME", "with --channels: only those of this body, marker, link or force"}.along(
+                  "--channels"),
+              Option{"more", "SCENE", "further scenes"}.repeated()}}),
+       check_command, "Example:\n  lockstep check samples/scenes/four_bar.json --json"},
+      {"list",
+       kLook,
+       "List the laws, links, forces, integrators, solvers that scenes may name, and the findings",
+       {Option{"shelf", "SHELF", "only one of them"}.among("links,laws,forces,integrators,solvers,findings"), kPlugin,
+        kJson},
+       list_command,
+       "Example:\n  lockstep list links"},
+      {"describe",
+       kLook,
+       "Print what a type, an object of a scene or a finding is, and which keys it takes",
+       {{"name", "NAME",
+         "a name of `lockstep list`; an object of scenes: body, marker, link, force, event, run, ...; a key; or "
+         "orientation, axis, law, formula, unit, channel, ...; with --scene a parameter or point"},
+        {"--scene", "FILE.json",
+         "describe a parameter or point of this scene, or all of them: value, place, what hangs on it"},
+        kPlugin,
+        kJson},
+       describe_command,
+       "Example:\n  lockstep describe revolute\n  lockstep describe crank --scene samples/scenes/four_bar.json"},
+      {"schema",
+       kLook,
+       "Print the JSON Schema of scene files, for editors",
+       {kPlugin},
+       schema_command,
+       "Example:\n  lockstep schema > scene.schema.json"},
+      {"reference",
+       kLook,
+       "Print the reference of scenes as a page in Markdown: every object, type, key and unit; or that of findings",
+       {Option{"page", "PAGE", "default: scenes"}.among("scenes,findings"), kPlugin},
+       reference_command,
+       "Example:\n  lockstep reference > reference.md"},
+      {"new-plugin",
+       kExtend,
+       "Write the folder of a plugin: source, CMake file, test, scene; it builds and passes at once",
+       {Option{"kind", "KIND", "link, coupling, law, force or integrator"}
+            .among("link,coupling,law,force,integrator")
+            .needed(),
+        Option{"name", "NAME", "its name in scenes, and its folder's: small letters, digits and _"}.needed(),
+        {"--into", "DIR", "the parent of its folder; default: here"}},
+       new_plugin_command,
+       "Example:\n  lockstep new-plugin link wavy_rail"},
+      {"completion",
+       kExtend,
+       "Print the script by which a shell completes lines: verbs, options, names of the scene",
+       {Option{"shell", "SHELL", "bash or zsh"}.among("bash,zsh").needed()},
+       completion_command,
+       "Example:\n  lockstep completion bash > ~/.local/share/bash-completion/completions/lockstep"},
+      {"man", kExtend, "Print the manual page", {}, man_command, "Example:\n  lockstep man | man -l -"},
+      {"plugins list",
+       kExtend,
+       "Load each plugin of the search path; report what it brings",
+       {{"--why", "", "report everything: folders, files, builds, and why a plugin is refused"}, kJson},
+       plugins_list_command,
+       "Example:\n  LOCKSTEP_PLUGIN_PATH=~/my/plugins lockstep plugins list --why"}};
+  return kCommands;
 }
 
 }  // namespace lockstep

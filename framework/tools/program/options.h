@@ -1,61 +1,84 @@
-// Verbs with their options, and what several verbs share of these.
+// Commands and their options as data: the line is read, its help printed, completed and documented by these tables.
 #pragma once
 
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "framework/tools/program/commands.h"
 
-namespace CLI {
-class Option;
-}
-
 namespace lockstep {
 
-/// A verb of the program.
-struct Verb {
-  const char* name;
-  const char* help;  ///< "": as tools() has it
-  void (*add_options)(CLI::App&, Arguments&);
-  int (*run)(const Arguments&);
-  const char* footer;
+/// An option, or a positional argument.
+struct Option {
+  std::string_view name;  ///< "--until"; "scene", a positional; "--a,--b": with a second name
+  std::string_view type;  ///< what its value is, "T", "FILE.csv"; "": a flag; "A,B": names with commas between them
+  std::string_view help{};
+  std::string_view choices{};            ///< with commas between them; "": anything
+  std::string_view needs{}, excludes{};  ///< another option
+  bool required = false, repeats = false;
+
+  constexpr bool positional() const { return !name.starts_with('-'); }
+  constexpr bool flag() const { return type.empty(); }
+  constexpr std::string_view key() const { return name.substr(0, name.find(',')); }
+  /// Whether "--a" is one of its names.
+  constexpr bool is(std::string_view word) const {
+    return word == key() || (name.size() > key().size() && word == name.substr(key().size() + 1));
+  }
+
+  // -- the same option, of which more is said
+  constexpr Option among(std::string_view words) const { return with(&Option::choices, words); }
+  constexpr Option along(std::string_view other) const { return with(&Option::needs, other); }
+  constexpr Option without(std::string_view other) const { return with(&Option::excludes, other); }
+  constexpr Option needed() const { return with(&Option::required, true); }
+  constexpr Option repeated() const { return with(&Option::repeats, true); }
+
+ private:
+  template <class T>
+  constexpr Option with(T Option::*member, T value) const {
+    Option o = *this;
+    o.*member = value;
+    return o;
+  }
 };
 
-/// Those of the program `lockstep`, but for `plugins list`.
-std::span<const Verb> own_verbs();
-/// `plugins list`.
-const Verb& plugins_list_verb();
+using Options = std::vector<Option>;
 
-using Choices = std::vector<std::string>;
-inline const Choices kStabilizations{"project", "baumgarte", "none"};
+/// Several lists as one.
+Options join(std::initializer_list<Options> lists);
 
-/// The choices of an option; none where it takes anything.
-Choices choices_of(const CLI::Option&);
-/// What stands for its value in help texts: "H", "FILE.csv".
-std::string value_of(const CLI::Option&);
+/// A command.
+struct Command {
+  std::string_view name;         ///< "run"; "plugins list"
+  std::string_view group, help;  ///< "": as tools() has it
+  Options options;
+  int (*run)(const Arguments&);
+  std::string_view footer{};
 
-/// An option or a positional, as text.
-CLI::Option* add(CLI::App& verb, const char* name, std::string& to, const char* type, const std::string& help);
-/// One of some words.
-CLI::Option* add(CLI::App& verb, const char* name, std::string& to, const char* type, const std::string& help,
-                 const Choices& choices);
-/// One that may be given several times, a value each.
-CLI::Option* add_each(CLI::App& verb, const char* name, std::vector<std::string>& to, const char* type,
-                      const std::string& help);
-/// Names, with commas between them.
-CLI::Option* add_names(CLI::App& verb, const char* name, std::vector<std::string>& to, const std::string& help);
-CLI::Option* add_json(CLI::App& verb, Arguments&);
-void add_plugins(CLI::App& verb, Arguments&);
-/// The scene, and what changes it.
-void add_scene(CLI::App& verb, Arguments&);
-/// The scene, and how it is run.
-void add_settings(CLI::App& verb, Arguments&);
-/// All that `run` takes.
-void add_run(CLI::App& verb, Arguments&);
-/// --headers.
-void add_headers(CLI::App& verb, Arguments&);
-/// What a run writes beside its report. Returns --json.
-CLI::Option* add_run_outputs(CLI::App& verb, Arguments&);
+  /// One of its options; null: it has none of this name.
+  const Option* option(std::string_view name) const;
+};
+
+/// Those of the program `lockstep`.
+const std::vector<Command>& own_commands();
+
+/// "a,b" as words.
+std::vector<std::string> words_of(std::string_view choices);
+
+// -- what several commands share
+inline constexpr std::string_view kStabilizations = "project,baumgarte,none",
+                                  kFormulations = "omega,quaternion,joint,auto";
+inline constexpr Option kJson{"--json", "", "print the result as JSON, and nothing else"};
+inline constexpr Option kPlugin =
+    Option{"--plugin", "P", "load a plugin, by name or path; may be given several times"}.repeated();
+inline constexpr Option kHeaders =
+    Option{"--headers", "KIND", "names of the CSV's columns: with units, \"x [m]\", or plain, \"x\""}.among(
+        "units,plain");
+inline constexpr Option kJobs{"--jobs", "N",
+                              "threads that compute runs, 1 to 1024; default: the processors that the program may use"};
+const Options& scene_options();     ///< the scene, and what changes it
+const Options& settings_options();  ///< the scene, and how it is run
+const Options& run_options();       ///< all that `run` takes
 
 }  // namespace lockstep

@@ -106,14 +106,14 @@ int plugin_answer_command(const char* file) {
 int plugins_list_command(const Arguments& args) {
   const std::vector<std::string> folders = plugin_folders();
   const std::vector<PluginCandidate> all = survey_plugins(folders, ask_process);
-  if (args.json) {
+  if (args.has("--json")) {
     Json found = Json::array();
     for (const PluginCandidate& c : all) found.push_back(json_of(c));
     const Json all_words = {{"host", abi_words(abi_of_this_build())}, {"folders", folders}, {"plugins", found}};
     print_document(all_words);  // a path need not be UTF-8
     return kExitOk;
   }
-  if (args.why) {
+  if (args.has("--why")) {
     fmt::print("this host: {}\n", abi_words(abi_of_this_build()));
     print_folders(folders);
     for (const PluginCandidate& c : all) print_all(c);

@@ -110,8 +110,8 @@ PictureRequest picture_of(const std::string& text, const Table& columns) {
 // Of the scene and the command line.
 RunOutputs outputs_of(const Loaded& loaded, const Arguments& args, const Table& columns) {
   RunOutputs out = outputs_of(loaded.scene);
-  if (!args.headers.empty()) out.units = args.headers == "units";
-  for (const std::string& text : args.pictures) out.pictures.push_back(picture_of(text, columns));
+  if (!args["--headers"].empty()) out.units = args["--headers"] == "units";
+  for (const std::string& text : args.all("--picture")) out.pictures.push_back(picture_of(text, columns));
   return out;
 }
 
@@ -120,8 +120,8 @@ RunOutputs outputs_of(const Loaded& loaded, const Arguments& args, const Table& 
 std::unique_ptr<PictureRows> picture_rows(Mechanism& m, const std::string& csv, const Recorder& rows,
                                           const RunOutputs& outputs, const Arguments& args) {
   std::error_code error;
-  const bool can_draw = !args.checkpoint.empty() || !find_gnuplot().empty();
-  const bool draws = !args.no_picture && csv != "-" && !m.run.record.empty() && can_draw &&
+  const bool can_draw = !args["--checkpoint"].empty() || !find_gnuplot().empty();
+  const bool draws = !args.has("--no-picture") && csv != "-" && !m.run.record.empty() && can_draw &&
                      (!std::filesystem::exists(csv, error) || std::filesystem::is_regular_file(csv, error));
   if (!draws) return nullptr;
   const std::set<std::string> drawn = drawn_columns(rows.table(), m.run.draw, outputs.pictures);
@@ -147,8 +147,9 @@ Drawing draw_run(const std::string& csv, const std::string& title, const RowEnve
 std::vector<std::string> print_files(const std::string& csv, const std::string& title, const RowEnvelope& rows,
                                      const PictureRows* details, const RunSettings& run, const RunOutputs& outputs,
                                      const Arguments& args, const Words& words) {
-  words.say("  files      {} ({})\n", args.record == "-" ? "the rows on standard output" : csv, rows_of(rows.n_rows()));
-  if (args.no_picture || args.record == "-") return {csv};
+  words.say("  files      {} ({})\n", args["--record"] == "-" ? "the rows on standard output" : csv,
+            rows_of(rows.n_rows()));
+  if (args.has("--no-picture") || args["--record"] == "-") return {csv};
   if (rows.n_rows() <= 1) details = nullptr;
   const Drawing drawing = draw_run(csv, title, rows, details, run, outputs);
   if (!words && drawing.failed) tell(fmt::format("lockstep: no picture: {}\n", drawing.reason));
@@ -187,7 +188,7 @@ void write_unfinished(const RunReport& report, const StepLoop& sim, const std::e
 }
 
 void show(const Arguments& args, const RunReport& report) {
-  if (!args.open) return;
+  if (!args.has("--open")) return;
   const std::string problem = open_in_browser(report.file());
   if (!problem.empty()) tell(fmt::format("lockstep: {}\n", problem));
 }
@@ -196,9 +197,10 @@ void show(const Arguments& args, const RunReport& report) {
 
 int report_command(const Arguments& args) {
   Arguments with_report = args;
-  if (with_report.report.empty()) {
-    const std::filesystem::path csv = csv_path(args.record == "-" ? "" : args.record, args.scene);
-    with_report.report = std::filesystem::path(csv).replace_extension(".html").string();
+  with_report.set("--report", args["--out"]);
+  if (args["--out"].empty()) {
+    const std::filesystem::path csv = csv_path(args["--record"] == "-" ? "" : args["--record"], args["scene"]);
+    with_report.set("--report", std::filesystem::path(csv).replace_extension(".html").string());
   }
   return run_command(with_report);
 }
@@ -206,9 +208,9 @@ int report_command(const Arguments& args) {
 namespace {
 
 Loaded load_for(const Arguments& args, const RunCheckpoint* from) {
-  if (args.quiet) set_logger(nullptr);
+  if (args.has("--quiet")) set_logger(nullptr);
   Loaded loaded = load(args);
-  if (from != nullptr) from->check(args.checkpoint, args, loaded);
+  if (from != nullptr) from->check(args["--checkpoint"], args, loaded);
   return loaded;
 }
 
@@ -219,7 +221,7 @@ std::string table_of(Mechanism& m, const Loaded& loaded, const Arguments& args) 
            "the scene does not say how long it runs; add it, or give --until 5");
   refuse_impossible_formulation(m.run, loaded);
   record_places(m);
-  return csv_path(args.record, args.scene);
+  return csv_path(args["--record"], args["scene"]);
 }
 
 RunOutputs checked_outputs(const Loaded& loaded, const Arguments& args, const Table& columns, const std::string& csv) {
@@ -249,11 +251,11 @@ class ProgramRun {
         checkpoints_(args, loaded_, file_),
         events_(make_events(m_, *recorder_)),
         report_(args, loaded_, m_, *recorder_, csv_),
-        rows_(file_, *recorder_, report_ || args.certify, outputs_.units),  // both read the rows afterwards
+        rows_(file_, *recorder_, report_ || args.has("--certify"), outputs_.units),  // both read the rows afterwards
         details_(picture_rows(m_, csv_, *recorder_, outputs_, args)),
         at_jumps_([this](const Sample& s) { recorder_->output(s); }, *recorder_),
         singular_(system_of(m_)),
-        audit_(args.quiet ? nullptr : std::make_unique<EnergyAudit>(system_of(m_), m_.run.limits)),
+        audit_(args.has("--quiet") ? nullptr : std::make_unique<EnergyAudit>(system_of(m_), m_.run.limits)),
         dynamics_(make_dynamics(m_, loaded_.registry)),
         sim_(dynamics_, make_integrator(m_.run, loaded_.registry), loop_options(m_.run)),
         doubts_(records_reactions(m_.run), sim_.integrator().info().adaptive ? m_.run.tolerance.relative : 0.0) {}
@@ -267,7 +269,7 @@ class ProgramRun {
     add_observers(start);
     begin(std::move(start));
     double seconds = from_ != nullptr ? from_->seconds : 0;
-    const Ended ended = lockstep::go(sim_, m_.run.until, args_.quiet, checkpoints_, seconds);
+    const Ended ended = lockstep::go(sim_, m_.run.until, args_.has("--quiet"), checkpoints_, seconds);
     const std::exception_ptr unwritten = write_rest(file_);
     if (ended.error) fail(ended.error, unwritten);
     const Audit found = audit_ ? audit_->result() : drift_alone(sim_, m_.run.limits);
@@ -300,7 +302,7 @@ class ProgramRun {
       words_.say("  taken      {}\n", taken);
     tell_near(start);
     refuse_locked(dynamics_, start);
-    if (args_.quiet) return start;
+    if (args_.has("--quiet")) return start;
     not_unique_ = columns_not_unique(dynamics_, start, m_.run);
     if (!not_unique_.empty())
       words_.say("  not unique {}: how redundant rows share these reactions is the solver's choice (lockstep check)\n",
@@ -319,11 +321,11 @@ class ProgramRun {
     }
   }
   void tell_near(const State& start) {
-    if (!near_.looked && (words_ || args_.json)) near_ = {true, nearly_redundant_at(dynamics_, m_, start)};
+    if (!near_.looked && (words_ || args_.has("--json"))) near_ = {true, nearly_redundant_at(dynamics_, m_, start)};
     for (const NearDependency& d : near_.all) words_.say("{}", words_of(d, m_.run.nearly_redundant));
   }
 
-  bool judged() const { return !args_.quiet || args_.strict; }
+  bool judged() const { return !args_.has("--quiet") || args_.has("--strict"); }
 
   void add_observers(const State& start) {
     sim_.add_observer(*recorder_);
@@ -359,7 +361,7 @@ class ProgramRun {
                                     : rows_of(n) + " up to there " + (n == 1 ? "is" : "are") + " in " + file_.partial();
     tell(fmt::format("lockstep: the run ended at t = {:.9g} s; {}\n", sim_.state().t, written));
     write_unfinished(report_, sim_, error);
-    if (args_.json)
+    if (args_.has("--json"))
       print_json(args_, loaded_,
                  {{"status", "failed"},
                   {"t", sim_.state().t},
@@ -370,7 +372,7 @@ class ProgramRun {
   }
 
   void print_result(const EndedRun& end, const std::vector<std::string>& files) {
-    if (!args_.json) return;
+    if (!args_.has("--json")) return;
     nlohmann::ordered_json j = json_of(end, rows_.rows());
     j["frames_taken"] = frames_taken(loaded_.scene);
     j["not_unique"] = not_unique_;
@@ -421,7 +423,7 @@ class ProgramRun {
     print_result(end, files);
     if (certify_ != nullptr) {
       const CertifiedRun certified = certify_(loaded_, args_, m_.run, recorder_->table());
-      fmt::print(args_.record == "-" ? stderr : stdout, "{}", certified.text);
+      fmt::print(args_["--record"] == "-" ? stderr : stdout, "{}", certified.text);
       uncertified_ = certified.doubt;
     }
   }
@@ -433,11 +435,11 @@ class ProgramRun {
           checkpoints_ ? "; go on with: lockstep resume " + in_quotes(checkpoints_.file()) : std::string()));
       return kExitInterrupted;
     }
-    if (args_.strict)
+    if (args_.has("--strict"))
       for (const Finding& f : of_severity(end.findings, Severity::doubt))
         tell(fmt::format("lockstep: --strict: {}\n", f.text()));
     if (!uncertified_.empty()) tell(fmt::format("lockstep: --certify: {}\n", uncertified_));
-    const Exit code = exit_code_of(end.findings, args_.strict);
+    const Exit code = exit_code_of(end.findings, args_.has("--strict"));
     return code == kExitOk && !uncertified_.empty() ? kExitDoubtful : code;
   }
 
@@ -473,21 +475,21 @@ class ProgramRun {
 }  // namespace
 
 int run_command(const Arguments& args) {
-  if (args.certify) throw UsageError("--certify: write it by itself, behind the verb");
+  if (args.has("--certify")) throw UsageError("--certify: write it by itself, behind the verb");
   return ProgramRun(args, nullptr).go();
 }
 int run_and_certify(const Arguments& args, Certify certify) { return ProgramRun(args, nullptr, certify).go(); }
 
 int resume_command(const Arguments& args) {
-  const RunCheckpoint from = RunCheckpoint::read(args.checkpoint);
-  const std::string file = std::filesystem::absolute(args.checkpoint).string();
+  const RunCheckpoint from = RunCheckpoint::read(args["checkpoint"]);
+  const std::string file = std::filesystem::absolute(args["checkpoint"]).string();
   std::error_code error;
   std::filesystem::current_path(from.folder, error);
   if (error)
     throw FileError(fmt::format("checkpoint '{}': the folder '{}', in which the run was begun, cannot be entered: {}",
                                 file, from.folder, error.message()));
   Arguments begun = read_run_words(from.words);
-  begun.record = from.csv, begun.checkpoint = file;
+  begun.set("--record", from.csv), begun.set("--checkpoint", file);
   return ProgramRun(begun, &from).go();
 }
 

@@ -43,25 +43,27 @@ void RunCheckpoint::check(const std::string& file, const Arguments& args, const 
     throw FileError(
         fmt::format("checkpoint '{}': {} was changed since; bring back what it was, or run anew", file, what));
   };
-  if (hash_of_files(loaded.scene) != scene) changed("scene '" + args.scene + "', or a file that it reads,");
-  if (hash_of_plugins(loaded.scene, args.plugins) != plugins) changed("a plugin of scene '" + args.scene + "'");
+  if (hash_of_files(loaded.scene) != scene) changed("scene '" + args["scene"] + "', or a file that it reads,");
+  if (hash_of_plugins(loaded.scene, args.all("--plugin")) != plugins)
+    changed("a plugin of scene '" + args["scene"] + "'");
 }
 
 Checkpoints::Checkpoints(const Arguments& args, const Loaded& loaded, GrowingFile& rows)
-    : file_(args.checkpoint), rows_(rows) {
+    : file_(args["--checkpoint"]), rows_(rows) {
   if (file_.empty()) return;
-  if (args.scene == "-")
+  if (args["scene"] == "-")
     throw UsageError(
         "--checkpoint: a scene from standard input cannot be read again when the run goes on; give a file");
   if (rows.in_place())
     throw UsageError("--checkpoint: rows that go to '" + rows.name() +
                      "' cannot be gone on with; record them to a file (--record)");
-  if (!args.every.empty()) every_ = positive_number("--every", args.every, Unit::time);
+  if (!args["--every"].empty()) every_ = positive_number("--every", args["--every"], Unit::time);
   check_checkpoint(file_, rows.name(), loaded.scene);
   file_ = fs::absolute(file_).string();
   checkpoint_.words = args.words;
   checkpoint_.folder = fs::current_path().string(), checkpoint_.csv = fs::absolute(rows.name()).string();
-  checkpoint_.scene = hash_of_files(loaded.scene), checkpoint_.plugins = hash_of_plugins(loaded.scene, args.plugins);
+  checkpoint_.scene = hash_of_files(loaded.scene),
+  checkpoint_.plugins = hash_of_plugins(loaded.scene, args.all("--plugin"));
 }
 
 // The rows first: a checkpoint stands on rows that are on the disk.

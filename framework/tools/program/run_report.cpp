@@ -83,8 +83,8 @@ std::vector<std::pair<std::string, std::string>> marked_links(const UniquenessRe
 
 RunReport::RunReport(const Arguments& args, const Loaded& loaded, const Mechanism& m, const Recorder& recorder,
                      const std::string& csv) {
-  if (args.report.empty()) return;
-  file_ = report_path(args.report, csv, loaded.scene);
+  if (args["--report"].empty()) return;
+  file_ = report_path(args["--report"], csv, loaded.scene);
   text_ = text_of(args, loaded);
   text_.panels = m.run.draw;
   for (const ChannelRequest& request : m.run.record)

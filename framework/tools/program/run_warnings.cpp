@@ -92,8 +92,8 @@ void warn_of_settings(const Scene& scene, const Mechanism& m, const Arguments& a
          "", run.output, run.until, "s"});
   for (const Finding& f : negative_stiffness(scene)) sim.add_finding(f);
   const Value* settings = scene.root.find("run");
-  const bool in_scene = args.integrator.empty() && settings != nullptr && settings->find("tolerance") != nullptr;
-  if ((in_scene || !args.tolerance.empty()) && !sim.integrator().info().adaptive)
+  const bool in_scene = args["--integrator"].empty() && settings != nullptr && settings->find("tolerance") != nullptr;
+  if ((in_scene || !args["--tolerance"].empty()) && !sim.integrator().info().adaptive)
     sim.add_finding({&finding::setting_unused, "",
                      fmt::format("tolerance: \"{}\" takes fixed steps and has no use for it", run.integrator.type)});
 }

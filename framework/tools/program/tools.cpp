@@ -21,28 +21,33 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::string_view kAnalyse = "Analyse", kCompare = "Compare and sweep";
+
 constexpr Tool kTools[] = {
-    {"mobility", "analyses",
+    {"mobility", "analyses", kAnalyse,
      "Tell how a scene can move, which of its rows are too many, and which reactions are not unique"},
-    {"assemble", "analyses", "Bring the start of a scene onto its constraints; report what moved how far"},
-    {"statics", "analyses",
+    {"assemble", "analyses", kAnalyse, "Bring the start of a scene onto its constraints; report what moved how far"},
+    {"statics", "analyses", kAnalyse,
      "Find where a scene rests under its loads; report poses, reactions and whether it stays there"},
-    {"kinematics", "analyses",
+    {"kinematics", "analyses", kAnalyse,
      "Follow a fully driven scene over time: positions, velocities, accelerations, without integration"},
-    {"inverse", "analyses",
+    {"inverse", "analyses", kAnalyse,
      "Find the forces of the drives and all reactions of a fully driven scene over time, without integration"},
-    {"explain", "analyses",
+    {"explain", "analyses", kAnalyse,
      "Tell what acts on a body, what a link does and why it is redundant, what laws give, at one instant"},
-    {"modes", "analyses", "Frequencies, damping ratios and shapes about an equilibrium or a steady rotation"},
-    {"linearize", "analyses", "A, B, C, D of the linear equations about a state, with named inputs and outputs"},
-    {"matrices", "analyses",
+    {"modes", "analyses", kAnalyse, "Frequencies, damping ratios and shapes about an equilibrium or a steady rotation"},
+    {"linearize", "analyses", kAnalyse,
+     "A, B, C, D of the linear equations about a state, with named inputs and outputs"},
+    {"matrices", "analyses", kAnalyse,
      "Mass, damping, stiffness, jacobian and right sides at an instant, with the names of rows and columns"},
-    {"chart", "measuring",
+    {"chart", "measuring", kCompare,
      "Draw error against CPU time and evaluations for all integrators, formulations, stabilisations, solvers"},
-    {"advise", "measuring", "Measure which method and setting meets an error at the least cost; print how to use it"},
-    {"atlas", "measuring", "Draw where each method works and where it fails, over any two numbers of a scene"},
-    {"sweep", "sweep", "Run a scene many times with other values, one row per run"},
-    {"import", "import", "Read a robot in URDF and write it as a scene"},
+    {"advise", "measuring", kCompare,
+     "Measure which method and setting meets an error at the least cost; print how to use it"},
+    {"atlas", "measuring", kCompare,
+     "Draw where each method works and where it fails, over any two numbers of a scene"},
+    {"sweep", "sweep", kCompare, "Run a scene many times with other values, one row per run"},
+    {"import", "import", "Extend and install", "Read a robot in URDF and write it as a scene"},
 };
 
 std::string file_of(const std::string& program) {
@@ -54,7 +59,7 @@ std::string file_of(const std::string& program) {
 
 bool is_own(std::string_view verb) {
   return verb == "complete" || verb == "plugins" || verb == "plugin-answer" ||
-         std::ranges::find(own_verbs(), verb, &Verb::name) != own_verbs().end();
+         std::ranges::find(own_commands(), verb, &Command::name) != own_commands().end();
 }
 
 }  // namespace
@@ -64,6 +69,15 @@ std::span<const Tool> tools() { return kTools; }
 const Tool* tool_of(std::string_view verb) {
   const auto found = std::ranges::find(kTools, verb, &Tool::verb);
   return found == std::end(kTools) ? nullptr : found;
+}
+
+std::string_view help_of(const Command& command) {
+  const Tool* tool = tool_of(command.name);
+  return command.help.empty() && tool != nullptr ? tool->help : command.help;
+}
+std::string_view group_of(const Command& command) {
+  const Tool* tool = tool_of(command.name);
+  return command.group.empty() && tool != nullptr ? tool->group : command.group;
 }
 
 std::optional<int> call_tool(int argc, const char* const* argv) {

@@ -9,15 +9,21 @@
 
 namespace lockstep {
 
-/// A verb of a program beside `lockstep`.
+struct Command;
+
+/// A command of a program beside `lockstep`.
 struct Tool {
-  const char* verb;
+  std::string_view verb;
   const char* program;  ///< "sweep": the file lockstep-sweep
-  const char* help;
+  std::string_view group, help;
 };
 std::span<const Tool> tools();
 /// Null where no tool has this verb.
 const Tool* tool_of(std::string_view verb);
+/// Its own help, or that of the tool of its name; "" for one that no page shows.
+std::string_view help_of(const Command&);
+/// Its own group, or that of the tool of its name.
+std::string_view group_of(const Command&);
 
 /// Where the words call a tool, it takes over this process. Returns an Exit where it is not there, and nothing where the
 /// words are for `lockstep` itself.

@@ -15,10 +15,10 @@ class Words {
  public:
   /// Throws UsageError where rows and JSON would go to standard output together.
   explicit Words(const Arguments& args)
-      : to_(args.quiet || args.json ? nullptr
-            : args.record == "-"    ? stderr
-                                    : stdout) {
-    if (args.json && args.record == "-")
+      : to_(args.has("--quiet") || args.has("--json") ? nullptr
+            : args["--record"] == "-"                 ? stderr
+                                                      : stdout) {
+    if (args.has("--json") && args["--record"] == "-")
       throw UsageError("--json: standard output takes the rows (--record -); let one of the two go to a file");
   }
   explicit operator bool() const { return to_ != nullptr; }
