@@ -297,6 +297,12 @@ TEST_CASE("the tables of the pages name every type", "[pages]") {
   compare("framework/docs/solvers.md", "| solver |", registry.solvers.names());
 }
 
+TEST_CASE("the page of findings is what the program writes", "[pages]") {
+  INFO("write it anew: lockstep reference findings > framework/docs/findings.md");
+  CHECK(file_text(paths::kSource + std::string("/framework/docs/findings.md")) ==
+        in_folder("lockstep reference findings").text);
+}
+
 TEST_CASE("the reference of scenes is what the program writes", "[pages]") {
   const std::string written = in_folder("lockstep reference").text;
   INFO("write it anew: lockstep reference > framework/docs/reference.md");

@@ -19,11 +19,11 @@ TEST_CASE("every verb of another program has its help, and stands in that of loc
   const std::string help = call("--help").text, manual = call("man").text;
   for (const Tool& tool : tools()) {
     INFO(tool.verb);
-    CHECK(contains(help, std::string("\n  ") + tool.verb + " "));
-    CHECK(contains(manual, std::string("\n.SS \"lockstep ") + tool.verb));
+    CHECK(contains(help, "\n  " + std::string(tool.verb) + " "));
+    CHECK(contains(manual, "\n.SS \"lockstep " + std::string(tool.verb)));
     const Called own = call(std::string(tool.verb) + " --help");
     CHECK(own.exit == 0);
-    CHECK(contains(own.text, tool.help));
+    CHECK(contains(own.text, std::string(tool.help)));
   }
 }
 

@@ -155,7 +155,7 @@ void print_json(const Question& q, const WorkPrecision& result, const Advice& ad
       {"scene", q.loaded.scene.file}, {"title", q.benchmark.title},      {"error", q.error},
       {"of", to_string(q.kind)},      {"cheapest", choice(advice.best)}, {"runner_up", choice(advice.second)}};
   j.update(json_of(result));
-  print_document(j);
+  print_result(j);
 }
 
 }  // namespace

@@ -6,8 +6,10 @@
 #include <nlohmann/json.hpp>
 
 #include <lockstep/assembly.h>
+#include "framework/foundation/support/finding_kinds.h"
 #include "framework/tools/commands/tool_verbs.h"
 #include "framework/tools/program/document.h"
+#include "framework/tools/program/findings.h"
 #include "framework/tools/program/method_specs.h"
 #include "framework/tools/scene_run/scene_run.h"
 
@@ -35,16 +37,24 @@ int assemble_command(const Arguments& args) {
                                          {"iterations", r.iterations},   {"largest_move", r.largest_move},
                                          {"moved_most", r.moved_most},   {"largest_turn", r.largest_turn},
                                          {"turned_most", r.turned_most}, {"bodies", bodies}};
-  if (args.has("--json")) print_document(report);
   const double far = std::max(r.largest_move, m.system.length() * r.largest_turn);
-  if (args["--within"].empty()) return r.findings.empty() ? kExitOk : kExitDoubtful;
-  const double within = positive_number("--within", args["--within"], Unit::length, "0.1m");
+  const double within = args.has("--within") ? positive_number("--within", args["--within"], Unit::length, "0.1m")
+                                             : std::numeric_limits<double>::infinity();
+  const Finding found{
+      &finding::start_far,
+      "body '" + r.moved_most + "'",
+      fmt::format("the assembled start is {:.3g} m from the one given (turns by the length of the mechanism), beyond "
+                  "{:g} m: moved '{}' by {:.3g} m, turned '{}' by {:.3g} rad",
+                  far, within, r.moved_most, r.largest_move, r.turned_most, r.largest_turn),
+      "",
+      far,
+      within,
+      "m"};
+  if (far > within) CommandFindings::add(found);
+  if (args.has("--json")) print_result(report);
+  if (!args.has("--within")) return r.findings.empty() ? kExitOk : kExitDoubtful;
   if (far <= within) return kExitOk;
-  fmt::print(
-      stderr,
-      "lockstep: --within: the assembled start is {:.3g} m from the one given (turns by the length of the mechanism), "
-      "beyond {:g} m: moved '{}' by {:.3g} m, turned '{}' by {:.3g} rad\n",
-      far, within, r.moved_most, r.largest_move, r.turned_most, r.largest_turn);
+  fmt::print(stderr, "lockstep: --within: {}\n", found.text());
   return kExitDoubtful;
 }
 

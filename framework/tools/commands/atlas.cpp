@@ -227,7 +227,7 @@ int atlas_command(const Arguments& args) {
                                 {"agreement", atlas.agreement()},
                                 {"files", files}};
     j.update(atlas_json(plan));
-    print_document(j);
+    print_result(j);
   } else {
     fmt::print("{}\n  runs       {} of {} methods, each {} x {}\n  reference  {}, good to {:.1e} m\n",
                plan.loaded.title(), n, plan.panels.size(), plan.variables[0].values.size(),

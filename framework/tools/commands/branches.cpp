@@ -27,7 +27,7 @@ int branches_command(const Arguments& args) {
                      {"distance", b.distance},
                      {"farthest", b.farthest},
                      {"bodies", pose_json(m.system, b.state)}});
-    print_document(nlohmann::ordered_json({{"starts", report.starts}, {"failed", report.failed}, {"branches", all}}));
+    print_result(nlohmann::ordered_json({{"starts", report.starts}, {"failed", report.failed}, {"branches", all}}));
     return kExitOk;
   }
   fmt::print("{}\n  branches   {}, from {} starts, of which {} led nowhere\n", loaded.title(), report.branches.size(),

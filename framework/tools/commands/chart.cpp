@@ -158,7 +158,7 @@ void print_json(const Loaded& loaded, const WorkPrecision& result, const SceneBe
     }
   j["files"] = files.pictures;
   j["files"].insert(j["files"].begin(), files.table);
-  print_document(j);
+  print_result(j);
 }
 
 }  // namespace

@@ -201,7 +201,7 @@ std::vector<std::string> names_of(const System& system) {
 template <class Account>
 void tell(const Account& account, bool as_json) {
   if (as_json)
-    print_document(json(account));
+    print_result(json(account));
   else
     print(account);
 }
@@ -234,7 +234,7 @@ int explain_command(const Arguments& args) {
     else
       print(balance);
   }
-  if (args.has("--json")) print_document(all);
+  if (args.has("--json")) print_result(all);
   return kExitOk;
 }
 

@@ -14,6 +14,7 @@
 #include "framework/tools/commands/tool_verbs.h"
 #include "framework/tools/program/document.h"
 #include "framework/tools/program/files.h"
+#include "framework/tools/program/findings.h"
 #include "framework/tools/program/growing_file.h"
 #include "framework/tools/program/method_specs.h"
 #include "framework/tools/rank/doubts.h"
@@ -233,10 +234,12 @@ int follow(const Arguments& args, bool inverse) {
     std::rethrow_exception(failed);
   }
   file.commit();
-  for (const Finding& f : doubts.findings(motion.steps(), motion.state().t))
+  for (const Finding& f : doubts.findings(motion.steps(), motion.state().t)) {
+    CommandFindings::add(f);
     fmt::print(stderr, "lockstep: {}\n", f.text());
+  }
   if (args.has("--json"))
-    print_document(table_json(recorder->table()));
+    print_result(table_json(recorder->table()));
   else if (!args.has("--quiet"))
     print_end(recorder->table(), csv, motion.steps(), seconds, inverse);
   return kExitOk;

@@ -5,6 +5,7 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/tools/commands/state_at.h"
+#include "framework/tools/program/findings.h"
 
 namespace lockstep {
 
@@ -33,6 +34,7 @@ std::string state_words(double t, const Vec3& spin, const Unrest& unrest, const 
 }
 
 nlohmann::ordered_json state_json(const Vec3& spin, const Unrest& unrest, const std::vector<Finding>& notes) {
+  CommandFindings::add(notes);
   return {{"spin", {spin[0], spin[1], spin[2]}},
           {"still", unrest.is_still()},
           {"acceleration", unrest.acceleration},

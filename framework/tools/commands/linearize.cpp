@@ -97,7 +97,7 @@ int linearize_command(const Arguments& args) {
                                 {"D", matrix_json(s.D)},
                                 {"accuracy", s.accuracy},
                                 {"state", state_json(s.spin, s.unrest, s.notes)}};
-    print_document(j);
+    print_result(j);
     return kExitOk;
   }
   fmt::print("{}\n{}", loaded.title(), state_words(at.state.t, s.spin, s.unrest, s.notes));

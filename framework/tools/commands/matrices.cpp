@@ -97,7 +97,7 @@ int matrices_command(const Arguments& args) {
     j["v"] = numbers(m.v), j["f"] = numbers(m.f), j["a"] = numbers(m.a);
     j["C"] = numbers(m.C), j["Ct"] = numbers(m.Ct), j["c"] = numbers(m.c), j["lambda"] = numbers(m.lambda);
     j["files"] = files;
-    print_document(j);
+    print_result(j);
     return kExitOk;
   }
   fmt::print("{}\n  t = {:.6g} s: {} unknown velocities, {} rows;  M a + J^T lambda = f,  J a = c\n", loaded.title(),

@@ -15,7 +15,7 @@ int mobility_command(const Arguments& args) {
   if (args.has("--json")) {
     nlohmann::ordered_json j = {{"scene", loaded.scene.file}, {"title", loaded.scene.title}};
     put_mobility(j, found, m.run);
-    print_document(j);
+    print_result(j);
     return kExitOk;
   }
   fmt::print("{}\n", loaded.title());

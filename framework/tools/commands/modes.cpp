@@ -219,7 +219,7 @@ int modes_command(const Arguments& args) {
         {"zero_bound", found.zero_bound}, {"complete", found.complete},
         {"length", found.length},         {"state", state_json(found.spin, found.unrest, found.notes)},
         {"modes", json_of(found)}};
-    print_document(j);
+    print_result(j);
     return kExitOk;
   }
   fmt::print("{}\n{}", loaded.title(), state_words(at.state.t, found.spin, found.unrest, found.notes));

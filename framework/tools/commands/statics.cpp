@@ -17,6 +17,7 @@
 #include "framework/tools/commands/tool_verbs.h"
 #include "framework/tools/program/document.h"
 #include "framework/tools/program/files.h"
+#include "framework/tools/program/findings.h"
 #include "framework/tools/program/growing_file.h"
 #include "framework/tools/program/method_specs.h"
 #include "framework/tools/record/csv_lines.h"
@@ -99,6 +100,7 @@ Json grips_json(const std::vector<GripReport>& grips) {
 
 Json report_json(Resting& r) {
   const EquilibriumReport& e = r.report;
+  CommandFindings::add(e.notes);
   return {{"method", e.method()},
           {"by_friction", e.by_friction},
           {"relaxed", e.relaxed},
@@ -266,8 +268,7 @@ int find_all(const Arguments& args, const Loaded& loaded) {
     fmt::print("equilibrium {}, found {} time{}:\n{}{}", ++number, e.found, e.found == 1 ? "" : "s",
                stability_text(first.report.stability), pose_text(first.m.system, first.state));
   }
-  if (args.has("--json"))
-    print_document(Json({{"starts", found.starts}, {"failed", found.failed}, {"equilibria", all}}));
+  if (args.has("--json")) print_result(Json({{"starts", found.starts}, {"failed", found.failed}, {"equilibria", all}}));
   return kExitOk;
 }
 
@@ -295,7 +296,7 @@ int statics_command(const Arguments& args) {
     rows.commit();
   }
   if (args.has("--json"))
-    print_document(report_json(resting));
+    print_result(report_json(resting));
   else
     print(loaded, resting);
   return kExitOk;

@@ -337,7 +337,7 @@ void print_json(const SweepPlan& plan, const Tally& tally, const std::string& cs
                                     {"failed", tally.failed},
                                     {"file", csv},
                                     {"runs", tally.runs}};
-  print_document(j);
+  print_result(j);
 }
 
 // Rows survive an error and an interruption: the file that grew stays, and the message names it.

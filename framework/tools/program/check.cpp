@@ -464,7 +464,7 @@ int check_command(const Arguments& args) {
     code = check_scenes(args, results);
   else
     code = check_scene(args, results);
-  if (args.has("--json")) print_document(several ? results : results.front());
+  if (args.has("--json")) print_result(several ? results : results.front());
   return code;
 }
 

@@ -1,4 +1,5 @@
 #include "framework/tools/program/check_dependencies.h"
+#include "framework/foundation/support/finding_kinds.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -10,29 +11,40 @@ std::string words_of(const Dependency& d) {
   return d.too_many > 0 ? fmt::format("    {}: {} too many\n", first_of(d.rows), d.too_many) : std::string();
 }
 
-std::string words_of(const NearDependency& d, NearlyRedundant choice) {
-  const std::string out = fmt::format("  nearly redundant    {}: {} too many but for {:.2g}: ", first_of(d.rows),
-                                      d.nearly, d.singular_value);
-  if (d.in_passing) return out + "in this position only, beside a singular one\n";
+namespace {
+
+std::string decided_words(const NearDependency& d, NearlyRedundant choice) {
+  if (d.in_passing) return "in this position only, beside a singular one";
   if (!d.undecided.empty())
-    return out + fmt::format("not decided: {}; solvers may differ; make them agree, or leave one out\n", d.undecided);
+    return fmt::format("not decided: {}; solvers may differ; make them agree, or leave one out", d.undecided);
   if (choice == NearlyRedundant::told || !d.decided)
-    return out +
-           "solvers may differ there; say whether they hold: \"nearly_redundant\": \"held\" or \"free\" "
-           "(--nearly-redundant)\n";
+    return "solvers may differ there; say whether they hold: \"nearly_redundant\": \"held\" or \"free\" "
+           "(--nearly-redundant)";
   const char* const are = d.left_out.size() == 1 ? "is" : "are";
   if (choice != NearlyRedundant::free)
-    return out +
-           (d.left_out.empty() ? "held"
+    return (d.left_out.empty() ? "held"
                                : fmt::format("held, and {} {} left out, which depend{} on others exactly",
                                              first_of(d.left_out), are, d.left_out.size() == 1 ? "s" : "")) +
            (choice == NearlyRedundant::held
-                ? "\n"
-                : "; if they are not meant to hold, say \"nearly_redundant\": \"free\" (--nearly-redundant)\n");
-  return out + fmt::format("free, {} {} left out, and violated by some {:.1g} m as it moves; \"held\" holds {}\n",
-                           first_of(d.left_out), are, d.violation, d.left_out.size() == 1 ? "it" : "them");
+                ? ""
+                : "; if they are not meant to hold, say \"nearly_redundant\": \"free\" (--nearly-redundant)");
+  return fmt::format("free, {} {} left out, and violated by some {:.1g} m as it moves; \"held\" holds {}",
+                     first_of(d.left_out), are, d.violation, d.left_out.size() == 1 ? "it" : "them");
 }
 
+}  // namespace
+
+Finding finding_of(const NearDependency& d, NearlyRedundant choice) {
+  Finding f{&finding::nearly_redundant, first_of(d.rows)};
+  f.message = fmt::format("{}: {} too many but for {:.2g}: ", first_of(d.rows), d.nearly, d.singular_value) +
+              decided_words(d, choice);
+  f.value = d.singular_value;
+  return f;
+}
+
+std::string words_of(const NearDependency& d, NearlyRedundant choice) {
+  return "  nearly redundant    " + finding_of(d, choice).message + "\n";
+}
 namespace {
 
 std::string decision(const NearDependency& d, NearlyRedundant choice) {

@@ -17,6 +17,8 @@ namespace lockstep {
 std::string words_of(const Dependency&);
 /// A line for rows that nearly depend on one another, and what was decided: "  nearly redundant    ...".
 std::string words_of(const NearDependency&, NearlyRedundant);
+/// The same as a finding.
+Finding finding_of(const NearDependency&, NearlyRedundant);
 /// The same as data.
 nlohmann::ordered_json near_json(const std::vector<NearDependency>&, NearlyRedundant);
 /// Lines for the reactions that are not unique, and for the recorded columns among them; "" where all are unique.

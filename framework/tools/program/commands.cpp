@@ -19,6 +19,7 @@
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/program/complete.h"
 #include "framework/tools/program/files.h"
+#include "framework/tools/program/findings.h"
 #include "framework/tools/program/manual.h"
 #include "framework/tools/program/options.h"
 #include "framework/tools/program/terminal.h"
@@ -180,18 +181,20 @@ int run_words(const Program& program, int argc, const char* const* argv) {
       std::string("Example:\n  lockstep run samples/scenes/four_bar.json\nEach verb has a --help of its own.\n\n") +
       "Exit codes: " + kExitCodes);
   std::vector<std::pair<const CLI::App*, const Command*>> commands;
-  for (const Command& command : program.commands) commands.emplace_back(&add_command(app, command), &command);
-  if (program.calls_tools)
+  for (const std::string_view group : kGroups) {
+    for (const Command& command : program.commands)
+      if (group_of(command) == group) commands.emplace_back(&add_command(app, command), &command);
     for (const Tool& tool : tools())
-      app.add_subcommand(std::string(tool.verb), std::string(tool.help))
-          ->group(std::string(tool.group))
-          ->prefix_command();
+      if (program.calls_tools && tool.group == group)
+        app.add_subcommand(std::string(tool.verb), std::string(tool.help))->group(std::string(group))->prefix_command();
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return error.get_exit_code() == 0 ? app.exit(error) : print_usage_error(app, error);
   }
   const auto [sub, command] = *std::ranges::find_if(commands, [](const auto& c) { return c.first->parsed(); });
+  const CommandFindings found;
   return guarded([&] { return command->run(arguments_of(*sub, *command, argc, argv)); });
 }
 

@@ -8,6 +8,25 @@
 
 namespace lockstep {
 
+namespace {
+
+std::vector<Finding>* of_command = nullptr;
+
+}  // namespace
+
+CommandFindings::CommandFindings() { of_command = &scope_.found; }
+CommandFindings::~CommandFindings() { of_command = nullptr; }
+void CommandFindings::add(Finding f) {
+  if (of_command != nullptr) of_command->push_back(std::move(f));
+}
+void CommandFindings::add(const std::vector<Finding>& findings) {
+  for (const Finding& f : findings) add(f);
+}
+const std::vector<Finding>& CommandFindings::all() {
+  static const std::vector<Finding> kNone;
+  return of_command != nullptr ? *of_command : kNone;
+}
+
 nlohmann::ordered_json findings_json(const std::vector<Finding>& findings) {
   auto all = nlohmann::ordered_json::array();
   for (const Finding& f : findings) {

@@ -14,6 +14,20 @@ namespace lockstep {
 /// An object for each: severity, code, thing, message, advice, value, limit, unit, t, place; what does not apply is absent.
 nlohmann::ordered_json findings_json(const std::vector<Finding>&);
 
+/// The findings of the command under way: those that are reported as long as it exists, and those that are added, which are
+/// not logged.
+class CommandFindings {
+ public:
+  CommandFindings();
+  ~CommandFindings();
+  static void add(Finding);
+  static void add(const std::vector<Finding>&);
+  static const std::vector<Finding>& all();  ///< none outside of a command
+
+ private:
+  FindingScope scope_{true};
+};
+
 /// Null if no finding has this code.
 const FindingKind* find_kind(std::string_view code);
 /// Lines: code and severity, cause, cure.

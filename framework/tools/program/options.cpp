@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "framework/tools/program/tools.h"
+
 namespace lockstep {
 
 Options join(std::initializer_list<Options> lists) {
@@ -100,7 +102,6 @@ const Options& run_options() {
 }
 
 const std::vector<Command>& own_commands() {
-  constexpr std::string_view kRun = "Run a mechanism", kLook = "Look at a scene", kExtend = "Extend and install";
   static const std::vector<Command> kCommands{
       {"run", kRun, "Compute the motion of a scene, write CSV and a picture", run_options(), run_command,
        "Example:\n  lockstep run samples/scenes/four_bar.json --integrator rk4 --step 1e-3 --record out.csv"},

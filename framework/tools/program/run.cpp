@@ -11,6 +11,7 @@
 #include <lockstep/step_loop.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/run_outputs.h"
+#include "framework/foundation/support/finding_kinds.h"
 #include "framework/foundation/support/thrown.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/charts/gnuplot.h"
@@ -173,7 +174,7 @@ std::vector<std::string> print_files(const std::string& csv, const std::string& 
 void print_json(const Arguments& args, const Loaded& loaded, nlohmann::ordered_json result) {
   nlohmann::ordered_json j = {{"scene", loaded.scene.file}, {"title", loaded.title()}, {"command", args.command}};
   j.update(result);
-  print_document(j);
+  print_result(j);
 }
 
 // What a run showed until it failed; the error itself matters more than one of this file.
@@ -284,6 +285,7 @@ class ProgramRun {
                  run_findings(sim_, found, doubts_, singular_)};
     for (const MissedEvent& e : end.missed) end.findings.push_back(finding_of(e));
     for (Finding& f : suspects_of(end, system_of(m_), singular_.n_passed())) end.findings.push_back(std::move(f));
+    CommandFindings::add(end.findings);
     conclude(end, unwritten);
     return exit_code(end);
   }
@@ -304,9 +306,12 @@ class ProgramRun {
     refuse_locked(dynamics_, start);
     if (args_.has("--quiet")) return start;
     not_unique_ = columns_not_unique(dynamics_, start, m_.run);
-    if (!not_unique_.empty())
+    if (!not_unique_.empty()) {
+      CommandFindings::add({&finding::reactions_not_unique, first_of(not_unique_),
+                            "how redundant rows share these reactions is the solver's choice", "lockstep check"});
       words_.say("  not unique {}: how redundant rows share these reactions is the solver's choice (lockstep check)\n",
                  first_of(not_unique_));
+    }
     return start;
   }
 
@@ -322,7 +327,10 @@ class ProgramRun {
   }
   void tell_near(const State& start) {
     if (!near_.looked && (words_ || args_.has("--json"))) near_ = {true, nearly_redundant_at(dynamics_, m_, start)};
-    for (const NearDependency& d : near_.all) words_.say("{}", words_of(d, m_.run.nearly_redundant));
+    for (const NearDependency& d : near_.all) {
+      CommandFindings::add(finding_of(d, m_.run.nearly_redundant));
+      words_.say("{}", words_of(d, m_.run.nearly_redundant));
+    }
   }
 
   bool judged() const { return !args_.has("--quiet") || args_.has("--strict"); }
@@ -376,9 +384,6 @@ class ProgramRun {
     nlohmann::ordered_json j = json_of(end, rows_.rows());
     j["frames_taken"] = frames_taken(loaded_.scene);
     j["not_unique"] = not_unique_;
-    std::vector<Finding> all = all_found_.found;
-    all.insert(all.end(), end.findings.begin(), end.findings.end());
-    j["findings"] = findings_json(all);
     j["nearly_redundant"] = near_json(near_.all, m_.run.nearly_redundant);
     j["files"] = files;
     print_json(args_, loaded_, std::move(j));
@@ -425,6 +430,7 @@ class ProgramRun {
       const CertifiedRun certified = certify_(loaded_, args_, m_.run, recorder_->table());
       fmt::print(args_["--record"] == "-" ? stderr : stdout, "{}", certified.text);
       uncertified_ = certified.doubt;
+      if (!uncertified_.empty()) CommandFindings::add({&finding::not_certified, "", uncertified_});
     }
   }
 
@@ -444,7 +450,6 @@ class ProgramRun {
   }
 
   const Arguments& args_;
-  FindingScope all_found_{true};  // of the scene, the start and the run
   const RunCheckpoint* from_;
   const Certify certify_;
   const Words words_;

@@ -21,8 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kAnalyse = "Analyse", kCompare = "Compare and sweep";
-
 constexpr Tool kTools[] = {
     {"mobility", "analyses", kAnalyse,
      "Tell how a scene can move, which of its rows are too many, and which reactions are not unique"},
@@ -47,7 +45,7 @@ constexpr Tool kTools[] = {
     {"atlas", "measuring", kCompare,
      "Draw where each method works and where it fails, over any two numbers of a scene"},
     {"sweep", "sweep", kCompare, "Run a scene many times with other values, one row per run"},
-    {"import", "import", "Extend and install", "Read a robot in URDF and write it as a scene"},
+    {"import", "import", kExtend, "Read a robot in URDF and write it as a scene"},
 };
 
 std::string file_of(const std::string& program) {

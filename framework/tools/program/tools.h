@@ -11,6 +11,11 @@ namespace lockstep {
 
 struct Command;
 
+/// The commands' groups, as help lists them; the last is of those that it does not.
+inline constexpr std::string_view kRun = "Run a mechanism", kLook = "Look at a scene", kAnalyse = "Analyse",
+                                  kCompare = "Compare and sweep", kExtend = "Extend and install";
+inline constexpr std::string_view kGroups[] = {kRun, kLook, kAnalyse, kCompare, kExtend, ""};
+
 /// A command of a program beside `lockstep`.
 struct Tool {
   std::string_view verb;
