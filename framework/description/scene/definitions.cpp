@@ -164,8 +164,7 @@ Amount Definitions::computed(Entry& e, const std::string& context) {
   if (e.place.empty()) {
     q = given(*e.given, context, e.point);
   } else {
-    const Vec3 x = place_of(e);
-    q.is_vector = true, q.v[0] = x[0], q.v[1] = x[1], q.v[2] = x[2];
+    q.is_vector = true, q.v = place_of(e);
   }
   return e.point ? as_point(q, e.given->where, context) : q;
 }
@@ -227,24 +226,20 @@ Vec3 Definitions::vector_under(const Value& object, const std::string& key, cons
   if (v == nullptr) return Vec3::Zero();
   const std::string context = part_of(owner, key);
   const bool named = v->text() != nullptr && is_point(*v->text());
-  const Amount q = named ? *find(*v->text()) : as_point(given(*v, context, true), v->where, context);
-  return {q.v[0], q.v[1], q.v[2]};
+  return named ? find(*v->text())->v : as_point(given(*v, context, true), v->where, context).v;
 }
 
 Pose Definitions::home_of(const std::string& body) {
   const Value& object = *things_.at(body);
   const std::string owner = owner_of("body", body);
   const Value *rod = object.find("rod"), *orientation = object.find("orientation");
-  const Amount* at = find(body + ".at");
-  Pose home{{at->v[0], at->v[1], at->v[2]}, {}};
+  Pose home{find(body + ".at")->v, {}};
   if (orientation != nullptr) {
     const std::string context = part_of(owner, "orientation");
     home.q = read_orientation(resolved(*orientation, context), context);
   } else if (rod != nullptr && rod->object() != nullptr) {
-    const Amount from = *find(body + ".from"), to = *find(body + ".to");
-    home.q = placed(rod->where, owner, [&] {
-      return shapes::slender_rod(1, {from.v[0], from.v[1], from.v[2]}, {to.v[0], to.v[1], to.v[2]}, 1).home.q;
-    });
+    const Vec3 from = find(body + ".from")->v, to = find(body + ".to")->v;
+    home.q = placed(rod->where, owner, [&] { return shapes::slender_rod(1, from, to, 1).home.q; });
     if (const Value* roll = rod->find("roll")) {
       const std::string context = part_of(part_of(owner, "rod"), "roll");
       home.q = home.q * axis_angle(Vec3::UnitX(), read_number(resolved(*roll, context), Unit::angle, context));

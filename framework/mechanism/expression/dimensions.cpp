@@ -16,7 +16,7 @@ Amount amount_of(const MeasuredVariable& v) {
 
 Amount amount_of(const Constant& c) {
   Amount q;
-  std::copy(std::begin(c.value), std::end(c.value), q.v);
+  std::copy(std::begin(c.value), std::end(c.value), q.v.data());
   q.is_vector = c.is_vector, q.dimension = exponents_of(c.dimension), q.measured = c.dimension != Dimension{};
   q.with_unit = q.measured;
   return q;

@@ -78,11 +78,10 @@ enum class Gives { number, sign, angle, alike, root, product };
 /// A function of formulas.
 struct Signature {
   std::string_view name;
-  Function function;
   std::size_t least, most;  ///< arguments
-  Takes takes;
-  Gives gives;
-  bool decides = false;  ///< whether it decides by the sign of a number
+  Takes takes = Takes::pure;
+  Gives gives = Gives::number;
+  bool decides = false;  ///< by the sign of a number
 };
 LOCKSTEP_API const Signature& signature_of(Function);
 

@@ -14,31 +14,31 @@ namespace {
 
 constexpr std::size_t kAny = 16;
 // In the order of Function.
-constexpr std::array<Signature, 25> kFunctions{{{"sin", Function::sin, 1, 1, Takes::angle, Gives::number},
-                                                {"cos", Function::cos, 1, 1, Takes::angle, Gives::number},
-                                                {"tan", Function::tan, 1, 1, Takes::angle, Gives::number},
-                                                {"asin", Function::asin, 1, 1, Takes::pure, Gives::angle},
-                                                {"acos", Function::acos, 1, 1, Takes::pure, Gives::angle},
-                                                {"atan", Function::atan, 1, 1, Takes::pure, Gives::angle},
-                                                {"atan2", Function::atan2, 2, 2, Takes::alike, Gives::angle},
-                                                {"sinh", Function::sinh, 1, 1, Takes::pure, Gives::number},
-                                                {"cosh", Function::cosh, 1, 1, Takes::pure, Gives::number},
-                                                {"tanh", Function::tanh, 1, 1, Takes::pure, Gives::number},
-                                                {"sqrt", Function::sqrt, 1, 1, Takes::any, Gives::root},
-                                                {"exp", Function::exp, 1, 1, Takes::pure, Gives::number},
-                                                {"log", Function::log, 1, 1, Takes::pure, Gives::number},
-                                                {"abs", Function::abs, 1, 1, Takes::alike, Gives::alike, true},
-                                                {"sign", Function::sign, 1, 1, Takes::any, Gives::sign, true},
-                                                {"floor", Function::floor, 1, 1, Takes::pure, Gives::number, true},
-                                                {"ceil", Function::ceil, 1, 1, Takes::pure, Gives::number, true},
-                                                {"round", Function::round, 1, 1, Takes::pure, Gives::number, true},
-                                                {"mod", Function::mod, 2, 2, Takes::alike, Gives::alike, true},
-                                                {"min", Function::min, 2, kAny, Takes::alike, Gives::alike, true},
-                                                {"max", Function::max, 2, kAny, Takes::alike, Gives::alike, true},
-                                                {"hypot", Function::hypot, 2, kAny, Takes::alike, Gives::alike},
-                                                {"norm", Function::norm, 1, 1, Takes::vectors, Gives::alike},
-                                                {"dot", Function::dot, 2, 2, Takes::vectors, Gives::product},
-                                                {"cross", Function::cross, 2, 2, Takes::vectors, Gives::product}}};
+constexpr std::array<Signature, 25> kFunctions{{{"sin", 1, 1, Takes::angle},
+                                                {"cos", 1, 1, Takes::angle},
+                                                {"tan", 1, 1, Takes::angle},
+                                                {"asin", 1, 1, Takes::pure, Gives::angle},
+                                                {"acos", 1, 1, Takes::pure, Gives::angle},
+                                                {"atan", 1, 1, Takes::pure, Gives::angle},
+                                                {"atan2", 2, 2, Takes::alike, Gives::angle},
+                                                {"sinh", 1, 1},
+                                                {"cosh", 1, 1},
+                                                {"tanh", 1, 1},
+                                                {"sqrt", 1, 1, Takes::any, Gives::root},
+                                                {"exp", 1, 1},
+                                                {"log", 1, 1},
+                                                {"abs", 1, 1, Takes::alike, Gives::alike, true},
+                                                {"sign", 1, 1, Takes::any, Gives::sign, true},
+                                                {"floor", 1, 1, Takes::pure, Gives::number, true},
+                                                {"ceil", 1, 1, Takes::pure, Gives::number, true},
+                                                {"round", 1, 1, Takes::pure, Gives::number, true},
+                                                {"mod", 2, 2, Takes::alike, Gives::alike, true},
+                                                {"min", 2, kAny, Takes::alike, Gives::alike, true},
+                                                {"max", 2, kAny, Takes::alike, Gives::alike, true},
+                                                {"hypot", 2, kAny, Takes::alike, Gives::alike},
+                                                {"norm", 1, 1, Takes::vectors, Gives::alike},
+                                                {"dot", 2, 2, Takes::vectors, Gives::product},
+                                                {"cross", 2, 2, Takes::vectors, Gives::product}}};
 
 const Signature* signature(std::string_view name) {
   for (const Signature& s : kFunctions)
@@ -277,7 +277,7 @@ class ExpressionParser {
                    (s->most == 1 ? " argument" : " arguments") + ", and " + std::to_string(arguments.size()) +
                    (arguments.size() == 1 ? " is given" : " are given"));
     put(Operation::call, at, std::move(arguments));
-    last().function = s->function;
+    last().function = static_cast<Function>(s - kFunctions.data());
     return e_.root();
   }
 

@@ -53,8 +53,7 @@ class Evaluation {
     const Node& n = e_.node(i);
     const Amount q = made(n);
     if (!of_values()) return q;
-    for (const double x : q.v)
-      if (!std::isfinite(x)) refuse(n, "its value is not finite" + operands(n));
+    if (!q.v.allFinite()) refuse(n, "its value is not finite" + operands(n));
     return q;
   }
 
@@ -81,50 +80,33 @@ class Evaluation {
   }
 
   Amount made(const Node& n) const {
-    switch (n.operation) {
-      case Operation::number: {
-        Amount q = Amount::number(n.value);
-        q.dimension = exponents_of(n.dimension), q.measured = n.measured, q.is_zero = n.value == 0 && !n.measured;
-        q.with_unit = n.measured && n.dimension != Dimension{};
-        return q;
-      }
-      case Operation::name:
-        return named(n);
-      case Operation::negate: {
-        Amount q = child(n, 0);
-        for (double& x : q.v) x = -x;
-        return q;
-      }
-      case Operation::negation:
-        return Amount::number(truth(n, 0) ? 0 : 1);
-      case Operation::add:
-      case Operation::subtract:
-        return sum(n);
-      case Operation::multiply:
-        return product_of(n);
-      case Operation::divide:
-        return quotient(n);
-      case Operation::power:
-        return power(n);
-      case Operation::conjunction:
-        return Amount::number(joined(n, true) ? 1 : 0);
-      case Operation::disjunction:
-        return Amount::number(joined(n, false) ? 1 : 0);
-      case Operation::choose:
-        return of_values() ? child(n, truth(n, 0) ? 1 : 2) : either(n);
-      case Operation::vector:
-        return vector(n);
-      case Operation::component: {
-        Amount q = child(n, 0);
-        if (!q.is_vector) refuse(n, "only a point or a vector has components, and this is " + article_name_of(q));
-        q.v[0] = q.v[n.index], q.v[1] = q.v[2] = 0, q.is_vector = false;
-        return q;
-      }
-      case Operation::call:
-        return call(n);
-      default:
-        return compared(n);
+    const Operation o = n.operation;
+    if (o == Operation::number) return number(n);
+    if (o == Operation::name) return named(n);
+    if (o == Operation::negation) return Amount::number(truth(n, 0) ? 0 : 1);
+    if (o == Operation::add || o == Operation::subtract) return sum(n);
+    if (o == Operation::multiply || o == Operation::divide) return product_of(n);
+    if (o == Operation::power) return power(n);
+    if (o == Operation::conjunction || o == Operation::disjunction) return Amount::number(joined(n) ? 1 : 0);
+    if (o == Operation::choose) return of_values() ? child(n, truth(n, 0) ? 1 : 2) : either(n);
+    if (o == Operation::vector) return vector(n);
+    if (o == Operation::call) return call(n);
+    if (is_condition(o)) return compared(n);
+    Amount q = child(n, 0);
+    if (o == Operation::negate) {
+      q.v = -q.v;
+      return q;
     }
+    if (!q.is_vector) refuse(n, "only a point or a vector has components, and this is " + article_name_of(q));
+    q.v = Vec3(q.v[n.index], 0, 0), q.is_vector = false;
+    return q;
+  }
+
+  static Amount number(const Node& n) {
+    Amount q = Amount::number(n.value);
+    q.dimension = exponents_of(n.dimension), q.measured = n.measured, q.is_zero = n.value == 0 && !n.measured;
+    q.with_unit = n.measured && n.dimension != Dimension{};
+    return q;
   }
 
   Amount named(const Node& n) const {
@@ -179,61 +161,44 @@ class Evaluation {
     Amount a = child(n, 0), b = child(n, 1);
     const double sign = n.operation == Operation::add ? 1 : -1;
     unite(n, a, b, sign > 0 ? "added" : "subtracted");
-    for (int k = 0; k < 3; ++k) a.v[k] += sign * b.v[k];
+    a.v += sign * b.v;
     a.measured = a.measured || b.measured, a.is_zero = a.is_zero && b.is_zero;
     return a;
   }
 
   Amount product_of(const Node& n) const {
     const Amount a = child(n, 0), b = child(n, 1);
-    Amount q = times(n, a, b);
+    const bool divides = n.operation == Operation::divide;
+    if (divides && b.is_vector) refuse(n, "a division by a vector; write a / norm(b)");
+    if (a.is_vector && b.is_vector) refuse(n, "a product of two vectors; write dot(a, b) or cross(a, b)");
+    if (divides && b.v[0] == 0 && of_values()) refuse(n, "a division by zero");
+    Amount q = divides || a.is_vector ? a : b;
+    if (divides)
+      q.v /= b.v[0];
+    else
+      q.v *= (a.is_vector ? b : a).v[0];
+    q.dimension = product(a.dimension, b.dimension, divides ? -1 : 1);
+    q.measured = a.measured || b.measured, q.is_zero = false;
     q.any = a.any || b.any || is_free(n, a, b), q.with_unit = a.with_unit || b.with_unit;
     return q;
   }
 
-  Amount times(const Node& n, const Amount& a, const Amount& b) const {
-    if (a.is_vector && b.is_vector) refuse(n, "a product of two vectors; write dot(a, b) or cross(a, b)");
-    Amount q = a.is_vector ? a : b;
-    const double factor = (a.is_vector ? b : a).v[0];
-    for (double& x : q.v) x *= factor;
-    q.dimension = product(a.dimension, b.dimension, 1);
-    q.measured = a.measured || b.measured, q.is_zero = false;
-    return q;
-  }
-
-  Amount quotient(const Node& n) const {
-    Amount a = child(n, 0);
-    const Amount b = child(n, 1);
-    if (b.is_vector) refuse(n, "a division by a vector; write a / norm(b)");
-    if (b.v[0] == 0 && of_values()) refuse(n, "a division by zero");
-    for (double& x : a.v) x /= b.v[0];
-    a.any = a.any || b.any || is_free(n, a, b), a.with_unit = a.with_unit || b.with_unit;
-    a.dimension = product(a.dimension, b.dimension, -1), a.measured = a.measured || b.measured, a.is_zero = false;
-    return a;
-  }
-
+  // Of dimensions alone, of a quantity by an exponent that stands fast.
   Amount power(const Node& n) const {
     Amount a = child(n, 0);
     const Amount p = child(n, 1);
+    const double exponent = p.v[0];
     if (a.is_vector) refuse(n, "a power of a vector; write dot(a, a)");
     if (p.is_vector || !is_number(p))
       refuse(n, "the exponent is " + article_name_of(p) + "; a pure number is expected");
-    if (!of_values()) return power_of(n, a, p);
-    if (a.v[0] < 0 && p.v[0] != std::round(p.v[0])) refuse(n, text::brief(a.v[0]) + " to a power that is not whole");
-    if (a.v[0] == 0 && p.v[0] < 0) refuse(n, "a division by zero: a negative power of 0");
-    a.v[0] = std::pow(a.v[0], p.v[0]), a.dimension = scaled(a.dimension, p.v[0]), a.is_zero = false;
-    a.measured = a.measured || p.measured;
-    return a;
-  }
-
-  // The dimension of a power: of a quantity by an exponent that stands fast.
-  Amount power_of(const Node& n, Amount a, const Amount& p) const {
-    a.measured = a.measured || p.measured, a.is_zero = false;
-    const double exponent = p.v[0];
-    const bool fixed = !varies(n.children[1]) && std::isfinite(exponent);
+    if (of_values() && a.v[0] < 0 && exponent != std::round(exponent))
+      refuse(n, text::brief(a.v[0]) + " to a power that is not whole");
+    if (of_values() && a.v[0] == 0 && exponent < 0) refuse(n, "a division by zero: a negative power of 0");
+    const bool fixed = of_values() || (!varies(n.children[1]) && std::isfinite(exponent));
     if (!fixed && !is_number(a))
       refuse(n, article_name_of(a) + " to a power that varies; a pure number is expected before the \"^\"");
-    a.dimension = fixed ? scaled(a.dimension, exponent) : Exponents{}, a.v[0] = std::pow(a.v[0], exponent);
+    a.v[0] = std::pow(a.v[0], exponent), a.dimension = fixed ? scaled(a.dimension, exponent) : Exponents{};
+    a.measured = a.measured || p.measured, a.is_zero = false;
     return a;
   }
 
@@ -244,8 +209,9 @@ class Evaluation {
     return q.v[0] != 0;
   }
 
-  // Whether both conditions of n hold (`all`), or one of them; the second is looked at where it counts.
-  bool joined(const Node& n, bool all) const {
+  // Whether both conditions of n hold, or one of them; the second is looked at where it counts.
+  bool joined(const Node& n) const {
+    const bool all = n.operation == Operation::conjunction;
     const bool first = truth(n, 0);
     if (of_values() && first != all) return first;
     const bool second = truth(n, 1);
@@ -344,15 +310,11 @@ class Evaluation {
                                  2, xy);
   }
   static Amount of_vectors(Function f, const std::vector<Amount>& a, Amount q) {
-    const double* x = a.front().v;
-    const double* y = a.back().v;
+    const Vec3 &x = a.front().v, &y = a.back().v;
     q.is_vector = f == Function::cross;
     if (f == Function::norm) q.v[0] = std::hypot(x[0], x[1], x[2]);
-    for (int k = 0; k < 3; ++k) {
-      const int i = (k + 1) % 3, j = (k + 2) % 3;
-      if (f == Function::dot) q.v[0] += x[k] * y[k];
-      if (f == Function::cross) q.v[k] = x[i] * y[j] - x[j] * y[i];
-    }
+    if (f == Function::dot) q.v[0] = x[0] * y[0] + x[1] * y[1] + x[2] * y[2];
+    if (f == Function::cross) q.v = cross(x, y);
     return q;
   }
 

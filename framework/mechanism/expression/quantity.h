@@ -4,6 +4,8 @@
 #include <functional>
 #include <string>
 
+#include <lockstep/detail/export.h>
+#include <lockstep/math.h>
 #include <lockstep/author/params.h>
 #include <lockstep/detail/export.h>
 #include "framework/mechanism/expression/expression.h"
@@ -21,7 +23,7 @@ inline Exponents exponents_of(const Dimension& d) { return {double(d.m), double(
 
 /// A number or a vector with its dimension.
 struct Amount {
-  double v[3] = {0, 0, 0};  ///< SI
+  Vec3 v = Vec3::Zero();  ///< SI
   bool is_vector = false;
   Exponents dimension{};
   bool measured = false;  ///< whether units took part; numbers without any are those of their place, in SI
