@@ -32,11 +32,20 @@ double shape_mass(const Params& shape, double volume) {
   return shape.has("mass") ? positive(shape, "mass", "mass") : positive(shape, "density", "density") * volume;
 }
 
+double rod_length(const Params& rod) { return (rod.vector3("to") - rod.vector3("from")).norm(); }
+
+void check_lengths(const Params& shape, const std::string& kind) {
+  if (kind == "rod" && !(rod_length(shape) > 0))
+    shape.refuse("to", "both ends are at the same point; a rod needs a length");
+  if (const double least = kind == "box" ? shape.vector3("size").minCoeff() : 1; !(least > 0))
+    shape.refuse("size", "an edge is " + text::number(least) + " m; all three must be greater than 0");
+  for (const char* length : {"radius", "length"})
+    if (shape.has(length)) positive(shape, length, length);
+}
+
 Shape read_rod(const Params& rod) {
   const Vec3 from = rod.vector3("from"), to = rod.vector3("to");
-  const double length = (to - from).norm();
-  if (!(length > 0)) rod.refuse("to", "both ends are at the same point; a rod needs a length");
-  const double radius = rod.has("radius") ? positive(rod, "radius", "radius") : length / 50;
+  const double length = rod_length(rod), radius = rod.has("radius") ? rod.number("radius") : length / 50;
   const double mass = shape_mass(rod, cylinder_volume(radius, length));
   const auto rolled = [&](Shape shape) {  // mass and inertia stay: it is round
     if (rod.has("roll")) shape.home.q = shape.home.q * axis_angle(Vec3::UnitX(), rod.number("roll"));
@@ -50,13 +59,11 @@ Shape read_rod(const Params& rod) {
 MassProperties read_solid(const Params& solid, const std::string& kind) {
   if (kind == "box") {
     const Vec3 size = solid.vector3("size");
-    if (!(size.minCoeff() > 0))
-      solid.refuse("size", "an edge is " + text::number(size.minCoeff()) + " m; all three must be greater than 0");
     return shapes::box(shape_mass(solid, box_volume(size)), size);
   }
-  const double radius = positive(solid, "radius", "radius");
+  const double radius = solid.number("radius");
   if (kind == "sphere") return shapes::sphere(shape_mass(solid, sphere_volume(radius)), radius);
-  const double length = positive(solid, "length", "length");
+  const double length = solid.number("length");
   return shapes::cylinder(shape_mass(solid, cylinder_volume(radius, length)), radius, length);
 }
 
@@ -121,8 +128,7 @@ MassProperties read_mass(const Params& body, bool is_part) {
 Solid solid_of(const Params& shape, const std::string& kind) {
   if (kind == "box") return {{}, Solid::Kind::box, shape.vector3("size")};
   if (kind == "rod") {
-    const double length = (shape.vector3("to") - shape.vector3("from")).norm();
-    const double width = 2 * (shape.has("radius") ? shape.number("radius") : length / 50);
+    const double length = rod_length(shape), width = 2 * (shape.has("radius") ? shape.number("radius") : length / 50);
     const Quat z_along_x = axis_angle(Vec3::UnitY(), kPi / 2);
     return {{}, Solid::Kind::cylinder, {width, width, length}, {Vec3::Zero(), z_along_x}};
   }
@@ -141,6 +147,7 @@ Shape read_matter(const Params& body, const std::string& kind, Solids& solids, b
                 {"mass", "inertia", "inertia_at", "inertia_axes", "center"});
   const Params shape = params_under(body, kind, kind);
   const Shape read = placed(body.value(kind).where, [&]() -> Shape {
+    check_lengths(shape, kind);
     if (kind == "rod") return read_rod(shape);
     return {read_solid(shape, kind), {}};
   });
@@ -240,16 +247,10 @@ Solid read_visual_shape(const Value& v, const std::string& owner, const MeshFile
     const Params lengths = params_under(shape, kind, kind);
     refuse_beside(lengths, "what is only drawn weighs nothing", {"mass", "density", "axial_inertia"});
     refuse_beside(lengths, "a rod looks the same from all sides", {"roll"});
-    if (kind == "box" && !(lengths.vector3("size").minCoeff() > 0))
-      lengths.refuse("size", "all three edges must be greater than 0");
-    for (const char* length : {"radius", "length"})
-      if (lengths.has(length)) positive(lengths, length, length);
+    check_lengths(lengths, kind);
     solid = solid_of(lengths, kind);
-    if (kind == "rod") {
-      const Vec3 from = lengths.vector3("from"), to = lengths.vector3("to");
-      if (!((to - from).norm() > 0)) lengths.refuse("to", "both ends are at the same point; a rod needs a length");
-      solid.at = shapes::rod(1, from, to, 0.5 * solid.size[0]).home * solid.at;
-    }
+    if (kind == "rod")
+      solid.at = shapes::rod(1, lengths.vector3("from"), lengths.vector3("to"), 0.5 * solid.size[0]).home * solid.at;
   }
   solid.at = at * solid.at;
   return solid;
@@ -309,45 +310,34 @@ void Builder::body(const Value& object, const std::string& owner) {
 }
 
 void Builder::matter(const Value& object, const Params& p, const std::string& name) {
-  const Pose home{p.vector3("position"), p.orientation("orientation")};
   const std::vector<std::string> kMass = {"mass", "rod", "box", "cylinder", "sphere", "compound", "particle"};
-  System& system = system_;
-  Solids solids;
-  if (p.boolean("fixed")) {
-    refuse_beside(p, "a fixed body never moves", {"velocity", "omega_body", "omega_world"});
-    // Its mass may be given, and is checked; a rod still places the frame.
-    const std::vector<std::string> matter = given(p, kMass);
-    if (matter.size() > 1) the_kind(p, kMass);
-    Pose at = home;
-    if (!matter.empty() && matter.front() == "particle")
-      positive(p, "particle", "mass");
-    else if (!matter.empty() && matter.front() == "compound")
-      read_compound(p, solids);
-    else if (!matter.empty() && (matter.front() != "mass" || p.has("inertia"))) {
-      const Shape shape = read_matter(p, matter.front(), solids);
-      if (matter.front() == "rod") {
-        refuse_beside(p, "\"rod\" itself places the body", {"position", "orientation"});
-        at = shape.home;
-      }
-    }
-    placed(object.where, [&] { system.add_fixed(name, at); });
-    keep(name, solids, out_);
-    return;
-  }
-  const std::string kind = the_kind(p, kMass);
-  if (kind == "particle") {
+  const bool fixed = p.boolean("fixed");
+  if (fixed) refuse_beside(p, "a fixed body never moves", {"velocity", "omega_body", "omega_world"});
+  const std::vector<std::string> matter = given(p, kMass);
+  const bool bare = matter.empty() || (matter.size() == 1 && matter.front() == "mass" && !p.has("inertia"));
+  const std::string kind = fixed && bare ? "" : the_kind(p, kMass);  // of a fixed one what is given is checked
+  if (kind == "particle" && !fixed)
     refuse_beside(p, "a particle has no rotation and no inertia",
                   {"inertia", "inertia_at", "inertia_axes", "center", "orientation", "omega_body", "omega_world"});
-    const double mass = positive(p, "particle", "mass");
-    placed(object.where, [&] { system.add_particle(name, mass, home.x).start.v = p.vector3("velocity"); });
-    read_weight(p, name, out_);
-    return;
-  }
   if (kind == "rod") refuse_beside(p, "\"rod\" itself places the body", {"position", "orientation"});
-  const Shape shape = kind == "compound" ? Shape{read_compound(p, solids), {}} : read_matter(p, kind, solids);
+  Solids solids;
+  Shape shape;
+  const Pose home{p.vector3("position"), p.orientation("orientation")};
+  const double mass = kind == "particle" ? positive(p, "particle", "mass") : 0;
+  if (kind == "compound")
+    shape.mass = read_compound(p, solids);
+  else if (!kind.empty() && kind != "particle")
+    shape = read_matter(p, kind, solids);
   const Pose pose = kind == "rod" ? shape.home : home;
-  placed(object.where, [&] { system.add_body(name, shape.mass, pose).start = read_start(p, pose); });
-  read_weight(p, name, out_);
+  placed(object.where, [&] {
+    if (fixed)
+      system_.add_fixed(name, pose);
+    else if (kind == "particle")
+      system_.add_particle(name, mass, pose.x).start.v = p.vector3("velocity");
+    else
+      system_.add_body(name, shape.mass, pose).start = read_start(p, pose);
+  });
+  if (!fixed) read_weight(p, name, out_);
   keep(name, solids, out_);
 }
 
