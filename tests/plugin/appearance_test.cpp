@@ -4,7 +4,7 @@
 
 #include <lockstep/author/loader.h>
 #include <lockstep/author/registry.h>
-#include "framework/description/scene/schema.h"
+#include "framework/description/scene/describe.h"
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
 #include "tests/support/plugin_files.h"

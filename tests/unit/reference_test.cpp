@@ -1,5 +1,4 @@
 // The reference of scenes covers every object, type, key and unit.
-#include "framework/description/scene/reference.h"
 
 #include <map>
 #include <sstream>

@@ -1,5 +1,4 @@
 // The schema: as the build writes it one with the tables and the registry, and right about scenes.
-#include "framework/description/scene/schema.h"
 
 #include <algorithm>
 #include <filesystem>

@@ -1,5 +1,4 @@
 // What `describe` says of words that are no types.
-#include "framework/description/scene/words.h"
 
 #include <sstream>
 #include <string>

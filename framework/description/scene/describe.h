@@ -1,4 +1,4 @@
-// Descriptions of the types of a registry and the objects of a scene: names, help, keys.
+// Descriptions of the types of a registry and the objects of a scene: names, help, keys; and what is printed of them.
 #pragma once
 
 #include <string>
@@ -35,5 +35,20 @@ LOCKSTEP_API std::string describe(const Description&);
 
 /// "length in m", "\"x\" or \"y\"", "object: see `lockstep describe drive`", ...
 LOCKSTEP_API std::string form_words(const Key&, const std::vector<Part>& parts = {});
+
+/// What a word is that is no object and no type, and where it stands: a key, a form of values, a unit, "channel"; "" for
+/// another word.
+LOCKSTEP_API std::string describe_word(const Registry&, const std::string& word);
+
+/// All names that find_descriptions() knows, then all words that describe_word() knows.
+LOCKSTEP_API std::vector<std::string> known_words(const Registry&);
+
+/// The reference of scenes as a page in Markdown: every object, type, key, form and unit; types of plugins that the
+/// registry has stand beside the others.
+LOCKSTEP_API std::string scene_reference(const Registry&);
+
+/// JSON Schema of scene files, for editors: draft 2020-12, ending with a newline. The build writes that of the built-in
+/// registry to its top folder as scene.schema.json, which is installed.
+LOCKSTEP_API std::string scene_schema(const Registry&);
 
 }  // namespace lockstep

@@ -1,11 +1,9 @@
-#include "framework/description/scene/reference.h"
+#include "framework/description/scene/describe.h"
 
 #include <algorithm>
 #include <sstream>
 
-#include "framework/description/scene/describe.h"
 #include "framework/description/scene/examples.h"
-#include "framework/description/scene/words.h"
 #include "framework/description/scene/write.h"
 #include "framework/mechanism/params/units.h"
 

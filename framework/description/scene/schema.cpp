@@ -1,10 +1,9 @@
-#include "framework/description/scene/schema.h"
+#include "framework/description/scene/describe.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "framework/description/registry/shelves.h"
-#include "framework/description/scene/describe.h"
 #include "framework/description/scene/split.h"
 #include "framework/description/scene/write.h"
 #include "framework/mechanism/params/units.h"

@@ -1,10 +1,9 @@
-#include "framework/description/scene/words.h"
+#include "framework/description/scene/describe.h"
 
 #include <algorithm>
 #include <set>
 
 #include <lockstep/text.h>
-#include "framework/description/scene/describe.h"
 #include "framework/mechanism/params/units.h"
 
 namespace lockstep {

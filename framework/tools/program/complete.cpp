@@ -10,7 +10,6 @@
 #include <lockstep/recorder.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/describe.h"
-#include "framework/description/scene/words.h"
 #include "framework/tools/program/options.h"
 #include "framework/tools/program/tools.h"
 
@@ -35,42 +34,41 @@ class SceneAtHand {
 
   // "crank=", and what may be varied by its path.
   Words parameters() {
-    Words all;
-    with_scene([&](const Loaded& loaded) {
+    return of_scene([](const Loaded& loaded, Words& all) {
       for (const SceneParameter& p : loaded.scene.parameters)
         if (!p.is_point) all.push_back(p.name + "=");
     });
-    return all;
   }
   Words channels() {
-    Words all;
-    with_scene([&](const Loaded& loaded) {
-      const Mechanism m = build_mechanism(loaded.scene, loaded.registry);
-      for (const ChannelHelp& c : channel_help(m.system))
+    return of_system([](const System& system, Words& all) {
+      for (const ChannelHelp& c : channel_help(system))
         if (!c.name.starts_with("ground.")) all.push_back(c.name);
     });
-    return all;
   }
   Words things() {
-    Words all;
-    with_scene([&](const Loaded& loaded) {
-      const Mechanism m = build_mechanism(loaded.scene, loaded.registry);
-      for (const Body& b : m.system.bodies()) all.push_back(b.name);
-      for (const auto& l : m.system.links()) all.push_back(l->name());
-      for (const auto& f : m.system.forces()) all.push_back(f->name());
+    return of_system([](const System& system, Words& all) {
+      for (const Body& b : system.bodies()) all.push_back(b.name);
+      for (const auto& l : system.links()) all.push_back(l->name());
+      for (const auto& f : system.forces()) all.push_back(f->name());
     });
-    return all;
   }
 
  private:
-  template <class Use>
-  void with_scene(Use&& use) {
+  template <class Collect>
+  Words of_scene(Collect&& collect) {
+    Words all;
     std::error_code error;  // a pipe would wait for somebody to write
-    if (!std::filesystem::is_regular_file(args_["scene"], error)) return;
+    if (!std::filesystem::is_regular_file(args_.scene, error)) return all;
     try {
-      use(read_with_plugins(args_));
+      collect(read_with_plugins(args_), all);
     } catch (...) {  // whoever types a line is not told of a scene that is not ready
     }
+    return all;
+  }
+  template <class Collect>
+  Words of_system(Collect&& collect) {
+    return of_scene(
+        [&](const Loaded& loaded, Words& all) { collect(build_mechanism(loaded.scene, loaded.registry).system, all); });
   }
   Arguments args_;
 };

@@ -7,9 +7,6 @@
 #include <lockstep/text.h>
 #include "framework/description/scene/describe.h"
 #include "framework/description/scene/examples.h"
-#include "framework/description/scene/reference.h"
-#include "framework/description/scene/schema.h"
-#include "framework/description/scene/words.h"
 #include "framework/description/scene/write.h"
 #include "framework/tools/program/commands.h"
 #include "framework/tools/program/describe_scene.h"
