@@ -1,5 +1,4 @@
-#include "framework/description/scene/include.h"
-#include "framework/foundation/support/finding_kinds.h"
+#include "framework/description/scene/parts.h"
 
 #include <algorithm>
 #include <deque>
@@ -10,7 +9,6 @@
 #include <lockstep/text.h>
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/definitions.h"
-#include "framework/description/scene/moved_scene.h"
 #include "framework/description/scene/old_names.h"
 #include "framework/description/scene/read.h"
 #include "framework/description/scene/resolve.h"

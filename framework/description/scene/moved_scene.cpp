@@ -1,4 +1,4 @@
-#include "framework/description/scene/moved_scene.h"
+#include "framework/description/scene/parts.h"
 
 #include <cmath>
 #include <set>
@@ -122,10 +122,9 @@ class Mover {
   }
 
   void attached(Value& v, const std::string& owner) {
-    places(v, owner);
-    if (Value* pairs = member(v, "pairs"); pairs != nullptr && pairs->list() != nullptr)
-      for (std::size_t i = 0; i < pairs->list()->size(); ++i)
-        if ((*pairs->list())[i].object() != nullptr) places((*pairs->list())[i], item(part_of(owner, "pairs"), i));
+    for_each_placing(v, owner, [&](Value& placing, const std::string& its) {
+      if (placing.object() != nullptr) places(placing, its);
+    });
   }
   // New markers on bodies have the world's axes where none are given, and the axes of the other side's marker if it is
   // one.

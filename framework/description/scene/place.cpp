@@ -171,8 +171,7 @@ class Walk {
     if (!here_->is_null() || inserted_unknown_) return false;
     const Form form = kind_.key.form;
     if (form == Form::any) return !(kind_.has_part && kind_.part.holds == Holds::typed) && kind_.key.choices.empty();
-    return form == Form::vector3 || form == Form::axis || form == Form::orientation || form == Form::numbers ||
-           form == Form::points || form == Form::laws || form == Form::translation_law || form == Form::rotation_law;
+    return form >= Form::vector3 && form <= Form::laws && form != Form::law;
   }
 
   Miss miss(std::size_t i) const {

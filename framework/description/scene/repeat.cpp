@@ -1,4 +1,4 @@
-#include "framework/description/scene/repeat.h"
+#include "framework/description/scene/parts.h"
 
 #include <algorithm>
 #include <cmath>

@@ -12,11 +12,11 @@
 #include <lockstep/author/registry.h>
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/description/registry/shelves.h"
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/definitions.h"
-#include "framework/description/scene/include.h"
+#include "framework/description/scene/parts.h"
 #include "framework/description/scene/place.h"
-#include "framework/description/scene/repeat.h"
 #include "framework/description/scene/tree.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/refusals.h"
@@ -43,23 +43,17 @@ struct Texts {
   bool takes_parameters = false;
 };
 
-void add_texts(const TypeInfo& info, Texts& texts) {
-  const bool takes =
-      std::any_of(info.keys.begin(), info.keys.end(), [](const Key& k) { return k.name == "parameters"; });
-  texts.takes_parameters = texts.takes_parameters || takes;
-  for (const Key& key : info.keys)
-    if (key.form == Form::text || key.form == Form::choice || (takes && key.form == Form::any))
-      texts.keys.push_back(key.name);
-}
-
 Texts texts_of_type(const std::string& type) {
-  const Registry& types = built_in_types();
   Texts texts;
-  const auto look = [&](const auto& shelf) {
-    if (const auto* entry = shelf.find(type)) add_texts(entry->info, texts);
-  };
-  look(types.laws), look(types.translation_laws), look(types.rotation_laws);
-  look(types.links), look(types.forces);
+  for (const char* shelf : {"laws", "translation_laws", "rotation_laws", "links", "forces"}) {
+    const TypeInfo* info = find_type(built_in_types(), shelf, type);
+    if (info == nullptr) continue;
+    const bool takes = std::ranges::any_of(info->keys, [](const Key& k) { return k.name == "parameters"; });
+    texts.takes_parameters = texts.takes_parameters || takes;
+    for (const Key& key : info->keys)
+      if (key.form == Form::text || key.form == Form::choice || (takes && key.form == Form::any))
+        texts.keys.push_back(key.name);
+  }
   return texts;
 }
 
@@ -131,13 +125,10 @@ class Resolver {
         if (m.key == "world_at" || m.key == "at")
           if (point(m.value, part_of(owner, m.key))) m.key = "world_at";
     } else if (kind == "link" || kind == "force") {
-      places(object, owner);
-      std::size_t i = 0;
-      for (Value& pair : items(object, "pairs")) places(pair, item(part_of(owner, "pairs"), i++));
+      for_each_placing(object, owner, [&](Value& placing, const std::string& its) {
+        for (const char* key : {"at", "at_p", "at_s"}) point(placing, key, its);
+      });
     }
-  }
-  void places(Value& object, const std::string& owner) {
-    for (const char* key : {"at", "at_p", "at_s"}) point(object, key, owner);
   }
   void point(Value& object, const char* key, const std::string& owner) {
     if (Value* v = member(object, key)) point(*v, part_of(owner, key));

@@ -5,9 +5,9 @@
 #include <lockstep/author/loader.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/builder.h"
-#include "framework/description/scene/include.h"
 #include "framework/description/scene/json.h"
 #include "framework/description/scene/old_names.h"
+#include "framework/description/scene/parts.h"
 #include "framework/description/scene/read.h"
 #include "framework/description/scene/reading.h"
 #include "framework/description/scene/resolve.h"

@@ -45,4 +45,12 @@ void for_each_child(V& v, F&& visit) {
     for (auto& m : *members) visit(m.value, m.key);
 }
 
+/// Calls visit(object, owner) for what places markers: a link or force itself, and the pairs of a coupling.
+template <class F>
+void for_each_placing(Value& object, const std::string& owner, F&& visit) {
+  visit(object, owner);
+  std::size_t i = 0;
+  for (Value& pair : items(object, "pairs")) visit(pair, part_of(owner, "pairs") + "[" + std::to_string(i++) + "]");
+}
+
 }  // namespace lockstep

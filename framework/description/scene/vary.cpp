@@ -125,9 +125,7 @@ class Reader {
       return;
     }
     const Form form = key_.form;
-    numeric_ = form == Form::number || form == Form::vector3 || form == Form::axis || form == Form::orientation ||
-               form == Form::numbers || form == Form::points || form == Form::law || form == Form::laws ||
-               form == Form::translation_law || form == Form::rotation_law;
+    numeric_ = form == Form::number || (form >= Form::vector3 && form <= Form::laws);
     if (numeric_) return;  // else, where the tables do not know, it keeps its kind
     const bool open = form == Form::any && key_.choices.empty();
     const bool quantity = now.text() != nullptr && read_quantity(*now.text(), Unit::any).problem.empty();
