@@ -71,19 +71,11 @@ T square(const T& a) {
   return a * a;
 }
 
-/// What a term computes that decides nothing, on numbers, jets and intervals; `y` is read by what takes two.
+/// A function that decides nothing, on numbers, jets and intervals; `y` is read by what takes two.
 template <class T>
-T computed(const Term& t, const T& x, const T& y) {
+T applied(Function f, const T& x, const T& y) {
   using std::acos, std::asin, std::atan, std::atan2, std::cos, std::cosh, std::exp, std::log, std::sin, std::sinh,
       std::sqrt, std::tan, std::tanh;
-  const Operation o = t.operation;
-  if (o == Operation::add) return x + y;
-  if (o == Operation::subtract) return x - y;
-  if (o == Operation::multiply) return x * y;
-  if (o == Operation::divide) return x / y;
-  if (o == Operation::negate) return -x;
-  if (o == Operation::power) return t.n_parts == 1 ? power_of(x, t.value) : T(exp(y * log(x)));
-  const Function f = t.function;
   if (f == Function::sin) return sin(x);
   if (f == Function::cos) return cos(x);
   if (f == Function::tan) return tan(x);
@@ -100,11 +92,25 @@ T computed(const Term& t, const T& x, const T& y) {
   return sqrt(square(x) + square(y));  // hypot
 }
 
+/// What a term computes that decides nothing. Inlined: of sums and products the calls would cost as much.
+template <class T>
+[[gnu::always_inline]] inline T computed(const Term& t, const T& x, const T& y) {
+  using std::exp, std::log;
+  const Operation o = t.operation;
+  if (o == Operation::add) return x + y;
+  if (o == Operation::subtract) return x - y;
+  if (o == Operation::multiply) return x * y;
+  if (o == Operation::divide) return x / y;
+  if (o == Operation::negate) return -x;
+  if (o == Operation::call) return applied(t.function, x, y);
+  return t.n_parts == 1 ? power_of(x, t.value) : T(exp(y * log(x)));
+}
+
 /// Whether a condition holds; open: it holds at some of the values that are looked at.
 enum class Truth { no, yes, open };
 
-/// A term on values of type T: numbers and jets, or intervals of them. `Values`: what the variables are, and what is decided
-/// of such values; where it says of a sign that it is open, both outcomes are taken together.
+/// A term on values of type T: numbers, jets or intervals. `Values` says what the variables are, and what is decided of
+/// such values. Where it leaves a sign open, both outcomes are taken together.
 template <class T, class Values>
 class TermEvaluation {
  public:
@@ -112,17 +118,23 @@ class TermEvaluation {
 
   T of(int i) {
     const Term& t = term(i);
-    if (t.n_parts == 0) return t.operation == Operation::number ? T(t.value) : values_.variable(t.variable);
-    if (t.operation == Operation::choose) return chosen(i);
-    if (t.decides) return t.operation == Operation::call ? decided(i) : condition(i);
+    if (t.operation == Operation::number) return T(t.value);
+    if (t.operation == Operation::name) return values_.variable(t.variable);
+    if (t.decides) return decided(i);
     const T x = of(t.parts[0]);
     if (t.n_parts == 1) return values_.computed(t, x, x);
-    return values_.computed(t, x, of(t.parts[1]));
+    const T y = of(t.parts[1]);
+    return values_.computed(t, x, y);
   }
 
  private:
   using Sign = std::optional<int>;
   const Term& term(int i) const { return terms_[static_cast<std::size_t>(i)]; }
+
+  T decided(int i) {
+    const Operation o = term(i).operation;
+    return o == Operation::choose ? chosen(i) : o == Operation::call ? called(i) : condition(i);
+  }
 
   T condition(int i) {
     const Truth c = holds(i, i);
@@ -137,8 +149,9 @@ class TermEvaluation {
       return values_.either(first, of(t.parts[2]));
     }
     const int part = t.parts[c == Truth::yes ? 1 : 2];
-    const T x = of(part);
-    return values_.stands(i, part), x;
+    T x = of(part);
+    values_.stands(i, part);
+    return x;
   }
 
   // Term i as a condition of term `by`, which tells a number from zero.
@@ -163,7 +176,7 @@ class TermEvaluation {
   }
 
   // A function that decides.
-  T decided(int i) {
+  T called(int i) {
     using std::abs;
     const Term& t = term(i);
     const T x = of(t.parts[0]);
@@ -196,7 +209,9 @@ class Numbers {
   Numbers(std::span<const T> variables, Witness& witness) : variables_(variables), witness_(witness) {}
 
   const T& variable(int k) const { return variables_[static_cast<std::size_t>(k)]; }
-  static T computed(const Term& t, const T& x, const T& y) { return expression::computed(t, x, y); }
+  [[gnu::always_inline]] static T computed(const Term& t, const T& x, const T& y) {
+    return expression::computed(t, x, y);
+  }
   std::optional<int> sign(const T& a, int by) {
     lost_ = lost_ || std::isnan(lockstep::value_of(a));
     const int s = side(a);

@@ -29,10 +29,7 @@ inline Interval widened(double lo, double hi) {
   return {lo - kPart * std::abs(lo) - kLeast, hi + kPart * std::abs(hi) + kLeast};
 }
 /// f of both ends, f rising.
-template <class F>
-Interval rising(const Interval& a, F&& f) {
-  return widened(f(a.lo), f(a.hi));
-}
+inline Interval rising(const Interval& a, double (*f)(double)) { return widened(f(a.lo), f(a.hi)); }
 }  // namespace interval_detail
 
 inline Interval hull(const Interval& a, const Interval& b) { return {std::min(a.lo, b.lo), std::max(a.hi, b.hi)}; }
@@ -65,12 +62,10 @@ inline Interval sqrt(const Interval& a) {
   if (!(a.hi >= 0)) return Interval::everything();
   return interval_detail::widened(a.lo > 0 ? std::sqrt(a.lo) : 0, std::sqrt(a.hi));
 }
-inline Interval exp(const Interval& a) {
-  return interval_detail::rising(a, [](double x) { return std::exp(x); });
-}
+inline Interval exp(const Interval& a) { return interval_detail::rising(a, std::exp); }
 inline Interval log(const Interval& a) {
   if (!(a.lo > 0)) return Interval::everything();
-  return interval_detail::rising(a, [](double x) { return std::log(x); });
+  return interval_detail::rising(a, std::log);
 }
 /// Extremes at k + phase turns (1) and half a turn later (-1).
 inline Interval wave(const Interval& a, double phase, double at_lo, double at_hi) {
@@ -85,21 +80,13 @@ inline Interval wave(const Interval& a, double phase, double at_lo, double at_hi
 inline Interval sin(const Interval& a) { return wave(a, 0.25, std::sin(a.lo), std::sin(a.hi)); }
 inline Interval cos(const Interval& a) { return wave(a, 0, std::cos(a.lo), std::cos(a.hi)); }
 inline Interval tan(const Interval& a) { return sin(a) / cos(a); }
-inline Interval sinh(const Interval& a) {
-  return interval_detail::rising(a, [](double x) { return std::sinh(x); });
-}
-inline Interval tanh(const Interval& a) {
-  return interval_detail::rising(a, [](double x) { return std::tanh(x); });
-}
-inline Interval cosh(const Interval& a) {
-  return interval_detail::rising(abs(a), [](double x) { return std::cosh(x); });
-}
-inline Interval atan(const Interval& a) {
-  return interval_detail::rising(a, [](double x) { return std::atan(x); });
-}
+inline Interval sinh(const Interval& a) { return interval_detail::rising(a, std::sinh); }
+inline Interval tanh(const Interval& a) { return interval_detail::rising(a, std::tanh); }
+inline Interval cosh(const Interval& a) { return interval_detail::rising(abs(a), std::cosh); }
+inline Interval atan(const Interval& a) { return interval_detail::rising(a, std::atan); }
 inline Interval asin(const Interval& a) {
   if (a.hi < -1 || a.lo > 1) return Interval::everything();
-  return interval_detail::rising({std::max(a.lo, -1.0), std::min(a.hi, 1.0)}, [](double x) { return std::asin(x); });
+  return interval_detail::rising({std::max(a.lo, -1.0), std::min(a.hi, 1.0)}, std::asin);
 }
 inline Interval acos(const Interval& a) { return Interval(kPi / 2) - asin(a); }
 inline Interval atan2(const Interval& y, const Interval& x) {
@@ -111,7 +98,7 @@ inline Interval power_of(const Interval& a, double p) {
   if (p == std::round(p) && std::abs(p) < 1e6 && !(a.lo > 0)) {
     const Interval even = std::fmod(p, 2) == 0 ? abs(a) : a;
     if (p < 0) return even.holds(0) ? Interval::everything() : Interval(1) / power_of(a, -p);
-    return interval_detail::rising(even, [&](double x) { return std::pow(x, p); });
+    return interval_detail::widened(std::pow(even.lo, p), std::pow(even.hi, p));
   }
   if (!(a.lo >= 0) || (a.lo == 0 && p < 0)) return Interval::everything();
   const double u = std::pow(a.lo, p), v = std::pow(a.hi, p);
