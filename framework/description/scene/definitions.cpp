@@ -35,10 +35,10 @@ std::optional<Amount> plain_quantity(const Value& v, const std::string& context)
     }
     return whole;
   }
-  if (v.number() != nullptr) return Amount::number(read_number(v, Unit::any, context));
-  if (v.text() == nullptr) return std::nullopt;
+  if (v.number() == nullptr && v.text() == nullptr) return std::nullopt;
   Amount q = Amount::number(read_number(v, Unit::any, context));
-  q.dimension = expression::exponents_of(dimension_of_text(*v.text())), q.measured = true;
+  q.measured = v.text() != nullptr;
+  if (q.measured) q.dimension = expression::exponents_of(dimension_of_text(*v.text()));
   return q;
 }
 

@@ -9,7 +9,6 @@
 #include <lockstep/text.h>
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/definitions.h"
-#include "framework/description/scene/old_names.h"
 #include "framework/description/scene/read.h"
 #include "framework/description/scene/resolve.h"
 #include "framework/description/scene/tree.h"

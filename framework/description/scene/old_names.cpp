@@ -1,5 +1,4 @@
-#include "framework/description/scene/old_names.h"
-#include "framework/foundation/support/finding_kinds.h"
+#include "framework/description/scene/reading.h"
 
 #include <spdlog/fmt/fmt.h>
 

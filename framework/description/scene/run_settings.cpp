@@ -1,4 +1,4 @@
-#include "framework/description/scene/run_settings.h"
+#include "framework/description/scene/reading.h"
 
 #include <algorithm>
 #include <utility>

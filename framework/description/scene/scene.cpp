@@ -6,12 +6,10 @@
 #include <lockstep/text.h>
 #include "framework/description/scene/builder.h"
 #include "framework/description/scene/json.h"
-#include "framework/description/scene/old_names.h"
 #include "framework/description/scene/parts.h"
 #include "framework/description/scene/read.h"
 #include "framework/description/scene/reading.h"
 #include "framework/description/scene/resolve.h"
-#include "framework/description/scene/run_settings.h"
 #include "framework/mechanism/params/refusals.h"
 
 namespace lockstep {

@@ -6,7 +6,6 @@
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
-#include "framework/description/scene/old_names.h"
 #include "framework/description/scene/place.h"
 #include "framework/description/scene/reading.h"
 #include "framework/description/scene/tree.h"
