@@ -1,6 +1,7 @@
 # Headers that stood in lockstep/ until 0.1 are in lockstep/author/ and lockstep/detail/; for one release the old paths lead there.
 file(GLOB moved_headers RELATIVE ${PROJECT_SOURCE_DIR}/framework/include ${PROJECT_SOURCE_DIR}/framework/include/lockstep/author/*.h
      ${PROJECT_SOURCE_DIR}/framework/include/lockstep/detail/*.h)
+set(old_headers)
 foreach(header IN LISTS moved_headers)
   cmake_path(GET header FILENAME name)
   file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/generated/lockstep/${name} CONTENT
@@ -9,4 +10,5 @@ foreach(header IN LISTS moved_headers)
 #pragma message(\"<lockstep/${name}> is now <${header}>\")
 #include <${header}>
 ")
+  list(APPEND old_headers ${PROJECT_BINARY_DIR}/generated/lockstep/${name})
 endforeach()

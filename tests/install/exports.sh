@@ -38,7 +38,7 @@ if [ "$found" != $'int lost(int)\nint gone() const' ]; then
   printf 'of the planted functions these were found:\n%s\n' "$found"
   exit 1
 fi
-found="$(awk -f "$here/unexported.awk" "$here"/../../framework/include/lockstep/*.h)"
+found="$(awk -f "$here/unexported.awk" "$here"/../../framework/include/lockstep/{,author/,detail/}*.h)"
 if [ -n "$found" ]; then
   printf 'declared in installed headers, and not exported:\n%s\n' "$found"
   exit 1

@@ -312,7 +312,8 @@ TEST_CASE("the reference of scenes is what the program writes", "[pages]") {
 TEST_CASE("the tables of the pages name classes and members that exist", "[pages]") {
   const std::string include = paths::kSource + std::string("/framework/include/lockstep");
   std::string headers;
-  for (const fs::directory_entry& entry : fs::directory_iterator(include)) headers += file_text(entry.path());
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(include))
+    if (entry.is_regular_file()) headers += file_text(entry.path());
   struct Names {
     const char *page, *head, *before, *after;
   };

@@ -286,7 +286,7 @@ TEST_CASE("a sweep on several threads makes the table of one thread", "[runner][
     CHECK(shell("diff -r jobs_1 jobs_4").text.empty());
     CHECK_FALSE(fs::exists(kRunnerFolder + "/jobs_4.csv.partial"));
   }
-  check_refused(call(arm + cases[0].words + " --jobs 0"), 2, {"--jobs: Value 0 not in range 1 to 1024"});
+  check_refused(call(arm + cases[0].words + " --jobs 0"), 2, {"--jobs: \"0\" is no whole number from 1 to 1024"});
 }
 
 // The recipes are taken from the help, so that what is printed there is what works.

@@ -1,4 +1,5 @@
 #include "framework/description/scene/parts.h"
+#include "framework/foundation/support/finding_kinds.h"
 
 #include <algorithm>
 #include <deque>

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "framework/foundation/support/finding_kinds.h"
 #include "framework/mechanism/params/read.h"
 
 namespace lockstep {

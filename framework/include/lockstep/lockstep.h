@@ -44,6 +44,7 @@
 #include <lockstep/equilibrium.h>
 #include <lockstep/error.h>
 #include <lockstep/explain.h>
+#include <lockstep/finding.h>
 #include <lockstep/forces.h>
 #include <lockstep/frame_laws.h>
 #include <lockstep/function_laws.h>

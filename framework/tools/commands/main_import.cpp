@@ -21,4 +21,4 @@ std::vector<Command> commands() {
 }  // namespace
 }  // namespace lockstep
 
-int main(int argc, char* argv[]) { return lockstep::run_program({lockstep::commands()}, argc, argv); }
+int main(int argc, char* argv[]) { return lockstep::run_program(lockstep::commands, false, argc, argv); }

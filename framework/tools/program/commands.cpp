@@ -240,7 +240,7 @@ void Arguments::set(std::string_view name, std::vector<std::string> values) {
 
 Arguments read_run_words(const std::vector<std::string>& words) {
   CLI::App app("lockstep", "lockstep");
-  const Command& run = own_commands().front();
+  const Command run = own_commands().front();
   const CLI::App& sub = add_command(app, run);
   std::vector<const char*> argv{"lockstep"};
   for (const std::string& word : words) argv.push_back(word.c_str());
@@ -253,11 +253,12 @@ Arguments read_run_words(const std::vector<std::string>& words) {
   return arguments_of(sub, run, argc, argv.data());
 }
 
-int run_program(const Program& program, int argc, const char* const* argv) {
+int run_program(std::vector<Command> (*commands)(), bool calls_tools, int argc, const char* const* argv) {
   usual_end = std::set_terminate(end_without_memory);
   std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit (ulimit -f) is a write that fails
   try {
-    return printed(run_words(program, argc, argv));
+    const std::vector<Command> made = commands();
+    return printed(run_words({made, calls_tools}, argc, argv));
   } catch (const std::bad_alloc&) {
     return out_of_memory();
   }

@@ -111,6 +111,6 @@ struct Program {
 };
 
 /// Reads the command line, runs a command, prints errors on standard error. Returns an Exit.
-int run_program(const Program&, int argc, const char* const* argv);
+int run_program(std::vector<Command> (*commands)(), bool calls_tools, int argc, const char* const* argv);
 
 }  // namespace lockstep

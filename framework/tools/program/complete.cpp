@@ -58,7 +58,7 @@ class SceneAtHand {
   Words of_scene(Collect&& collect) {
     Words all;
     std::error_code error;  // a pipe would wait for somebody to write
-    if (!std::filesystem::is_regular_file(args_.scene, error)) return all;
+    if (!std::filesystem::is_regular_file(args_["scene"], error)) return all;
     try {
       collect(read_with_plugins(args_), all);
     } catch (...) {  // whoever types a line is not told of a scene that is not ready
@@ -102,6 +102,8 @@ struct Line {
       command = &*found;
     else if (const Words all = commands(); std::ranges::find(all, word) != all.end())
       said += word + " ";
+    else
+      positionals.push_back(word);
   }
 };
 
@@ -173,7 +175,8 @@ Completion all_of(const Line& line, SceneAtHand& scene) {
           for (const std::string& name : words_of(each.name)) found.words.push_back(name);
     return found;
   }
-  return line.command != nullptr ? of_positional(line, scene) : Completion{line.commands()};
+  if (line.command != nullptr) return of_positional(line, scene);
+  return line.positionals.empty() ? Completion{line.commands()} : Completion{};
 }
 
 constexpr const char* kBash = R"_(# Completion of lockstep for bash: `lockstep completion bash`, in a file that bash reads.

@@ -1,4 +1,4 @@
 // The program `lockstep`.
 #include "framework/tools/program/options.h"
 
-int main(int argc, char* argv[]) { return lockstep::run_program({lockstep::own_commands(), true}, argc, argv); }
+int main(int argc, char* argv[]) { return lockstep::run_program(lockstep::own_commands, true, argc, argv); }

@@ -79,7 +79,7 @@ Options run_outputs() {
           .repeated(),
       Option{"--no-picture", "", "draw no picture beside the CSV file"}.without("--picture"),
       {"--quiet", "", "print errors only; energy is then not integrated and not judged, drift is"},
-      kJson.without("--quiet")};
+      kJson.without("--quiet,--certify")};
 }
 
 }  // namespace
@@ -101,8 +101,8 @@ const Options& run_options() {
   return kOptions;
 }
 
-const std::vector<Command>& own_commands() {
-  static const std::vector<Command> kCommands{
+std::vector<Command> own_commands() {
+  return {
       {"run", kRun, "Compute the motion of a scene, write CSV and a picture", run_options(), run_command,
        "Example:\n  lockstep run samples/scenes/four_bar.json --integrator rk4 --step 1e-3 --record out.csv"},
       {"resume",
@@ -193,7 +193,6 @@ const std::vector<Command>& own_commands() {
        {{"--why", "", "report everything: folders, files, builds, and why a plugin is refused"}, kJson},
        plugins_list_command,
        "Example:\n  LOCKSTEP_PLUGIN_PATH=~/my/plugins lockstep plugins list --why"}};
-  return kCommands;
 }
 
 }  // namespace lockstep

@@ -61,7 +61,7 @@ struct Command {
 };
 
 /// Those of the program `lockstep`.
-const std::vector<Command>& own_commands();
+std::vector<Command> own_commands();
 
 /// "a,b" as words.
 std::vector<std::string> words_of(std::string_view choices);

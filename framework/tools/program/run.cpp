@@ -352,6 +352,7 @@ class ProgramRun {
     if (from_ != nullptr) {
       rows_.go_on();
       sim_.load(from_->run);
+      CommandFindings::add(sim_.report().findings);
       words_.say("  resumed    at t = {:.6g} s, after {} steps\n", sim_.state().t, sim_.report().steps);
       return;
     }

@@ -66,7 +66,7 @@ std::vector<Finding> of_severity(const std::vector<Finding>& findings, Severity 
 }
 std::vector<Finding> of_kind(const std::vector<Finding>& findings, const FindingKind& kind) {
   std::vector<Finding> some;
-  std::ranges::copy_if(findings, std::back_inserter(some), [&](const Finding& f) { return f.kind == &kind; });
+  std::ranges::copy_if(findings, std::back_inserter(some), [&](const Finding& f) { return f.code() == kind.code; });
   return some;
 }
 

@@ -57,7 +57,7 @@ std::string file_of(const std::string& program) {
 
 bool is_own(std::string_view verb) {
   return verb == "complete" || verb == "plugins" || verb == "plugin-answer" ||
-         std::ranges::find(own_commands(), verb, &Command::name) != own_commands().end();
+         std::ranges::any_of(own_commands(), [&](const Command& c) { return c.name == verb; });
 }
 
 }  // namespace

@@ -131,7 +131,7 @@ class NaughtyForce final : public Force {
   void apply(const Inputs& in, WrenchSum& out) const override {
     if (does_ == "slot") out.force(4, Vec3::UnitX(), Vec3::Zero());
     const Motion& O = in.slot(p_->body->slot);
-    if (does_ == "half a potential") out.force(p_->body->slot, -20 * O.x, O.x);
+    if (does_ == "half a potential" || does_ == "no potential") out.force(p_->body->slot, -20 * O.x, O.x);
     if (in.t < kWhen) return;
     misbehave(does_);
     if (does_ == "nan") out.force(p_->body->slot, Vec3::Constant(std::nan("")), Vec3::Zero());
