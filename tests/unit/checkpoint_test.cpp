@@ -141,7 +141,7 @@ TEST_CASE("a checkpoint that is damaged, cut or of another layout is refused") {
   CHECK(says(refusal("{\"lockstep\": 1}"), {"is none"}));
   std::string later = whole;
   REQUIRE(later.starts_with("lockstep checkpoint " + std::to_string(kCheckpointLayout) + "\n"));
-  later[20] = static_cast<char>(later[20] + 1);
+  later.replace(20, std::to_string(kCheckpointLayout).size(), std::to_string(kCheckpointLayout + 1));
   const std::string numbers = "of another layout (" + std::to_string(kCheckpointLayout + 1) + " instead of " +
                               std::to_string(kCheckpointLayout) + ")";
   CHECK(says(refusal(later), {numbers.c_str(), "run the scene again from its start"}));

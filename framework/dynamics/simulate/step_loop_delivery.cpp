@@ -217,6 +217,7 @@ void StepLoop::warn_of_drift(double largest_before) {
 }
 
 void StepLoop::add_finding(Finding f) {
+  f.kind = &finding_kind(f.code());  // of others a checkpoint could not be read
   report_.findings.push_back(f);
   report_finding(f);
 }

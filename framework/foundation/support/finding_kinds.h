@@ -27,7 +27,7 @@ inline constexpr FindingKind singular_passed{
     "Take the integrator dop853 with its default stages, and project."};
 inline constexpr FindingKind reactions_uncertain{
     "reactions-uncertain", Severity::doubt,
-    "A recorded reaction is within a hair of a singular position, where rounding decides it.",
+    "A recorded reaction is so near a singular position that rounding decides it.",
     "Look at the values before and after that instant."};
 inline constexpr FindingKind not_certified{
     "not-certified", Severity::doubt,

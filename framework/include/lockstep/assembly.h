@@ -72,7 +72,7 @@ struct AssemblyOptions {
 /// where they begin, in shares that turn no body by more than an eighth of a turn; so are coordinates that are asked
 /// for. Velocities: the least mass-weighted change onto Jh v = -Ct and the targets, which are met to round-off. Counted
 /// angles (CountedAngle) follow that way and begin in the turn that coordinates or drives ask for, if they are as
-/// System::start() leaves them. A notable correction is logged (log.h, level info), and so are the report's findings.
+/// System::start() leaves them. A notable correction is logged (log.h, level info), the report's findings go to report_finding().
 /// Throws AssemblyError with the names of the worst rows; ModelError for a target of an unknown link or body, or of a
 /// link without markers, for a weight below zero, a value that is not finite, and for weights or coordinates of more
 /// than 250 bodies; and what an evaluation throws. The state is then unchanged.

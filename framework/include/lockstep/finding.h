@@ -11,7 +11,7 @@
 
 namespace lockstep {
 
-/// How serious a finding is. Exit codes of the program follow it: exit_code_of() in the program's table.
+/// How serious a finding is.
 enum class Severity {
   note,     ///< a fact worth reading
   warning,  ///< probably not what was meant
@@ -31,14 +31,14 @@ struct FindingKind {
   const char* cure;       ///< what to do about it
 };
 
-/// All kinds, by severity and code.
+/// All kinds, the most serious first.
 LOCKSTEP_API std::span<const FindingKind* const> finding_kinds();
 /// The kind with this code. Throws ModelError for an unknown one.
 LOCKSTEP_API const FindingKind& finding_kind(std::string_view code);
 
 /// One finding.
 struct Finding {
-  const FindingKind* kind;  ///< never null; an entry of finding_kinds(), or one of the host's own
+  const FindingKind* kind;  ///< never null; compare codes, as each library has constants of its own
   std::string thing{};      ///< what it is about, "link 'A'"; "" for the mechanism or the run
   std::string message{};    ///< what was found
   std::string advice{};     ///< what to do about it here; "" if nothing

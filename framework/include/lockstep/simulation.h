@@ -33,7 +33,7 @@ struct SimulationOptions {
 /// What is found of a run that went through.
 struct RunVerdict {
   Audit audit;                       ///< energy and drift
-  std::vector<Finding> findings{};   ///< what speaks against the result
+  std::vector<Finding> findings{};   ///< what speaks against the result, and notes
   bool right = true;                 ///< neither NOT CONSERVED nor DRIFTED: exit code 9 of the program
 };
 

@@ -258,7 +258,8 @@ class LOCKSTEP_API StepLoop {
   /// forces, laws and events are not compared. A snapshot of another run, or with other events, leaves the run as it was;
   /// after a later error it begins anew, at the state that it had, with inputs and events as they were read.
   void load(SnapshotReader);
-  /// Adds a finding to the report and hands it to report_finding().
+  /// Adds a finding to the report and hands it to report_finding(). Throws ModelError for a code that finding_kinds()
+  /// lacks.
   void add_finding(Finding);
 
  private:

@@ -37,8 +37,7 @@ struct SweepRun {
   bool wrong = false;    ///< Audit::is_wrong()
   long passed = 0;       ///< singular positions that it passed with plain stages; 0 in lanes, which have none
   double first_passed = 0;  ///< when it passed the first of them, s
-  /// What else makes the result doubtful, as of a run by itself: a tolerance that was not reached, recorded reactions
-  /// beside a singular position.
+  /// What was found of its scene, its start and the run, as of a run by itself.
   std::vector<Finding> findings;
 
   /// What its row says of it: `status`, "failed: " and the reason, and where it is wrong "wrong" for "ok", and

@@ -234,7 +234,7 @@ int explain_command(const Arguments& args) {
     else
       print(balance);
   }
-  if (args.has("--json")) print_result(all);
+  if (args.has("--json")) print_document(all);
   return kExitOk;
 }
 

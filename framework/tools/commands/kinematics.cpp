@@ -239,7 +239,7 @@ int follow(const Arguments& args, bool inverse) {
     fmt::print(stderr, "lockstep: {}\n", f.text());
   }
   if (args.has("--json"))
-    print_result(table_json(recorder->table()));
+    print_document(table_json(recorder->table()));
   else if (!args.has("--quiet"))
     print_end(recorder->table(), csv, motion.steps(), seconds, inverse);
   return kExitOk;

@@ -90,7 +90,7 @@ std::vector<Command> commands() {
               kJson,
               {"--quiet", "", "no progress"}}}),
        atlas_command, kAtlasFooter},
-      {"run", "", "", run_options(), certified_run_command}};
+      {"run", "", "Compute the motion of a scene, and certify it", run_options(), certified_run_command}};
 }
 
 }  // namespace

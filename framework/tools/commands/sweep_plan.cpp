@@ -60,6 +60,7 @@ void refuse_misplaced(const SweepPlan& plan, const std::string& reason) {
 
 // The columns of the first run that can be built, which are the same for all shards.
 Table columns_of(const SweepPlan& plan) {
+  const FindingScope unheard;  // the runs find the same
   std::optional<SceneError> first;
   const long n = plan.grid.n_runs(), n_built = std::min(n, kMostBuilt);
   for (long k = 0; k < n_built; ++k) {
@@ -127,6 +128,7 @@ std::string why_alone(const SweepPlan& plan) {
   if (!plan.arguments["--histories"].empty() && plan.loaded.scene.run.at_jumps)
     return "the histories have rows at jumps (at_jumps)";
   if (plan.grid.n_runs(plan.shard) == 0) return {};
+  const FindingScope unheard;
   try {
     return unsuited_for_lanes(plan.scene(Grid::run(plan.shard, 0)), plan.loaded.registry);
   } catch (const std::exception&) {

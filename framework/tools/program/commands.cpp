@@ -51,7 +51,7 @@ void add_option(CLI::App& app, const Option& o, std::map<std::string, CLI::Optio
   const bool names = o.type == "A,B";
   CLI::Option* option = nullptr;
   if (o.flag()) {
-    option = app.add_flag(name, help);
+    option = app.add_flag(name, help)->check(CLI::TypeValidator<bool>("BOOL"));
   } else {
     option = app.add_option(name, help)->type_name(std::string(o.type))->expected(1);
     if (o.repeats || names)

@@ -27,7 +27,7 @@ enum Exit {
   kExitFile = 8,
   kExitNotConserved = 9,  ///< the run went through, and its energy balance or its violation is beyond the limits
   kExitMemory = 10,
-  /// It went through, and its result is doubtful: with --strict by doubts_of (run_words.h), with --certify by a column of
+  /// It went through, and its result is doubtful: with --strict by exit_code_of (findings.h), with --certify by a column of
   /// which not one digit is certified.
   kExitDoubtful = 11,
   kExitInterrupted = 130

@@ -58,9 +58,13 @@ std::string text_of(const FindingKind& kind) {
 std::string findings_page() {
   constexpr std::pair<Severity, const char*> kParts[] = {
       {Severity::wrong, "The result is wrong: the program ends with exit code 9."},
-      {Severity::doubt, "The result may be wrong: with `--strict` the program ends with exit code 11."},
-      {Severity::warning, "Probably not what was meant. The exit code does not change."},
-      {Severity::note, "Facts worth reading."}};
+      {Severity::doubt,
+       "The result may be wrong: with `--strict` the program ends with exit code 11. `not-certified` and `start-far`, "
+       "which are asked for, end with 11 without it."},
+      {Severity::warning,
+       "Probably not what was meant. The exit code does not change, but that of `assemble`: 11 for a start that is not "
+       "the one given."},
+      {Severity::note, "Information."}};
   std::string page =
       "# Findings\n\nWhat lockstep notices of a scene, a start, a run or an analysis and is not an error. Every "
       "finding has "

@@ -79,7 +79,7 @@ what a sweep that has not ended was begun by, for sweep \-\-resume
 std::string commands_page(std::span<const Command> commands) {
   std::ostringstream out;
   for (const Command& command : commands)
-    if (!help_of(command).empty()) write_command(out, command);
+    if (!group_of(command).empty()) write_command(out, command);
   return out.str();
 }
 

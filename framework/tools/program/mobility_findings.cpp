@@ -1,4 +1,5 @@
 #include "framework/tools/program/mobility_findings.h"
+#include "framework/foundation/support/finding_kinds.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -7,6 +8,7 @@
 #include <lockstep/step_loop.h>
 #include "framework/dynamics/simulate/consistency.h"
 #include "framework/tools/program/check_dependencies.h"
+#include "framework/tools/program/findings.h"
 #include "framework/tools/rank/motion_words.h"
 #include "framework/tools/rank/unknowns.h"
 
@@ -47,6 +49,10 @@ MobilityFindings mobility_of(Dynamics& dynamics, Mechanism& m, const State& type
   const State counted = counted_start(dynamics, m, typed, found);
   const MobilityReport& r = found.mobility = mobility(dynamics, counted);
   if (r.redundant > 0 || !found.near.all.empty()) found.reactions = uniqueness(dynamics, counted);
+  for (const NearDependency& d : found.near.all) CommandFindings::add(finding_of(d, m.run.nearly_redundant));
+  if (!found.reactions.all_unique())
+    CommandFindings::add({&finding::reactions_not_unique, first_of(found.reactions.rows),
+                          "redundant rows share these reactions as the solver chooses"});
   found.position = branch_point(dynamics, counted);
   State at = counted;
   dynamics.to_slots(at);

@@ -141,7 +141,7 @@ std::vector<Command> own_commands() {
        check_command, "Example:\n  lockstep check samples/scenes/four_bar.json --json"},
       {"list",
        kLook,
-       "List the laws, links, forces, integrators, solvers that scenes may name, and the findings",
+       "List the laws, links, forces, integrators and solvers that scenes may name; `list findings`: what may be found",
        {Option{"shelf", "SHELF", "only one of them"}.among("links,laws,forces,integrators,solvers,findings"), kPlugin,
         kJson},
        list_command,

@@ -370,6 +370,7 @@ class ProgramRun {
                                     : rows_of(n) + " up to there " + (n == 1 ? "is" : "are") + " in " + file_.partial();
     tell(fmt::format("lockstep: the run ended at t = {:.9g} s; {}\n", sim_.state().t, written));
     write_unfinished(report_, sim_, error);
+    CommandFindings::add(doubts_.findings(sim_.report().steps, sim_.state().t));
     if (args_.has("--json"))
       print_json(args_, loaded_,
                  {{"status", "failed"},
@@ -431,7 +432,6 @@ class ProgramRun {
       const CertifiedRun certified = certify_(loaded_, args_, m_.run, recorder_->table());
       fmt::print(args_["--record"] == "-" ? stderr : stdout, "{}", certified.text);
       uncertified_ = certified.doubt;
-      if (!uncertified_.empty()) CommandFindings::add({&finding::not_certified, "", uncertified_});
     }
   }
 

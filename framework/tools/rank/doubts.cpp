@@ -50,12 +50,14 @@ std::vector<Finding> Doubts::findings(long steps, double t) const {
   std::vector<Finding> all;
   const double seconds = t - begun_;
   if (unmet_.lost > seconds)
-    all.push_back({&finding::tolerance_not_reached, "",
-                   fmt::format("the tolerance of {:g} was not reached in {} of {} step{}, from t = {:.6g} s on: errors "
-                               "of up to {:.2g} times it stay there, in sum {:.2g} times what it allows the whole run",
-                               tolerance_, unmet_.steps, steps, steps == 1 ? "" : "s", unmet_.first, unmet_.largest,
-                               unmet_.lost / seconds),
-                   "the run went on with what can be reached", unmet_.lost / seconds, 1, "", unmet_.first});
+    all.push_back(
+        {&finding::tolerance_not_reached, "",
+         fmt::format("the tolerance of {:g} was not reached in {} of {} step{}, from t = {:.6g} s on: errors "
+                     "of up to {:.2g} times it stay there, in sum {:.2g} times what it allows the whole run; the "
+                     "run went on with what can be reached",
+                     tolerance_, unmet_.steps, steps, steps == 1 ? "" : "s", unmet_.first, unmet_.largest,
+                     unmet_.lost / seconds),
+         "", unmet_.lost / seconds, 1, "", unmet_.first});
   if (const long n = n_uncertain_; n > 0)
     all.push_back(
         {&finding::reactions_uncertain, "",

@@ -11,11 +11,13 @@ namespace lockstep {
 namespace {
 
 void add_energy(std::vector<Finding>& all, const Audit& audit, bool adaptive) {
-  const std::string off = fmt::format(
-      "energy balance off by {:.2g} J ({})", audit.imbalance,
-      audit.scale > 0 ? fmt::format("{:.2g} of the energy exchanged", audit.imbalance_share()) : "none was exchanged");
+  const std::string off = fmt::format("energy balance off by {:.2g} J ({})", audit.imbalance,
+                                      audit.scale > 0 ? fmt::format("{:.2g} of the energy exchanged, limit {:g}",
+                                                                    audit.imbalance_share(), audit.limits.energy)
+                                                      : "none was exchanged");
   if (audit.energy == Audit::Energy::not_conserved)
-    all.push_back({&finding::energy_not_conserved, "", off,
+    all.push_back({&finding::energy_not_conserved, "",
+                   off + ", or a force's potential, dissipation or supply does not fit what it exerts",
                    adaptive ? "take a smaller tolerance (--tolerance), look for singular positions (lockstep check)"
                             : "take a smaller step (--step)",
                    audit.imbalance_share(), audit.limits.energy});

@@ -27,7 +27,7 @@ struct Lane {
   std::unique_ptr<Dynamics> dynamics{};
   State start{};
   double violation = 0;  // largest |C| at an output, m
-  std::vector<Finding> found{};  // of its scene and its start
+  std::vector<Finding> found{};
 };
 
 bool has_keys(const MethodSpec& typed) { return typed.keys.object() != nullptr && !typed.keys.object()->empty(); }
@@ -118,20 +118,24 @@ std::vector<CopyReport> run_together(std::vector<std::unique_ptr<Lane>>& lanes, 
   Copies copies(systems, options_of(lanes.front()->mechanism.run, registry));
   const auto output = [&](int copy, std::size_t, const State& state) {
     Lane& lane = *lanes[static_cast<std::size_t>(copy)];
+    const FindingScope scope;
     const Sample sample(*lane.dynamics, state, kNoReport);
     lane.recorder->output(sample);
     lane.doubts->output(sample);
     if (lane.audit) lane.audit->output(sample);
     if (const double now = lane.dynamics->violation(state); !(now <= lane.violation)) lane.violation = now;
+    lane.found.insert(lane.found.end(), scope.found.begin(), scope.found.end());
   };
   Copies::Step step;
   if (std::ranges::any_of(lanes, [](const auto& lane) { return lane->follows_steps; }))
     step = [&](int copy, const State& state, bool jumped) {
       Lane& lane = *lanes[static_cast<std::size_t>(copy)];
       Sample sample(*lane.dynamics, state, kNoReport);
+      const FindingScope scope;
       if (jumped) sample.cause = "the jump of a law";
       if (!jumped) lane.recorder->step(sample);
       if (lane.audit) jumped ? lane.audit->jumped(sample) : lane.audit->step(sample);
+      lane.found.insert(lane.found.end(), scope.found.begin(), scope.found.end());
     };
   return copies.run(starts, times, output, step, go_on);
 }
