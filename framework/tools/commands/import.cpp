@@ -34,7 +34,7 @@ std::string text_of_robot(const std::string& file) {
 class MeshFinder {
  public:
   explicit MeshFinder(const Arguments& args)
-      : robots_(folder_of(args["scene"] == "-" ? "" : args["scene"])),
+      : robots_(folder_of(args["file"] == "-" ? "" : args["file"])),
         folder_(args["--out"].empty() ? robots_ : folder_of(args["--out"])) {}
 
   std::string find(const std::string& name) {
@@ -71,9 +71,9 @@ class MeshFinder {
 
 int import_command(const Arguments& args) {
   namespace fs = std::filesystem;
-  const std::string file = args["scene"] == "-" ? "standard input" : args["scene"];
+  const std::string file = args["file"] == "-" ? "standard input" : args["file"];
   MeshFinder meshes(args);
-  const ImportedRobot robot = read_urdf(text_of_robot(args["scene"]), file, args.has("--floating"),
+  const ImportedRobot robot = read_urdf(text_of_robot(args["file"]), file, args.has("--floating"),
                                         [&](const std::string& name) { return meshes.find(name); });
   const std::string text = write_json(robot.scene);
   build_mechanism(

@@ -9,7 +9,7 @@ std::vector<Command> commands() {
       {"import",
        "",
        "",
-       {Option{"scene", "FILE.urdf", "the robot; -: from standard input, as in `xacro robot.xacro | lockstep import -`"}
+       {Option{"file", "FILE.urdf", "the robot; -: from standard input, as in `xacro robot.xacro | lockstep import -`"}
             .needed(),
         {"--out", "FILE.json", "the scene; default: standard output"},
         {"--floating", "", "the first link is not held; without it, it is fixed in the world"}},

@@ -31,7 +31,7 @@ namespace {
 // A word of the command line without the folders of a file that it names.
 std::string without_folders(std::string word, const Arguments& args) {
   std::vector<std::string> files = args.all("--plugin");
-  for (const char* name : {"scene", "--record", "--report", "--out", "--histories", "--csv"})
+  for (const char* name : {"scene", "file", "--record", "--report", "--out", "--histories", "--csv"})
     files.push_back(args[name]);
   for (const std::string& file : files)
     if (const std::size_t slash = file.find_last_of('/'); slash != std::string::npos && word.ends_with(file))

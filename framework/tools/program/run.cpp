@@ -307,10 +307,10 @@ class ProgramRun {
     if (args_.has("--quiet")) return start;
     not_unique_ = columns_not_unique(dynamics_, start, m_.run);
     if (!not_unique_.empty()) {
-      CommandFindings::add({&finding::reactions_not_unique, first_of(not_unique_),
-                            "how redundant rows share these reactions is the solver's choice", "lockstep check"});
-      words_.say("  not unique {}: how redundant rows share these reactions is the solver's choice (lockstep check)\n",
-                 first_of(not_unique_));
+      const Finding f{&finding::reactions_not_unique, first_of(not_unique_),
+                      "how redundant rows share these reactions is the solver's choice", "lockstep check"};
+      CommandFindings::add(f);
+      words_.say("  not unique {}: {} (lockstep check)\n", f.thing, f.message);
     }
     return start;
   }

@@ -58,7 +58,7 @@ std::vector<Finding> Doubts::findings(long steps, double t) const {
                      tolerance_, unmet_.steps, steps, steps == 1 ? "" : "s", unmet_.first, unmet_.largest,
                      unmet_.lost / seconds),
          "", unmet_.lost / seconds, 1, "", unmet_.first});
-  if (const long n = n_uncertain_; n > 0)
+  if (const long n = n_uncertain_; n > 0) {
     all.push_back(
         {&finding::reactions_uncertain, "",
          fmt::format("the reactions at t = {}{} are uncertain by more than 1 %, or have no value: {} in or beside a "
@@ -66,7 +66,9 @@ std::vector<Finding> Doubts::findings(long steps, double t) const {
                      times_of(uncertain_, static_cast<std::size_t>(n)),
                      n > static_cast<long>(kNamed) ? fmt::format(" ({} instants)", n) : "",
                      n == 1 ? "it lies" : "they lie"),
-         "look at those before and after", static_cast<double>(n), 0, "", uncertain_.front()});
+         "look at those before and after"});
+    all.back().t = uncertain_.front();
+  }
   return all;
 }
 

@@ -170,16 +170,13 @@ Finding finding_of(const std::vector<PassedPosition>& passed, long n, const Inte
   const char* next = !projects ? "--stabilization project with --integrator dop853"
                      : method.name == "dop853" || method.name == "dopri5" ? "stages auto, and no fixed steps"
                                                                           : "--integrator dop853";
-  return {
-      &finding::singular_passed,
-      "",
+  Finding f{
+      &finding::singular_passed, "",
       fmt::format("passed {} singular position{} with plain stages, at t = {}{}; the motion after {} may be another", n,
                   n == 1 ? "" : "s", times_of(times, static_cast<std::size_t>(n)), where, n == 1 ? "it" : "them"),
-      std::string("take ") + next,
-      static_cast<double>(n),
-      0,
-      "",
-      times.front()};
+      std::string("take ") + next};
+  f.t = times.front();
+  return f;
 }
 
 }  // namespace lockstep
