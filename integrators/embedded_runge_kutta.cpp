@@ -14,9 +14,8 @@ namespace {
 Weights gap_of(const EmbeddedScheme& scheme) {
   std::array<double, Weights::kMost> gap{};
   for (int i = 0; i < scheme.tableau.n_stages; ++i)
-    gap[static_cast<std::size_t>(i)] =
-        scheme.tableau.b[i] -
-        (i < scheme.late_stage ? scheme.tableau.a[scheme.late_stage * scheme.tableau.stride + i] : 0);
+    gap[i] = scheme.tableau.b[i] -
+             (i < scheme.late_stage ? scheme.tableau.a[scheme.late_stage * scheme.tableau.stride + i] : 0);
   return {gap.data(), scheme.tableau.n_stages};
 }
 
@@ -84,7 +83,7 @@ void EmbeddedRungeKutta::begin(Dynamics& dynamics, const State& state) {
   gap_w_ = gap_of(scheme_);
   dense_w_.clear();
   for (int i = 0; i < scheme_.n_dense; ++i) dense_w_.emplace_back(scheme_.d + i * n_all, n_all);
-  poly_.resize(static_cast<std::size_t>(3 + scheme_.n_dense));
+  poly_.resize(3 + scheme_.n_dense);
   for (StateRate& p : poly_) p = sized_like(state);
 }
 
@@ -183,8 +182,7 @@ void EmbeddedRungeKutta::prepare_dense() const {
   };
   each(&StateRate::q, &State::q), each(&StateRate::v, &State::v);
   each(&StateRate::s, &State::s);
-  for (int i = 0; i < scheme_.n_dense; ++i)
-    stages_.sum(h_, dense_w_[static_cast<std::size_t>(i)], poly_[static_cast<std::size_t>(3 + i)]);
+  for (int i = 0; i < scheme_.n_dense; ++i) stages_.sum(h_, dense_w_[i], poly_[3 + i]);
   dense_ready_ = true;
 }
 

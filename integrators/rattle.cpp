@@ -129,7 +129,7 @@ StepReport Rattle::step(Dynamics& dynamics, State& state, double h) {
   copy_motion(state, now_);
   if (state.z.size() > 0) now_.z = next_.z = state.z;
   for (int i = 0; i < scheme_.n; ++i) {
-    const double part = scheme_.part[static_cast<std::size_t>(i)] * h;
+    const double part = scheme_.part[i] * h;
     substep(dynamics, part);
     if (!quadratures) now_.s = next_.s;  // angles alone
     if (!quadratures) continue;

@@ -55,7 +55,7 @@ void SplineCurve::check(const MatX& y) const {
 void SplineCurve::fill(const MatX& y, const MatX& x) {
   const auto n = static_cast<Eigen::Index>(t_.size()) - 1;
   for (Eigen::Index i = 0; i < n; ++i) {
-    const double h = t_[static_cast<std::size_t>(i) + 1] - t_[static_cast<std::size_t>(i)], h2 = h * h, h3 = h2 * h;
+    const double h = t_[i + 1] - t_[i], h2 = h * h, h3 = h2 * h;
     for (Eigen::Index j = 0; j < n_components_; ++j) {
       const double dy = y(i + 1, j) - y(i, j);
       if (k_.degree == 3) {

@@ -18,8 +18,7 @@ std::string ordinal(Eigen::Index i) { return text::number(static_cast<double>(i 
 MatX aligned(const SplineRotation::Points& points) {
   MatX q(static_cast<Eigen::Index>(points.size()), 4);
   for (Eigen::Index i = 0; i < q.rows(); ++i) {
-    q.row(i) =
-        require_orientation(kLaw, "points", points[static_cast<std::size_t>(i)].second).coefficients().transpose();
+    q.row(i) = require_orientation(kLaw, "points", points[i].second).coefficients().transpose();
     if (i == 0) continue;
     const double cosine = q.row(i).dot(q.row(i - 1));
     require(

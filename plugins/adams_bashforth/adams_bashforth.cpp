@@ -41,7 +41,7 @@ class AdamsBashforth final : public Integrator {
   void begin(Dynamics&, const State& state) override {
     end_ = stage_ = start_ = state;
     for (StateRate& k : k_) k = {state.q, state.v, state.s};  // for their sizes
-    kept_.assign(static_cast<std::size_t>(order_), {state.t, k_[0]});
+    kept_.assign(order_, {state.t, k_[0]});
     n_kept_ = 0;
   }
 
@@ -67,7 +67,7 @@ class AdamsBashforth final : public Integrator {
   void save(Snapshot& s) const override {
     s.put(n_kept_);
     for (int j = 0; j < n_kept_; ++j) {
-      const Kept& k = kept_[static_cast<std::size_t>(j)];
+      const Kept& k = kept_[j];
       s.put(k.t), s.put_all(k.f.q), s.put_all(k.f.v), s.put_all(k.f.s);
     }
     s.put(end_.t), s.put_all(end_.q), s.put_all(end_.v), s.put_all(end_.s);
@@ -75,7 +75,7 @@ class AdamsBashforth final : public Integrator {
   void restore(SnapshotReader& s) override {
     n_kept_ = static_cast<int>(s.get());
     for (int j = 0; j < n_kept_; ++j) {
-      Kept& k = kept_[static_cast<std::size_t>(j)];
+      Kept& k = kept_[j];
       k.t = s.get(), s.get_all(k.f.q), s.get_all(k.f.v), s.get_all(k.f.s);
     }
     end_.t = s.get(), s.get_all(end_.q), s.get_all(end_.v), s.get_all(end_.s);
@@ -97,7 +97,7 @@ class AdamsBashforth final : public Integrator {
   bool fits(double t, double h) const {
     if (n_kept_ < order_ - 1) return false;
     for (int j = 0; j < order_ - 1; ++j) {
-      const double before = kept_[static_cast<std::size_t>(j)].t, gap = t - before;
+      const double before = kept_[j].t, gap = t - before;
       if (gap < 0.5 * h || gap > 2 * h) return false;
       t = before;
     }
@@ -110,12 +110,11 @@ class AdamsBashforth final : public Integrator {
     Eigen::Vector4d b = Eigen::Vector4d::Zero();
     for (int m = 0; m < order_; ++m) {
       b[m] = 1.0 / (m + 1);
-      for (int j = 0; j < order_; ++j)
-        A(m, j) = std::pow(j == 0 ? 0.0 : (kept_[static_cast<std::size_t>(j - 1)].t - start_.t) / h, m);
+      for (int j = 0; j < order_; ++j) A(m, j) = std::pow(j == 0 ? 0.0 : (kept_[j - 1].t - start_.t) / h, m);
     }
     const Eigen::Vector4d w = A.partialPivLu().solve(b);
     out.q = start_.q, out.v = start_.v, out.s = start_.s;
-    for (int j = 0; j < order_; ++j) move(out, h * w[j], j == 0 ? k_[0] : kept_[static_cast<std::size_t>(j - 1)].f);
+    for (int j = 0; j < order_; ++j) move(out, h * w[j], j == 0 ? k_[0] : kept_[j - 1].f);
   }
 
   void runge_kutta(Dynamics& dynamics, double h) {

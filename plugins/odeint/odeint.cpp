@@ -56,7 +56,7 @@ class CashKarp final : public Integrator {
   void begin(Dynamics& dynamics, const State& state) override {
     start_ = stage_ = end_ = state;
     rate_ = error_ = {state.q, state.v, state.s};  // for their sizes
-    y_.resize(static_cast<std::size_t>(state.q.size() + state.v.size() + state.s.size()));
+    y_.resize(state.q.size() + state.v.size() + state.s.size());
     y_end_ = y_;
     norm_.set_states(dynamics.system().n_error_controlled_states());
   }

@@ -50,7 +50,7 @@ double in_lanes(test::Family& family, const std::vector<State>& states, Instruct
   const auto batch = std::make_unique<lanes::Batch>(systems, 0, options);
   Aligned<double> y(batch->n_numbers()), rate(batch->n_numbers());
   for (int l = 0; l < lanes::kLanes; ++l) {
-    State state = states[static_cast<std::size_t>(l)];
+    State state = states[l];
     batch->to_batch(l, state);
     batch->put(l, state, y.data());
   }

@@ -53,10 +53,8 @@ System ladder(int n) {
   }
   for (int i = 0; i < n; ++i) {
     Body& bar = add_rod(s, "bar" + std::to_string(i), Vec3(i + 0.5, 0, 0) + up);
-    s.add<Revolute>("left" + std::to_string(i), bar, *uprights[static_cast<std::size_t>(i)],
-                    pose_at(Vec3(i, 0, 0) + up));
-    s.add<Revolute>("right" + std::to_string(i), bar, *uprights[static_cast<std::size_t>(i + 1)],
-                    pose_at(Vec3(i + 1, 0, 0) + up));
+    s.add<Revolute>("left" + std::to_string(i), bar, *uprights[i], pose_at(Vec3(i, 0, 0) + up));
+    s.add<Revolute>("right" + std::to_string(i), bar, *uprights[i + 1], pose_at(Vec3(i + 1, 0, 0) + up));
   }
   return s;
 }

@@ -45,8 +45,7 @@ class Designer {
     const int n = 1 + dice_.below(6);
     for (int k = 0; k < n; ++k) add_body(k);
     if (n >= 2 && dice_.chance(0.5)) close_loop();
-    if (dice_.chance(0.15))
-      d_.links.push_back(bare(d_.links[static_cast<std::size_t>(dice_.below(static_cast<int>(d_.links.size())))]));
+    if (dice_.chance(0.15)) d_.links.push_back(bare(d_.links[dice_.below(static_cast<int>(d_.links.size()))]));
     for (int k = dice_.below(3); k > 0; --k) add_force();
     decorate();
     return d_;
@@ -63,9 +62,7 @@ class Designer {
     if (d_.planar) x[2] = 0;
     return x;
   }
-  Vec3 point(int body) {
-    return body < 0 ? Vec3(offset(1)) : Vec3(d_.bodies[static_cast<std::size_t>(body)].home.x + offset(0.3));
-  }
+  Vec3 point(int body) { return body < 0 ? Vec3(offset(1)) : Vec3(d_.bodies[body].home.x + offset(0.3)); }
 
   void add_body(int k) {
     const int parent = k == 0 || dice_.chance(0.2) ? -1 : dice_.chance(0.7) ? k - 1 : dice_.below(k);
@@ -110,8 +107,8 @@ class Designer {
   void close_loop() {
     const int n = static_cast<int>(d_.bodies.size()), p = n - 1;
     DesignLink link;
-    link.p = p, link.s = d_.links[static_cast<std::size_t>(p)].s >= 0 ? -1 : dice_.below(p);
-    link.at = d_.bodies[static_cast<std::size_t>(p)].home.x + offset(0.2);
+    link.p = p, link.s = d_.links[p].s >= 0 ? -1 : dice_.below(p);
+    link.at = d_.bodies[p].home.x + offset(0.2);
     link.at_s = link.at + offset(0.3);
     loop_ = way_between(link.p, link.s);
     for (const std::size_t k : loop_) loop_freedoms_ += freedoms(d_.links[k].type, d_.planar);
@@ -262,7 +259,7 @@ json written(const Items& items, unsigned order, Write&& write) {
   Dice dice(order);
   if (order != 0)
     for (std::size_t k = numbers.size(); k > 1; --k)
-      std::swap(numbers[k - 1], numbers[static_cast<std::size_t>(dice.below(static_cast<int>(k)))]);
+      std::swap(numbers[k - 1], numbers[dice.below(static_cast<int>(k))]);
   json list = json::array();
   for (const std::size_t k : numbers) list.push_back(write(items[k], k));
   return list;

@@ -134,8 +134,8 @@ void replay(const std::string& name, long usual) {
   const bool is_scene = name == "scene" || name == "run";
   std::mt19937_64 bits(r.seed);
   for (long k = 0; k < r.n; ++k) {
-    std::string input = inputs[static_cast<std::size_t>(bits() % inputs.size())];
-    if (!is_scene && bits() % 4 == 0) input += inputs[static_cast<std::size_t>(bits() % inputs.size())];
+    std::string input = inputs[bits() % inputs.size()];
+    if (!is_scene && bits() % 4 == 0) input += inputs[bits() % inputs.size()];
     try_one(target, is_scene ? mutated_scene(input, bits) : mutated(input, bits), n++);
   }
   fs::current_path(before);

@@ -159,9 +159,7 @@ class Memorial final : public Force, public Remembering {
   std::string_view type() const override { return "memorial"; }
   std::vector<const Marker*> markers() const override { return {&at_, &home_}; }
   void setup() override {}
-  void apply(const Inputs& in, WrenchSum&) const override {
-    ++(in.z[static_cast<std::size_t>(first_memory())] == last_ ? right : wrong);
-  }
+  void apply(const Inputs& in, WrenchSum&) const override { ++(in.z[first_memory()] == last_ ? right : wrong); }
   const Remembering* remembering() const override { return this; }
   int n_memory() const override { return 1; }
   void start_memory(std::span<double> z) const override { z[0] = 0; }

@@ -22,7 +22,7 @@ struct Reader {
   std::vector<Code> codes;
   std::vector<Block> comments;  // one piece a line
 
-  const std::string& line(int n) const { return page.lines.at(static_cast<std::size_t>(n - 1)); }
+  const std::string& line(int n) const { return page.lines.at(n - 1); }
   [[noreturn]] void fail(int n, const std::string& what) const {
     throw std::runtime_error(page.place(n) + ": " + what);
   }

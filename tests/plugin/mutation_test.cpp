@@ -63,7 +63,7 @@ class Mutator {
     }
     return bytes;
   }
-  std::size_t below(std::size_t n) { return static_cast<std::size_t>(bits_() % n); }
+  std::size_t below(std::size_t n) { return bits_() % n; }
 
  private:
   std::mt19937_64 bits_;

@@ -232,8 +232,8 @@ TEST_CASE("runner: explain sums up what acts on a body", "[plugin][runner]") {
   CHECK(j["parts"].size() == 3);  // gravity, B, C
   for (int k = 0; k < 2; ++k) {
     double sum = 0;
-    for (const Json& part : j["parts"]) sum += part["force"][static_cast<std::size_t>(k)].get<double>();
-    CHECK(std::abs(sum - 1.2 * j["acceleration"][static_cast<std::size_t>(k)].get<double>()) <= 1e-9);
+    for (const Json& part : j["parts"]) sum += part["force"][k].get<double>();
+    CHECK(std::abs(sum - 1.2 * j["acceleration"][k].get<double>()) <= 1e-9);
   }
   const Called link = call("explain " + sample("four_bar") + " A --planar off");
   INFO(link.text);

@@ -62,7 +62,7 @@ VecX carried(const Evaluation& e) {
     for (int k = 0; k < entry.m; ++k)
       for (int i = 0; i < entry.slots.n; ++i) {
         const std::array<double, 6> J = e.rows().block(entry).J(i, k);
-        for (int c = 0; c < 6; ++c) Jt(6 * entry.slots[i] + c, entry.first_row + k) = J[static_cast<std::size_t>(c)];
+        for (int c = 0; c < 6; ++c) Jt(6 * entry.slots[i] + c, entry.first_row + k) = J[c];
       }
   return Jt.fullPivLu().solve(e.force().cast<Real>()).cast<double>();
 }

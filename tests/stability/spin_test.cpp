@@ -172,7 +172,7 @@ TEST_CASE("an angle of 100000 turns keeps its digits in copies, in lanes and alo
   const std::vector<double> times{20};
   int n = 0;
   const auto reports = copies.run(starts, times, [&](int k, std::size_t, const State& end) {
-    const long double way = 20.0L * static_cast<long double>(starts[static_cast<std::size_t>(k)].v[5]);
+    const long double way = 20.0L * static_cast<long double>(starts[k].v[5]);
     const auto angle = static_cast<double>(std::remainder(way, 2 * std::numbers::pi_v<long double>));
     const Quat e = end.slot_pose(0).q;
     const double error = std::abs(std::remainder(2 * std::atan2(e.vec()[2], e.w) - angle, kTwoPi));

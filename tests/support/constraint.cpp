@@ -39,19 +39,19 @@ Laws<Dual2> running_laws(const Configuration& c) {
 
 Vector7 values(const Seven<Dual2>& s) {
   Vector7 r;
-  for (int i = 0; i < 7; ++i) r[i] = s[static_cast<std::size_t>(i)].v;
+  for (int i = 0; i < 7; ++i) r[i] = s[i].v;
   return r;
 }
 
 Vector7 first_derivatives(const Seven<Dual2>& s) {
   Vector7 r;
-  for (int i = 0; i < 7; ++i) r[i] = s[static_cast<std::size_t>(i)].d;
+  for (int i = 0; i < 7; ++i) r[i] = s[i].d;
   return r;
 }
 
 Vector7 second_derivatives(const Seven<Dual2>& s) {
   Vector7 r;
-  for (int i = 0; i < 7; ++i) r[i] = s[static_cast<std::size_t>(i)].dd;
+  for (int i = 0; i < 7; ++i) r[i] = s[i].dd;
   return r;
 }
 

@@ -52,8 +52,7 @@ inline RunEnds ends_of(Family& family, const std::vector<State>& starts, double 
   RunEnds out;
   out.states.resize(starts.size());
   const std::vector<double> times{t};
-  out.reports = copies.run(starts, times,
-                           [&](int k, std::size_t, const State& s) { out.states[static_cast<std::size_t>(k)] = s; });
+  out.reports = copies.run(starts, times, [&](int k, std::size_t, const State& s) { out.states[k] = s; });
   return out;
 }
 
@@ -107,8 +106,8 @@ inline std::unique_ptr<System> ladder(int bays, int k, const Quat& turn = {}) {
   }
   for (int i = 0; i < bays; ++i) {
     Body& bar = rod("bar " + std::to_string(i), Vec3(i + 0.5 + s, 0, c));
-    hinge("left " + std::to_string(i), bar, *uprights[static_cast<std::size_t>(i)], Vec3(i + s, 0, c));
-    hinge("right " + std::to_string(i), bar, *uprights[static_cast<std::size_t>(i + 1)], Vec3(i + 1 + s, 0, c));
+    hinge("left " + std::to_string(i), bar, *uprights[i], Vec3(i + s, 0, c));
+    hinge("right " + std::to_string(i), bar, *uprights[i + 1], Vec3(i + 1 + s, 0, c));
   }
   return sys;
 }

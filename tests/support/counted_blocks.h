@@ -15,8 +15,8 @@ namespace lockstep::oracle {
 template <int n>
 struct CountedPack {
   std::array<double, n> v{};
-  double& operator[](int i) { return v[static_cast<std::size_t>(i)]; }
-  double operator[](int i) const { return v[static_cast<std::size_t>(i)]; }
+  double& operator[](int i) { return v[i]; }
+  double operator[](int i) const { return v[i]; }
   CountedPack& operator+=(const CountedPack& b) { return ++Counted::done().add, each(b, 1, 1); }
   CountedPack& operator-=(const CountedPack& b) { return ++Counted::done().add, each(b, 1, -1); }
   CountedPack& operator*=(const Counted& x) { return ++Counted::done().mul, each({}, x.value(), 0); }
@@ -67,8 +67,7 @@ inline double elimination(const schur::Plan& plan) {
     int s = 0;
     for (const schur::Later& later : plan.later_of(node)) {
       for (const schur::Term& term : plan.terms_of(later)) {
-        const schur::Side &p = plan.sides[static_cast<std::size_t>(term.pivot_side)],
-                          &q = plan.sides[static_cast<std::size_t>(term.later_side)];
+        const schur::Side &p = plan.sides[term.pivot_side], &q = plan.sides[term.later_side];
         const int columns = p.turned && q.turned ? nw : p.turned || q.turned ? nw + 1 : nv + nw;
         times(m * columns, p.turned && q.turned && later.m == m ? 1 : later.m);  // J_later Y^T
       }

@@ -166,7 +166,7 @@ inline Rows jets(const oracle::Configuration& c) {
   v << c.v1, c.w1, c.v2, c.w2;
   Rows out;
   for (int k = 0; k < 6; ++k) {
-    const Jet<12>& row = seven[static_cast<std::size_t>(k < 3 ? k : k + 1)];
+    const Jet<12>& row = seven[k < 3 ? k : k + 1];
     out.C[k] = row.v, out.J.row(k) = row.g, out.Qhat[k] = -row.h, out.Ct[k] = row.d - row.g.dot(v);
   }
   return out;

@@ -85,7 +85,7 @@ inline Chain stayed(bool active) {
   Chain c = plain();
   for (int i = 0; i < kRods; ++i) {
     const std::string name = "stay" + std::to_string(i);
-    Marker& P = c.sys->add_marker_at(name + ".P", *c.rods[static_cast<std::size_t>(i)], pose_at(Vec3(i + 1, 0, 0)));
+    Marker& P = c.sys->add_marker_at(name + ".P", *c.rods[i], pose_at(Vec3(i + 1, 0, 0)));
     Marker& S = c.sys->add_marker_at(name + ".S", c.sys->ground(), pose_at(Vec3(i, 0, 1)));
     c.sys->add<Distance>(name, P, S, std::sqrt(2.0)).set_active_at_start(active);
   }
@@ -122,7 +122,7 @@ inline Chain lumps(bool merged) {
     const Vec3 x(i + 0.7, 0, 0.1);
     const std::string name = "lump" + std::to_string(i);
     Body& lump = c.sys->add_body(name, shapes::sphere(0.5, 0.05), {x, {}});
-    c.sys->add<Fixed>("bolt" + std::to_string(i), lump, *c.rods[static_cast<std::size_t>(i)], pose_at(x));
+    c.sys->add<Fixed>("bolt" + std::to_string(i), lump, *c.rods[i], pose_at(x));
   }
   c.sys->set_merge(merged);
   return c;

@@ -104,7 +104,7 @@ struct ForceBench {
   void place(const Marker& m, const Pose& world, const lockstep::Vec3& v = lockstep::Vec3::Zero(),
              const lockstep::Vec3& w_world = lockstep::Vec3::Zero()) {
     const Pose slot = world * inverse(m.body->in_slot * m.local);
-    Motion& o = start[static_cast<std::size_t>(m.body->slot)];
+    Motion& o = start[m.body->slot];
     o.x = slot.x, o.e = slot.q, o.A = rotation(slot.q), o.w = o.A.transpose() * w_world;
     o.v = v + lockstep::cross(w_world, lockstep::Vec3(slot.x - world.x));
     at(t);
@@ -153,7 +153,7 @@ struct ForceBench {
 inline int quantity_index(const Force& force, const std::string& name) {
   const std::vector<Quantity> all = force.observable()->quantities();
   int k = 0;
-  while (k < static_cast<int>(all.size()) && all[static_cast<std::size_t>(k)].name != name) ++k;
+  while (k < static_cast<int>(all.size()) && all[k].name != name) ++k;
   return k;
 }
 

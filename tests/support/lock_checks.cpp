@@ -17,7 +17,7 @@ Eigen::MatrixXd matrix(const nlohmann::json& value) {
   for (const auto& row : value) {
     if (row.is_array()) {
       if (static_cast<Eigen::Index>(row.size()) != n_columns) throw std::runtime_error("lock-checks: ragged matrix");
-      for (Eigen::Index j = 0; j < n_columns; ++j) m(i, j) = row.at(static_cast<std::size_t>(j)).get<double>();
+      for (Eigen::Index j = 0; j < n_columns; ++j) m(i, j) = row.at(j).get<double>();
     } else {
       m(i, 0) = row.get<double>();
     }
@@ -42,7 +42,7 @@ void read(const nlohmann::json& input, const char* key, Eigen::Matrix<double, n,
   const nlohmann::json& list = input.at(key);
   if (list.size() != static_cast<std::size_t>(n))
     throw std::runtime_error(std::string("lock-checks: length of ") + key);
-  for (int i = 0; i < n; ++i) to[i] = list.at(static_cast<std::size_t>(i)).template get<double>();
+  for (int i = 0; i < n; ++i) to[i] = list.at(i).template get<double>();
 }
 
 Configuration configuration(const nlohmann::json& in) {

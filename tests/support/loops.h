@@ -116,8 +116,8 @@ inline System row_of_four_bars(int n) {
     for (int end = 0; end < 2; ++end) {
       const std::string name = std::to_string(i);
       if (end == 0) rod("bar" + name, Vec3(i + 0.5, 0, 0) + up);
-      s.add<Revolute>((end ? "right" : "left") + name, s.body("bar" + name),
-                      *uprights[static_cast<std::size_t>(i + end)], pose_at(Vec3(i + end, 0, 0) + up));
+      s.add<Revolute>((end ? "right" : "left") + name, s.body("bar" + name), *uprights[i + end],
+                      pose_at(Vec3(i + end, 0, 0) + up));
     }
   return s;
 }

@@ -48,7 +48,7 @@ class RandomMechanism {
   GenericLock& link(int body1, int body2, Mask mask, unsigned laws = 0) {
     const std::string name = "link " + std::to_string(links.size());
     oracle::Configuration c = oracle::random_configuration(seed_ * 1000 + links.size(), {laws});
-    const auto at = [&](int k) -> Body& { return k < 0 ? system.ground() : *bodies[static_cast<std::size_t>(k)]; };
+    const auto at = [&](int k) -> Body& { return k < 0 ? system.ground() : *bodies[k]; };
     Marker& P = add_marker(system, name + ".P", at(body1), c.uP, c.uPd, c.uPdd, c.qP, c.qPd, c.qPdd, laws & oracle::kUP,
                            laws & oracle::kQP);
     Marker& S = add_marker(system, name + ".S", at(body2), c.uS, c.uSd, c.uSdd, c.qS, c.qSd, c.qSdd, laws & oracle::kUS,
@@ -82,7 +82,7 @@ class RandomMechanism {
     const auto body = [&](int k, Vec3& x, Vec4& q, Vec3& v, Vec3& w, Vec4& qd, Vec4& qdd, Vec3& u) {
       x.setZero(), q = Vec4::UnitX(), v.setZero(), w.setZero();
       if (k >= 0) {
-        const Body& b = *bodies[static_cast<std::size_t>(k)];
+        const Body& b = *bodies[k];
         x = state.q.segment<3>(7 * b.slot), q = state.q.segment<4>(7 * b.slot + 3).normalized();
         v = state.v.segment<3>(6 * b.slot), w = state.v.segment<3>(6 * b.slot + 3);
         u -= b.mass.center;

@@ -16,7 +16,7 @@ void for_each_number_of_J(const KktPattern& pattern, Numbers& numbers, Visit vis
   for (const KktLink& link : pattern.links) {
     std::size_t at = link.J;
     for (int i = 0; i < link.n_slots; ++i) {
-      const auto s = static_cast<std::size_t>(link.slot[static_cast<std::size_t>(i)]);
+      const auto s = static_cast<std::size_t>(link.slot[i]);
       for (int j = 0; j < link.m; ++j)
         for (int k = 0; k < pattern.width[s]; ++k) visit(link.first_row + j, pattern.first[s] + k, numbers[at++]);
     }
@@ -31,7 +31,7 @@ MatX KktSystem::M() const {
     for (int i = 0; i < kkt.pattern.width[s]; ++i)
       for (int k = 0; k < kkt.pattern.width[s]; ++k)
         out(kkt.pattern.first[s] + i, kkt.pattern.first[s] + k) =
-            kkt.M[kkt.pattern.M[s] + static_cast<std::size_t>(i * kkt.pattern.width[s] + k)];
+            kkt.M[kkt.pattern.M[s] + (i * kkt.pattern.width[s] + k)];
   return out;
 }
 
@@ -58,7 +58,7 @@ int KktBuilder::slot(int width) {
   p.first.push_back(p.n);
   p.M.push_back(p.size_M);
   p.n += width;
-  p.size_M += static_cast<std::size_t>(width * width);
+  p.size_M += width * width;
   return static_cast<int>(p.width.size()) - 1;
 }
 
@@ -72,7 +72,7 @@ std::size_t KktBuilder::link(const std::vector<int>& slots, const RowKinds& kind
   link.J = p.size_J;
   std::copy(slots.begin(), slots.end(), link.slot.begin());
   std::copy(kinds.begin(), kinds.end(), link.kind.begin());
-  for (const int s : slots) p.size_J += static_cast<std::size_t>(link.m * p.width[static_cast<std::size_t>(s)]);
+  for (const int s : slots) p.size_J += static_cast<std::size_t>(link.m * p.width[s]);
   p.m += link.m;
   p.links.push_back(link);
   return p.links.size() - 1;

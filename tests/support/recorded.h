@@ -42,7 +42,7 @@ class Recording {
     if (is_new) steps_.push_back(step);
     return known->second;
   }
-  const Operation& operator[](int i) const { return steps_[static_cast<std::size_t>(i)]; }
+  const Operation& operator[](int i) const { return steps_[i]; }
   std::span<const Operation> steps() const { return steps_; }
 
   /// The one that numbers of this thread are written to: the last that began.
@@ -143,38 +143,38 @@ class Program {
     for (const Recorded& y : results) results_.push_back(y.step());
     place.resize(recording.steps().size(), -1);
     std::vector<char> needed(place.size(), 0);
-    for (const int i : results_) needed[static_cast<std::size_t>(i)] = 1;
+    for (const int i : results_) needed[i] = 1;
     for (std::size_t i = needed.size(); i-- > 0;) {
       const Operation& s = recording.steps()[i];
       if (!needed[i] || s.op == Op::constant || s.op == Op::input) continue;
-      needed[static_cast<std::size_t>(s.a)] = 1;
-      if (s.b >= 0) needed[static_cast<std::size_t>(s.b)] = 1;
+      needed[s.a] = 1;
+      if (s.b >= 0) needed[s.b] = 1;
     }
     for (std::size_t i = 0; i < needed.size(); ++i) {
       if (!needed[i]) continue;
       Operation s = recording.steps()[i];
       if (s.op != Op::constant && s.op != Op::input) {
-        s.a = place[static_cast<std::size_t>(s.a)];
-        if (s.b >= 0) s.b = place[static_cast<std::size_t>(s.b)];
+        s.a = place[s.a];
+        if (s.b >= 0) s.b = place[s.b];
       }
       place[i] = static_cast<int>(steps_.size());
       steps_.push_back(s);
     }
-    for (int& i : results_) i = place[static_cast<std::size_t>(i)];
+    for (int& i : results_) i = place[i];
   }
 
   std::vector<double> replay(std::span<const double> inputs) const {
     std::vector<double> x(steps_.size()), out;
     for (std::size_t i = 0; i < steps_.size(); ++i) {
       const Operation& s = steps_[i];
-      const auto a = [&] { return x[static_cast<std::size_t>(s.a)]; };
-      const auto b = [&] { return x[static_cast<std::size_t>(s.b)]; };
+      const auto a = [&] { return x[s.a]; };
+      const auto b = [&] { return x[s.b]; };
       switch (s.op) {
         case Op::constant:
           x[i] = std::bit_cast<double>(s.bits);
           break;
         case Op::input:
-          x[i] = inputs[static_cast<std::size_t>(s.a)];
+          x[i] = inputs[s.a];
           break;
         case Op::add:
           x[i] = a() + b();
@@ -202,7 +202,7 @@ class Program {
           break;
       }
     }
-    for (const int i : results_) out.push_back(x[static_cast<std::size_t>(i)]);
+    for (const int i : results_) out.push_back(x[i]);
     return out;
   }
 

@@ -18,15 +18,14 @@ class SchurOnKktFactorization final : public Factorization {
     for (const KktLink& link : pattern.links) {
       RowEntry e;
       e.link = link.link, e.m = link.m, e.kind = link.kind;
-      for (int i = 0; i < link.n_slots; ++i) e.slots.add(link.slot[static_cast<std::size_t>(i)]);
+      for (int i = 0; i < link.n_slots; ++i) e.slots.add(link.slot[i]);
       rows_.entries.push_back(e);
     }
     rows_.lay_out();
     k.pattern.rows = &rows_;
-    k.pattern.width.assign(static_cast<std::size_t>(n), 6);
+    k.pattern.width.assign(n, 6);
     k.pattern.n = 6 * n, k.pattern.m = rows_.n_rows;
-    for (int s = 0; s < n; ++s)
-      k.masses.push_back({1.0, Mat3::Identity(), pattern.width[static_cast<std::size_t>(s)] == 3});
+    for (int s = 0; s < n; ++s) k.masses.push_back({1.0, Mat3::Identity(), pattern.width[s] == 3});
     inner_ = SchurSolver().analyse(k.pattern);
   }
 
@@ -36,7 +35,7 @@ class SchurOnKktFactorization final : public Factorization {
       const int w = given.pattern.width[s];
       MatX M(w, w);
       for (int i = 0; i < w; ++i)
-        for (int j = 0; j < w; ++j) M(i, j) = given.M[given.pattern.M[s] + static_cast<std::size_t>(i * w + j)];
+        for (int j = 0; j < w; ++j) M(i, j) = given.M[given.pattern.M[s] + (i * w + j)];
       L_.push_back(M.llt().matrixL());
     }
     for (std::size_t l = 0; l < given.pattern.links.size(); ++l) {
@@ -44,7 +43,7 @@ class SchurOnKktFactorization final : public Factorization {
       const RowBlock block = rows_.block(rows_.entries[l]);
       std::size_t at = link.J;
       for (int i = 0; i < link.n_slots; ++i) {
-        const MatX& L = L_[static_cast<std::size_t>(link.slot[static_cast<std::size_t>(i)])];
+        const MatX& L = L_[link.slot[i]];
         for (int j = 0; j < link.m; ++j, at += static_cast<std::size_t>(L.rows())) {
           VecX row = VecX::Zero(6);
           row.head(L.rows()) =

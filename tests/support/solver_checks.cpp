@@ -132,8 +132,8 @@ void check_detector(const LinearSolver& solver) {
     for (int i = 0; i < 6; ++i)
       for (int k = 0; k < 6; ++k) {
         const double m = i != k ? 0.0 : i == 3 ? 1e-4 : 1.0;
-        system.kkt.M[static_cast<std::size_t>(6 * i + k)] = m;
-        system.kkt.Minv[static_cast<std::size_t>(6 * i + k)] = m == 0 ? 0.0 : 1.0 / m;
+        system.kkt.M[6 * i + k] = m;
+        system.kkt.Minv[6 * i + k] = m == 0 ? 0.0 : 1.0 / m;
       }
     constexpr int held[] = {1, 3, 4, 0, 5};
     for (int k = 0; k < 3; ++k) regular.row(k) = regular.row(3 + k) = VecX::Unit(6, held[k]);
@@ -168,8 +168,7 @@ void check_rows_without_scale(const LinearSolver& solver) {
   MatX J = MatX::Zero(system.kkt.pattern.m, system.kkt.pattern.n);
   for (const KktLink& link : system.kkt.pattern.links)
     for (int j = 0; j < link.m; ++j)
-      for (int i = 0; i < link.n_slots; ++i)
-        J(link.first_row + j, 6 * link.slot[static_cast<std::size_t>(i)] + locked[j]) = i == 0 ? 1.0 : -1.0;
+      for (int i = 0; i < link.n_slots; ++i) J(link.first_row + j, 6 * link.slot[i] + locked[j]) = i == 0 ? 1.0 : -1.0;
   system.write_J(J);
   system.kkt.update_scales();
   VecX fall = VecX::Zero(42), drive = VecX::Zero(42);

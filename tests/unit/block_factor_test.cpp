@@ -56,7 +56,7 @@ struct TestMatrix {
       if (!symmetric && !link) block(j, i) *= 0.7;
     }
     for (int k = 0; k < static_cast<int>(graph.width.size()); ++k) {
-      const int w = graph.width[static_cast<std::size_t>(k)];
+      const int w = graph.width[k];
       if (k >= graph.n_slots) {
         block(k, k).diagonal().setConstant(-1e-8);
         continue;

@@ -20,7 +20,7 @@ BlockGraph tree(const std::vector<int>& parents) {
     const int link = static_cast<int>(g.width.size());
     g.width.push_back(5);
     g.edges.emplace_back(k, link);
-    if (parents[static_cast<std::size_t>(k)] >= 0) g.edges.emplace_back(link, parents[static_cast<std::size_t>(k)]);
+    if (parents[k] >= 0) g.edges.emplace_back(link, parents[k]);
   }
   int at = 0;
   for (const int w : g.width) g.first.push_back(at), at += w;
@@ -37,8 +37,7 @@ void check_links_wait(const BlockGraph& g, const BlockPlan& plan) {
     for (const auto& [a, b] : g.edges) {
       if (a != l && b != l) continue;
       const int slot = a == l ? b : a;
-      if (plan.place_of_node[static_cast<std::size_t>(slot)] < plan.place_of_node[static_cast<std::size_t>(l)])
-        ++before;
+      if (plan.place_of_node[slot] < plan.place_of_node[l]) ++before;
     }
     CAPTURE(l);
     CHECK(before >= 1);

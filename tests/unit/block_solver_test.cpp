@@ -170,7 +170,7 @@ TEST_CASE("block loses no digits on a long tree driven all along", "[unit][kkt]"
   std::fill(system.kkt.M.begin(), system.kkt.M.end(), 0.0), system.kkt.Minv = system.kkt.M;
   for (int i = 0; i < 200; ++i)
     for (int k = 0; k < 6; ++k) {
-      const std::size_t at = system.kkt.pattern.M[static_cast<std::size_t>(i)] + static_cast<std::size_t>(7 * k);
+      const std::size_t at = system.kkt.pattern.M[i] + static_cast<std::size_t>(7 * k);
       system.kkt.M[at] = k < 3 ? 1.0 : 1.0 / 12, system.kkt.Minv[at] = 1.0 / system.kkt.M[at];
     }
   system.kkt.update_scales();

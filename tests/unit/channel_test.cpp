@@ -132,8 +132,7 @@ struct Reaction {
 };
 Reaction by_formula(Arm& a, const MarkerLock& link, const Quat& q_D, bool of_drives) {
   const Evaluated& v = a.dynamics->evaluate(a.state);
-  const RowEntry& e =
-      v.rows.entries[static_cast<std::size_t>(v.rows.entry_of_link[static_cast<std::size_t>(link.number())])];
+  const RowEntry& e = v.rows.entries[v.rows.entry_of_link[link.number()]];
   Vec3 lt = Vec3::Zero(), lr = Vec3::Zero();
   for (int k = 0; k < e.m; ++k) {
     if ((link.row(k).drive >= 0) != of_drives) continue;

@@ -34,7 +34,7 @@ Told told(Family& family, const std::vector<State>& starts, const std::vector<do
   Told out;
   out.states.resize(starts.size());
   out.reports = copies.run(starts, times, [&](int copy, std::size_t time, const State& state) {
-    auto& mine = out.states[static_cast<std::size_t>(copy)];
+    auto& mine = out.states[copy];
     CHECK(time == mine.size());
     CHECK(state.t == times[time]);
     mine.push_back(state);
@@ -264,9 +264,8 @@ TEST_CASE("an explicit method of a registry's own runs in lanes as it runs alone
     options.integrator = "ralston", options.step = 0.01, options.lanes = lanes, options.registry = &registry;
     Copies copies(family.pointers(), options);
     ends[lanes].resize(3);
-    for (const CopyReport& report : copies.run(family.assembled(), times, [&](int copy, std::size_t, const State&s) {
-           ends[lanes][static_cast<std::size_t>(copy)] = s;
-         })) {
+    for (const CopyReport& report :
+         copies.run(family.assembled(), times, [&](int copy, std::size_t, const State&s) { ends[lanes][copy] = s; })) {
       CHECK(report.finished);
       CHECK(report.steps == 50);
       CHECK(report.alone == !lanes);

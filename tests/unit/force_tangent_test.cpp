@@ -39,7 +39,7 @@ struct Moved {
 
   Moved(const ForceBench& b, int k) : bench(b) {
     for (int side = 0; side < 2; ++side) {
-      const Motion& o = b.motions[static_cast<std::size_t>(side + 1)];
+      const Motion& o = b.motions[side + 1];
       MotionT<C>& r = O[side];
       r.x = o.x.cast<C>(), r.v = o.v.cast<C>(), r.w = o.w.cast<C>();
       r.e = {o.e.w, o.e.x, o.e.y, o.e.z};

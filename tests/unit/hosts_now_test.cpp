@@ -284,8 +284,8 @@ TEST_CASE("one snapshot is loaded twice, and by several threads at once", "[unit
         run->loop().load(at_half);
         run->run_until(1);
       }
-      ends[static_cast<std::size_t>(k)] = run->table()["crank.angle_z"];
-      torques[static_cast<std::size_t>(k)] = run->table()["torque.value"].back();
+      ends[k] = run->table()["crank.angle_z"];
+      torques[k] = run->table()["torque.value"].back();
     });
   for (std::thread& thread : threads) thread.join();
   for (const std::vector<double>& end : ends) CHECK(end == whole->table()["crank.angle_z"]);

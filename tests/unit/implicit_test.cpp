@@ -40,7 +40,7 @@ struct Loop {
     lambda = VecX::LinSpaced(dynamics->gather(state).rows().n_rows, -2, 3);
   }
   void spring(System& sys, const std::string& name, int p, int s, double stiffness, double damping) {
-    const auto at = [&](int k) -> Body& { return *mechanism.bodies[static_cast<std::size_t>(k)]; };
+    const auto at = [&](int k) -> Body& { return *mechanism.bodies[k]; };
     Marker& P = sys.add_marker(name + ".P", at(p), {Vec3(0.1, 0.2, 0.3), {}});
     Marker& S = sys.add_marker(name + ".S", at(s));
     if (at(p).freedoms == Freedoms::particle) P.local = {};

@@ -104,9 +104,8 @@ TEST_CASE("each joint holds what its comment says and lets go the rest", "[unit]
     CHECK(link.type() == e.type);
     REQUIRE(link.row_count() == static_cast<int>(e.rows.size()));
     for (int k = 0; k < link.row_count(); ++k) {
-      CHECK(link.row_name(k) == e.rows[static_cast<std::size_t>(k)]);
-      CHECK(link.row_kind(k) ==
-            (e.rows[static_cast<std::size_t>(k)].size() == 1 ? RowKind::translation : RowKind::rotation));
+      CHECK(link.row_name(k) == e.rows[k]);
+      CHECK(link.row_kind(k) == (e.rows[k].size() == 1 ? RowKind::translation : RowKind::rotation));
       CHECK(link.row(k).drive == -1);
     }
     const Rows rows = gathered(pair.system, pair.system.start());
@@ -119,7 +118,7 @@ TEST_CASE("each joint holds what its comment says and lets go the rest", "[unit]
     CHECK(dense::rank(rows.J, 1e-9) == link.row_count());
     MatX motions(12, 6 + n_free);
     for (int k = 0; k < 6; ++k) motions.col(k) = common_motion(pair, k);
-    for (int i = 0; i < n_free; ++i) motions.col(6 + i) = relative_motion(pair, e.free[static_cast<std::size_t>(i)]);
+    for (int i = 0; i < n_free; ++i) motions.col(6 + i) = relative_motion(pair, e.free[i]);
     CHECK((rows.J * motions).cwiseAbs().maxCoeff() < 1e-13);
     CHECK(dense::rank(motions, 1e-9) == 6 + n_free);
     for (int k = 0; k < 6; ++k) {

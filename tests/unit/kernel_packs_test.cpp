@@ -30,7 +30,7 @@ struct AsPack {
   template <class F>
   auto operator()(F f) const {
     Pack8 p{};
-    for (int l = 0; l < kLanes; ++l) p[l] = f(in[static_cast<std::size_t>(l)]);
+    for (int l = 0; l < kLanes; ++l) p[l] = f(in[l]);
     return p;
   }
 };
@@ -39,7 +39,7 @@ struct AsDouble {
   int lane;
   template <class F>
   double operator()(F f) const {
-    return f(in[static_cast<std::size_t>(lane)]);
+    return f(in[lane]);
   }
 };
 
@@ -112,7 +112,7 @@ struct Numbers {
   }
   void put(const Pack8& a) {
     Lanes lanes;
-    for (int l = 0; l < kLanes; ++l) lanes[static_cast<std::size_t>(l)] = a[l];
+    for (int l = 0; l < kLanes; ++l) lanes[l] = a[l];
     all.push_back(lanes);
   }
   template <class X, class Y, class Z>
@@ -195,7 +195,7 @@ void check_lanes(unsigned laws, bool parallel = false) {
     REQUIRE(one.all.size() == packs.all.size());
     double worst = 0;
     for (std::size_t i = 0; i < one.all.size(); ++i) {
-      const double a = packs.all[i][static_cast<std::size_t>(lane)], b = one.all[i][0];
+      const double a = packs.all[i][lane], b = one.all[i][0];
       keep_worst(worst, std::abs(a - b) / std::max(1.0, std::abs(b)));
       CHECK(std::isfinite(a));
     }

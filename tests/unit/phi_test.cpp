@@ -228,7 +228,7 @@ TEST_CASE("The tangent of a function link is that of its rows", "[unit][phi]") {
       oracle::Draw draw(seed + 9);
       VecX lambda(link.row_count());
       for (double& l : lambda) l = draw.number(-2, 2);
-      const std::span<const double> given(lambda.data(), static_cast<std::size_t>(lambda.size()));
+      const std::span<const double> given(lambda.data(), lambda.size());
       TangentSum exact, differences;
       exact.lay_out(b.system.n_slots()), differences.lay_out(b.system.n_slots());
       add_tangent(link, here.inputs(), given, exact);

@@ -50,7 +50,7 @@ TEST_CASE("a page of many runs keeps their histories and their motion", "[report
     CHECK(kept.keeps(run));
     const std::unique_ptr<report::Watcher> seen = kept.watcher();
     const SweepRun done =
-        watched_run(scene, registry, columns, {}, &tables[static_cast<std::size_t>(run - 1)],
+        watched_run(scene, registry, columns, {}, &tables[run - 1],
                     {seen.get(), [&](const Mechanism& m, const Table& table) { kept.add(run, table, *seen, m); }});
     CHECK(!done.failed);
   }

@@ -100,7 +100,7 @@ TEST_CASE("output times are exact and the states between steps are the motion's"
   run.add_observer(seen);
   run.run_until(1.05);
   REQUIRE(seen.times.size() == 12);
-  for (int k = 0; k <= 10; ++k) CHECK(seen.times[static_cast<std::size_t>(k)] == 0.1 * k);
+  for (int k = 0; k <= 10; ++k) CHECK(seen.times[k] == 0.1 * k);
   CHECK(seen.times.back() == 1.05);
   CHECK(run.state().t == 1.05);
   CHECK(seen.worst < (name == "rk4" ? 1e-6 : 1e-8));

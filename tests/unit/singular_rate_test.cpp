@@ -33,8 +33,8 @@ struct Bays {
       const std::string number = std::to_string(k);
       Body& b = system.add_body("bar " + number, shapes::slender_rod(1, k * x + d, (k + 1) * x + d, 0.01));
       b.start = {cross(Vec3(w * z), d), Vec3::Zero()};
-      system.add<Revolute>("B" + number, b, *uprights[static_cast<std::size_t>(k)], pose_at(k * x + d, z));
-      system.add<Revolute>("C" + number, b, *uprights[static_cast<std::size_t>(k + 1)], pose_at((k + 1) * x + d, z));
+      system.add<Revolute>("B" + number, b, *uprights[k], pose_at(k * x + d, z));
+      system.add<Revolute>("C" + number, b, *uprights[k + 1], pose_at((k + 1) * x + d, z));
     }
     system.setup();
   }

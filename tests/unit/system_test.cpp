@@ -99,7 +99,7 @@ TEST_CASE("every one of many names is known, and taken", "[unit][system]") {
   System moved = std::move(system);
   for (int k = 0; k < 500; ++k) {
     const std::string n = std::to_string(k);
-    CHECK(&moved.body("body" + n) == bodies[static_cast<std::size_t>(k)]);
+    CHECK(&moved.body("body" + n) == bodies[k]);
     CHECK(moved.marker("hinge" + n + ".S").name == "hinge" + n + ".S");
     CHECK(moved.link("hinge" + n).name() == "hinge" + n);
     check_words(message_of<ModelError>([&] { moved.add_fixed("hinge" + n + ".P"); }),
@@ -259,7 +259,7 @@ TEST_CASE("links of one kind are gathered by one call", "[unit][system]") {
   CHECK(table.n_rows == 6);
   // every link wrote its own row
   for (int k = 0; k < 6; ++k) {
-    const RowEntry& e = table.entries[static_cast<std::size_t>(table.entry_of_link[static_cast<std::size_t>(k)])];
+    const RowEntry& e = table.entries[table.entry_of_link[k]];
     CHECK(e.link == k);
     CHECK(table.block(e).C(0) == k);
     CHECK(system.row_name(table, e.first_row) == "row row of link 'l" + std::to_string(k) + "'");

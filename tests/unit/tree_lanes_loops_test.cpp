@@ -39,8 +39,9 @@ std::unique_ptr<System> driven_four_bar(int k, int driven, double other = 0.3) {
                             {sys->body("bar 0").home.x + Vec3(0, 0, -0.5), {}});
   sys->add<Revolute>("pivot", bob, sys->body("bar 0"), pose_at(sys->body("bar 0").home.x, Vec3(0, 1, 0)));
   for (int i = 0; i < driven; ++i)
-    static_cast<MarkerLock&>(*sys->links()[static_cast<std::size_t>(i)])
-        .drive(Axis::rz, laws::law([k, a = i == 0 ? 0.3 : other](auto t) { return a * sin((1.0 + 0.1 * k) * t); }));
+    static_cast<MarkerLock&>(*sys->links()[i]).drive(Axis::rz, laws::law([k, a = i == 0 ? 0.3 : other](auto t) {
+                                                       return a * sin((1.0 + 0.1 * k) * t);
+                                                     }));
   return sys;
 }
 
@@ -229,7 +230,7 @@ TEST_CASE("pivots of loops in lanes are those of any plane", "[unit][copies]") {
     batch->watch_pivots();
     Aligned<double> y(batch->n_numbers()), rate(batch->n_numbers());
     for (int k = 0; k < 8; ++k) {
-      State state = family.assembled()[static_cast<std::size_t>(k)];
+      State state = family.assembled()[k];
       batch->to_batch(k, state);
       batch->put(k, state, y.data());
     }

@@ -132,7 +132,7 @@ TEST_CASE("who follows copies sees every step of theirs, and jumps", "[unit][cop
     std::vector<Seen> seen(5);
     const std::vector<double> times{0, 0.2, 0.8};
     const auto output = [&](int k, std::size_t i, const State& s) {  // of the same instant, and told later
-      const Seen& the = seen[static_cast<std::size_t>(k)];
+      const Seen& the = seen[k];
       if (i == 0) {
         CHECK(the.steps == 0);
         return;
@@ -141,7 +141,7 @@ TEST_CASE("who follows copies sees every step of theirs, and jumps", "[unit][cop
       CHECK(largest(the.last.q - s.q) == 0);
     };
     const auto reports = copies.run(family.starts(), times, output, [&](int k, const State& s, bool jumped) {
-      Seen& the = seen[static_cast<std::size_t>(k)];
+      Seen& the = seen[k];
       const State before = std::exchange(the.last, s);
       ++(jumped ? the.jumps : the.steps);
       if (!jumped) {

@@ -50,7 +50,7 @@ TEST_CASE("a user's own state is integrated with the mechanism and closes a loop
   Auxiliary& controller = sys.add(std::make_unique<IntegralOfHeight>(slider));
   sys.add(function_force("control", {&P}, [&](const Inputs& in, WrenchSum& out) {
     const Motion& O = in.slot(slider.slot);
-    const double s = in.s[static_cast<std::size_t>(controller.first())];
+    const double s = in.s[controller.first()];
     out.force(slider.slot, {0, 0, -k * O.x[2] - c * O.v[2] - i * s}, O.x);
   }));
   struct Method {

@@ -75,21 +75,21 @@ int most_open(System& system) {
   std::string why_not;
   const auto tree = JointTree::of(system, system.start().modes, why_not);
   REQUIRE(tree);
-  std::vector<int> parent(static_cast<std::size_t>(system.n_slots()), kGround), depth = parent, open = parent;
+  std::vector<int> parent(system.n_slots(), kGround), depth = parent, open = parent;
   for (const TreeNode& n : tree->nodes()) {
     const auto slot = static_cast<std::size_t>(n.slot);
-    parent[slot] = n.parent < 0 ? kGround : tree->nodes()[static_cast<std::size_t>(n.parent)].slot;
-    depth[slot] = n.parent < 0 ? 0 : 1 + depth[static_cast<std::size_t>(parent[slot])];
+    parent[slot] = n.parent < 0 ? kGround : tree->nodes()[n.parent].slot;
+    depth[slot] = n.parent < 0 ? 0 : 1 + depth[parent[slot]];
     open[slot] = 0;
   }
-  const auto depth_of = [&](int slot) { return slot == kGround ? -1 : depth[static_cast<std::size_t>(slot)]; };
+  const auto depth_of = [&](int slot) { return slot == kGround ? -1 : depth[slot]; };
   for (const int link : tree->closures()) {
-    const auto [p, s] = system.links()[static_cast<std::size_t>(link)]->pairs().front();
+    const auto [p, s] = system.links()[link]->pairs().front();
     int a = p->body->slot, b = s->body->slot;
     while (a != b) {
       int& deeper = depth_of(a) >= depth_of(b) ? a : b;
-      ++open[static_cast<std::size_t>(deeper)];
-      deeper = parent[static_cast<std::size_t>(deeper)];
+      ++open[deeper];
+      deeper = parent[deeper];
     }
   }
   return *std::ranges::max_element(open);

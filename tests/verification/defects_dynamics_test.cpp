@@ -57,8 +57,7 @@ double unbalanced(Dynamics& dynamics, const State& state, const VecX& lambda) {
     for (int i = 0; i < entry.slots.n; ++i)
       for (int k = 0; k < entry.m; ++k) {
         const auto J = e.rows().block(entry).J(i, k);
-        for (int c = 0; c < 6; ++c)
-          left[6 * entry.slots[i] + c] -= J[static_cast<std::size_t>(c)] * lambda[entry.first_row + k];
+        for (int c = 0; c < 6; ++c) left[6 * entry.slots[i] + c] -= J[c] * lambda[entry.first_row + k];
       }
   return left.lpNorm<Eigen::Infinity>();
 }
@@ -352,7 +351,7 @@ TEST_CASE("a body's quaternion has one sign in every formulation", "[verificatio
       run.run_until(0.03);
       for (int k = 0; k < 4; ++k) {
         INFO("body " << k);
-        CHECK(least_product(run.table(), "b" + std::to_string(k), homes[static_cast<std::size_t>(k)]) > 0.9);
+        CHECK(least_product(run.table(), "b" + std::to_string(k), homes[k]) > 0.9);
       }
       if (formulation == Formulation::joint) seed = before;
     }

@@ -40,7 +40,7 @@ std::vector<Part> parts_of(const std::string& method, double h, long n_steps) {
   for (long i = 0; i < n_steps; ++i) {
     integrator->step(dynamics, s, h);
     if (i % 100 != 0) continue;
-    Part& part = parts[static_cast<std::size_t>(10 * i / n_steps)];
+    Part& part = parts[10 * i / n_steps];
     const double e = value() - start;
     part.low = std::min(part.low, e);
     keep_worst(part.high, e);

@@ -33,9 +33,7 @@ Answer by_library(RandomMechanism& m, const State& state, Formulation formulatio
   Answer s{values.a, VecX(values.lambda.size())};
   int row = 0;
   for (const auto& link : m.system.links()) {
-    const RowEntry& e =
-        values.rows
-            .entries[static_cast<std::size_t>(values.rows.entry_of_link[static_cast<std::size_t>(link->number())])];
+    const RowEntry& e = values.rows.entries[values.rows.entry_of_link[link->number()]];
     s.lambda.segment(row, e.m) = values.lambda.segment(e.first_row, e.m);
     row += e.m;
   }
@@ -60,7 +58,7 @@ Answer by_paper(RandomMechanism& m, const State& state) {
 
   int row = 7 * n + n_rows;
   for (int k = 0; k < n; ++k) {
-    const Body& b = *m.bodies[static_cast<std::size_t>(k)];
+    const Body& b = *m.bodies[k];
     const int at = 7 * k;
     K.block(at, at, 3, 3) = b.mass.mass * Mat3::Identity();
     right.segment(at, 3) = b.mass.mass * m.system.gravity();
@@ -97,7 +95,7 @@ Answer by_paper(RandomMechanism& m, const State& state) {
   const VecX x = more.cast<double>();
   Answer s{VecX::Zero(6 * n), x.segment(7 * n, n_rows)};
   for (int k = 0; k < n; ++k) {
-    const Body& b = *m.bodies[static_cast<std::size_t>(k)];
+    const Body& b = *m.bodies[k];
     s.a.segment<3>(6 * b.slot) = x.segment<3>(7 * k);
     if (b.freedoms == Freedoms::spatial)
       s.a.segment<3>(6 * b.slot + 3) = oracle::paper::G(state.q.segment<4>(7 * b.slot + 3)) * x.segment<4>(7 * k + 3);
@@ -213,7 +211,7 @@ TEST_CASE("Baumgarte's terms act alike in both formulations", "[verification][dy
       const auto accelerate = [&](int body, Vec3& a, Vec3& al) {
         a.setZero(), al.setZero();
         if (body < 0) return;
-        const int slot = m.bodies[static_cast<std::size_t>(body)]->slot;
+        const int slot = m.bodies[body]->slot;
         a = omega.a.segment<3>(6 * slot), al = omega.a.segment<3>(6 * slot + 3);
       };
       accelerate(l.body1, c.a1, c.al1), accelerate(l.body2, c.a2, c.al2);
@@ -276,8 +274,7 @@ TEST_CASE("the 7-column rows of the library are Jh G: the raw rows of the paper 
     const KktPattern& p = matrix.kkt().pattern;
     for (int k = 0; k < 2; ++k) {
       using Square = Eigen::Map<const Eigen::Matrix<double, 7, 7, Eigen::RowMajor>>;
-      const MatX M = Square(matrix.kkt().M.data() + p.M[static_cast<std::size_t>(k)]),
-                 Minv = Square(matrix.kkt().Minv.data() + p.M[static_cast<std::size_t>(k)]);
+      const MatX M = Square(matrix.kkt().M.data() + p.M[k]), Minv = Square(matrix.kkt().Minv.data() + p.M[k]);
       CHECK(difference(M * Minv, MatX::Identity(7, 7)) < 1e-12);
       CHECK(difference(M, M.transpose()) < 1e-13);
       const Body& b = m.system.body_of_slot(k);

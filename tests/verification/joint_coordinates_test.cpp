@@ -59,7 +59,7 @@ System tree(std::uint64_t seed, int n, MaskOf&& mask) {
     const std::string name = std::to_string(k);
     Body& body = system.add_body("body" + name, {draw.number(0.5, 2), draw.vector(0.3), random_inertia(draw)},
                                  random_pose(draw));
-    Body& on = *bodies[static_cast<std::size_t>(draw.number(0, 0.999) * double(bodies.size()))];
+    Body& on = *bodies[draw.number(0, 0.999) * double(bodies.size())];
     Marker &a = system.add_marker("a" + name, body, random_pose(draw)),
            &b = system.add_marker("b" + name, on, random_pose(draw));
     const bool turned = draw.number(0, 1) < 0.5;
@@ -140,7 +140,7 @@ System random_tree(std::uint64_t seed, int n) {
   const std::vector<Mask> masks = all_masks();
   Draw draw(1000 + seed);
   return tree(seed, n, [&](int) {
-    const Mask m = masks[static_cast<std::size_t>(draw.number(0, 0.999) * double(masks.size()))];
+    const Mask m = masks[draw.number(0, 0.999) * double(masks.size())];
     return count_rows(m) == 6 ? Mask::xyz : m;
   });
 }
@@ -172,7 +172,7 @@ VecX differences(Dynamics& dynamics, const State& state, const StateRate& rate) 
       y.q += sign * k * h * rate.q, y.v += sign * k * h * rate.v;
       dynamics.system().motions(y, motions);
       for (int slot = 0; slot < dynamics.system().n_slots(); ++slot) {
-        const Motion& O = motions[static_cast<std::size_t>(slot + 1)];
+        const Motion& O = motions[slot + 1];
         a.segment<3>(6 * slot) += sign * weight[k - 1] / h * O.v;
         a.segment<3>(6 * slot + 3) += sign * weight[k - 1] / h * (O.A * O.w);
       }
@@ -196,8 +196,7 @@ class Witness final : public Auxiliary {
     sd[0] = 0;
     given_->a = v.a, given_->lambda = v.lambda, ++given_->n;
     given_->first_row.clear();
-    for (const int e : v.rows.entry_of_link)
-      given_->first_row.push_back(e < 0 ? -1 : v.rows.entries[static_cast<std::size_t>(e)].first_row);
+    for (const int e : v.rows.entry_of_link) given_->first_row.push_back(e < 0 ? -1 : v.rows.entries[e].first_row);
   }
 
  private:

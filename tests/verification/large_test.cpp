@@ -35,7 +35,7 @@ System hung(int n, bool in_a_row) {
   std::vector<Body*> rods{&s.ground()};
   for (int i = 0; i < n; ++i) {
     const double level = in_a_row ? i : std::floor(std::log2(i + 1.0)), y = in_a_row ? 0 : i + 1 - std::exp2(level);
-    Body& parent = *rods[static_cast<std::size_t>(in_a_row ? i : (i + 1) / 2)];
+    Body& parent = *rods[in_a_row ? i : (i + 1) / 2];
     rods.push_back(&add_rod(s, i, Vec3(level + 0.5, y, 0)));
     s.add<Revolute>(numbered("hinge", i), *rods.back(), parent,
                     pose_at(Vec3(level, y, 0), i % 2 == 1 ? Vec3(0, 1, 0) : Vec3(0, 0, 1)));

@@ -89,7 +89,7 @@ struct Bench {
   State at(double t) const {
     State state = system.start();
     state.t = 0.7 + t;
-    for (int k = 0; k < 2; ++k) state.set_slot_pose(k, course[static_cast<std::size_t>(k)].at(t));
+    for (int k = 0; k < 2; ++k) state.set_slot_pose(k, course[k].at(t));
     return state;
   }
 };
@@ -109,7 +109,7 @@ TEST_CASE("the equations of a link are the derivatives of its rows along motions
     VecX v(6 * n), a(6 * n), qd(7 * n), qdd(7 * n);
     State state = bench.at(0);
     for (Eigen::Index i = 0; i < n; ++i) {
-      const std::size_t slot = shape.slots[static_cast<std::size_t>(i)] == "one" ? 0 : 1;
+      const std::size_t slot = shape.slots[i] == "one" ? 0 : 1;
       const Course& c = bench.course[slot];
       const auto [rate, second] = derivatives([&](double t) { return VecX(c.quaternion(t)); });
       const Mat34 G = G_matrix(c.at(0).q);

@@ -45,7 +45,7 @@ double worst(const Rows& got, const Exact& exact, Mask mask, int grounded) {
   if (got.C.size() != n) return HUGE_VAL;
   double w = 0;
   for (int i = 0; i < n; ++i) {
-    const int k = rows[static_cast<std::size_t>(i)];
+    const int k = rows[i];
     keep_worst(w, difference(got.C.segment(i, 1), exact.C.segment(k, 1)));
     keep_worst(w, difference(got.Ct.segment(i, 1), exact.Ct.segment(k, 1)));
     keep_worst(w, difference(got.Qhat.segment(i, 1), exact.Qhat.segment(k, 1)));

@@ -292,7 +292,7 @@ TEST_CASE("modes, sparse: equal modes are found with all their copies", "[verifi
   const int free = balls ? n : 0;
   for (int k = 0; k < count; ++k) {
     CAPTURE(n, k);
-    const double omega = found.modes[static_cast<std::size_t>(k)].omega();
+    const double omega = found.modes[k].omega();
     if (k < free)
       CHECK(omega == 0);
     else
@@ -344,12 +344,12 @@ TEST_CASE("modes, sparse: a damped line of masses has the modes of its closed fo
     REQUIRE(found.modes.size() == static_cast<std::size_t>(count));
     CHECK_FALSE(found.complete);
     for (int i = 0; i < count; ++i) {
-      const Complex ours = found.modes[static_cast<std::size_t>(i)].value;
+      const Complex ours = found.modes[i].value;
       double off = HUGE_VAL;
       for (const Complex l : truth) off = std::min(off, std::abs(ours - l) / std::abs(l));
       CAPTURE(c, i, ours.real(), ours.imag());
       CHECK(off < 1e-8);
-      CHECK(std::abs(ours) == Approx(std::abs(truth[static_cast<std::size_t>(i)])).epsilon(1e-8));
+      CHECK(std::abs(ours) == Approx(std::abs(truth[i])).epsilon(1e-8));
     }
   }
 }

@@ -117,9 +117,7 @@ struct Machine {
     const Marker *P = &motor->p(), *S = &motor->s();
     const Evaluated& values = dynamics->evaluate(state);
     a = values.a;
-    const RowEntry& entry =
-        values.rows
-            .entries[static_cast<std::size_t>(values.rows.entry_of_link[static_cast<std::size_t>(motor->number())])];
+    const RowEntry& entry = values.rows.entries[values.rows.entry_of_link[motor->number()]];
     Vec3 lt = Vec3::Zero(), lr = Vec3::Zero();
     int row = entry.first_row;
     for (int k = 0; k < 6; ++k)

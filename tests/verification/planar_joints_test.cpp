@@ -68,7 +68,7 @@ System random_tree(std::uint64_t seed, Options o) {
   for (int k = 0; k < o.bodies; ++k) {
     const std::string name = std::to_string(k);
     Body& body = system.add_body("body" + name, {draw.number(0.5, 2), draw.vector(0.3), random_inertia(draw)}, home());
-    Body& on = *bodies[static_cast<std::size_t>(draw.number(0, 0.999) * double(bodies.size()))];
+    Body& on = *bodies[draw.number(0, 0.999) * double(bodies.size())];
     // Markers with one axis, number m, along the normal, in either sense.
     const int m = o.upright ? o.n : static_cast<int>(draw.number(0, 2.999));
     const bool down = draw.number(0, 1) < 0.5;
@@ -146,7 +146,7 @@ void check_motions(const System& system, const std::shared_ptr<const JointTree>&
   flat->outward(state, a), tree->motions(state, b);
   for (int slot = 0; slot < system.n_slots(); ++slot) {
     const Motion expected = tree->motion(state, slot);
-    for (const Motion* m : {&a[static_cast<std::size_t>(slot + 1)], &b[static_cast<std::size_t>(slot + 1)]}) {
+    for (const Motion* m : {&a[slot + 1], &b[slot + 1]}) {
       CHECK((m->x - expected.x).norm() < 1e-12);
       CHECK((m->A - expected.A).norm() < 1e-13);
       CHECK((m->e.coefficients() - expected.e.coefficients()).norm() < 1e-13);  // and their sign
@@ -203,7 +203,7 @@ System planar_system(std::uint64_t seed, int n, bool laws) {
     const Mat3 J = Vec3(draw.number(1, 2), draw.number(1, 2), draw.number(1, 2)).asDiagonal();
     Body& body = system.add_body("body" + name, MassProperties{draw.number(0.5, 2), flat(draw.vector(0.3)), J},
                                  Pose{flat(draw.vector(1.0)), about_normal()});
-    Body& on = *bodies[static_cast<std::size_t>(draw.number(0, 0.999) * double(bodies.size()))];
+    Body& on = *bodies[draw.number(0, 0.999) * double(bodies.size())];
     bodies.push_back(&body);
     const double kind = draw.number(0, 1);
     const auto marker = [&](const std::string& of, Body& b, const Quat& axes) -> Marker& {
@@ -251,7 +251,7 @@ class Witness final : public Auxiliary {
   }
   static std::vector<VecX> by_link(const RowTable& rows, const VecX& lambda) {
     std::vector<VecX> all(rows.entry_of_link.size());
-    for (const RowEntry& e : rows.entries) all[static_cast<std::size_t>(e.link)] = lambda.segment(e.first_row, e.m);
+    for (const RowEntry& e : rows.entries) all[e.link] = lambda.segment(e.first_row, e.m);
     return all;
   }
 

@@ -96,7 +96,7 @@ std::vector<T> evaluate_in(const lanes::Batch& batch, std::span<const T> inputs)
     const lanes::LaneNode& n = plan.nodes[k];
     if (n.turn != TreeTurn::hinge) continue;
     using std::cos, std::sin;
-    const T half = 0.5 * tree.z.y[n.q + static_cast<std::size_t>(n.n_slides)];
+    const T half = 0.5 * tree.z.y[n.q + n.n_slides];
     tree.z.cosine[k] = cos(half), tree.z.sine[k] = sin(half);
   }
   T* const rate = arrays.add(plan.n_q + plan.n_v);

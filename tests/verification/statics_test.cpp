@@ -95,9 +95,8 @@ struct Chain {
     for (int k = 0; k < 3; ++k) {
       const std::string number = std::to_string(k + 1);
       CAPTURE(number);
-      CHECK(std::abs(angle_of(*rods[static_cast<std::size_t>(k)], found.state) -
-                     exact("chain_planar", "angle " + number)) <= 1e-11);
-      const Vec3 x = body_pose(*rods[static_cast<std::size_t>(k)], found.state).x;
+      CHECK(std::abs(angle_of(*rods[k], found.state) - exact("chain_planar", "angle " + number)) <= 1e-11);
+      const Vec3 x = body_pose(*rods[k], found.state).x;
       CHECK(std::abs(x[0] - exact("chain_planar", "centre " + number + " x")) <= 1e-11);
       CHECK(std::abs(x[1] - exact("chain_planar", "centre " + number + " y")) <= 1e-11);
       CHECK(std::abs(x[2]) <= 1e-9);

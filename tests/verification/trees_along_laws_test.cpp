@@ -47,7 +47,7 @@ System arm(bool flat = false) {
                                 {Vec3(i + 0.5, 0, 0), {}});
     auto& hinge = system.add<Revolute>("hinge" + name, rod, *last,
                                        pose_at(Vec3(i, 0, 0), !flat && i % 2 ? Vec3::UnitY() : Vec3::UnitZ()));
-    const auto [amplitude, omega, phase] = kSwings[static_cast<std::size_t>(i)];
+    const auto [amplitude, omega, phase] = kSwings[i];
     hinge.drive(Axis::rz, laws::sine({.amplitude = amplitude, .omega = omega, .phase = phase}));
     last = &rod;
   }
@@ -146,7 +146,7 @@ TEST_CASE("rates of slots that laws alone move are the accelerations of omega", 
       system.motions(y, motions);
       Eigen::Index at = 0;
       for (const int k : y.coordinates->followed()) {
-        const Motion& O = motions[static_cast<std::size_t>(k + 1)];
+        const Motion& O = motions[k + 1];
         CHECK((rate.followed.segment<3>(at) - O.v).norm() < 1e-14);
         CHECK((rate.followed.segment<3>(at + 3) - O.A * O.w).norm() < 1e-14);
         CHECK((rate.followed.segment<6>(at + 6) - expected.segment<6>(6 * k)).norm() < 1e-12 * largest(expected));

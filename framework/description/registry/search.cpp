@@ -33,9 +33,8 @@ bool holds(const fs::path& folder, const fs::path& file) {
 }
 
 bool is_own_group(gid_t group) {
-  std::vector<gid_t> groups(static_cast<std::size_t>(std::max(0, getgroups(0, nullptr))));
-  if (!groups.empty())
-    groups.resize(static_cast<std::size_t>(std::max(0, getgroups(static_cast<int>(groups.size()), groups.data()))));
+  std::vector<gid_t> groups(std::max(0, getgroups(0, nullptr)));
+  if (!groups.empty()) groups.resize(std::max(0, getgroups(static_cast<int>(groups.size()), groups.data())));
   return group == getegid() || std::find(groups.begin(), groups.end(), group) != groups.end();
 }
 

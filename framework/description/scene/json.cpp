@@ -120,7 +120,7 @@ class TreeBuilder {
     double x = 0;  // remains where the number is too small for a double; one too large does not get here
     const auto [end, error] = std::from_chars(text_.data() + from, text_.data() + text_.size(), x);
     put(Value(x), at(from));
-    end_ = static_cast<std::size_t>(end - text_.data());
+    end_ = end - text_.data();
     return true;
   }
   bool put(Value v, SourceLocation where) {

@@ -55,7 +55,7 @@ const Value* parameter_at(const std::string& place, const Scene& scene) {
     const std::string rest = place.substr(std::string("parameters.").size() + p.name.size());
     if (rest.empty()) return &p.value;
     const bool component = rest.size() == 2 && rest[0] == '.' && rest[1] >= '0' && rest[1] <= '2';
-    if (component && p.value.list() != nullptr) return &(*p.value.list())[static_cast<std::size_t>(rest[1] - '0')];
+    if (component && p.value.list() != nullptr) return &(*p.value.list())[rest[1] - '0'];
   }
   return nullptr;
 }

@@ -117,7 +117,7 @@ double Evaluation::norm(const VecX& c) const {
   const double L = system_.length();
   for (const RowEntry& e : rows_.entries)
     for (int k = 0; k < e.m; ++k) {
-      const double x = length_per_unit(e.kind[static_cast<std::size_t>(k)], L) * std::abs(c[e.first_row + k]);
+      const double x = length_per_unit(e.kind[k], L) * std::abs(c[e.first_row + k]);
       worst = x > worst || std::isnan(x) ? x : worst;
     }
   return worst;

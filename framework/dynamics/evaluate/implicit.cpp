@@ -137,9 +137,8 @@ void NewtonMatrix::gather(const Evaluation& e, const VecX& lambda) {
   w.add_inertia(in);
   for (const RowEntry& entry : rows.entries) {
     std::array<double, kMaxRows> own{};  // all rows of the link; zero for those that a plane leaves out
-    for (int k = 0; k < entry.m; ++k)
-      own[static_cast<std::size_t>(entry.own[static_cast<std::size_t>(k)])] = lambda[entry.first_row + k];
-    const Lock& link = *system.links()[static_cast<std::size_t>(entry.link)];
+    for (int k = 0; k < entry.m; ++k) own[entry.own[k]] = lambda[entry.first_row + k];
+    const Lock& link = *system.links()[entry.link];
     named(link, in.t, [&] {
       add_tangent(link, in, {own.data(), static_cast<std::size_t>(link.row_count())}, w.tangents);
     });

@@ -22,7 +22,7 @@ void write_followed(std::span<const int> slots, std::span<const Motion> motions,
   if (out.size() != 12 * static_cast<Eigen::Index>(slots.size())) return;
   Eigen::Index at = 0;
   for (const int slot : slots) {
-    const Motion& O = motions[static_cast<std::size_t>(slot + 1)];
+    const Motion& O = motions[slot + 1];
     out.segment<3>(at) = O.v, out.segment<3>(at + 3) = O.A * O.w;
     out.segment<3>(at + 6) = a.segment<3>(6 * slot), out.segment<3>(at + 9) = O.A * a.segment<3>(6 * slot + 3);
     at += 12;
@@ -64,7 +64,7 @@ Dynamics::Tree& Dynamics::Tree::of(const State& state) {
 
 void Dynamics::Tree::find_turns(const System& system) {
   turns.clear(), n_angles = 0;
-  motions.assign(static_cast<std::size_t>(system.n_slots() + 1), {});
+  motions.assign(system.n_slots() + 1, {});
   for (const auto& angle : system.counted_angles())
     if (const auto turn = angle->turn(); turn && turn->slot != turn->other) find_turn(*angle, *turn);
   if (!turns.empty()) n_angles = system.counted_angles().size();
@@ -97,7 +97,7 @@ int axis_of(const TreeNode& n) {
 void Dynamics::Tree::find_turn(const CountedAngle& angle, const CountedAngle::Turn& turn) {
   const int slot = coordinates->node_of(turn.slot), other = coordinates->node_of(turn.other);
   const bool outward = slot > other;
-  const TreeNode& n = coordinates->nodes()[static_cast<std::size_t>(outward ? slot : other)];
+  const TreeNode& n = coordinates->nodes()[outward ? slot : other];
   AxisInBoth own{static_cast<std::size_t>(angle.number()), turn.slot, turn.other, Vec3::Zero(), Vec3::Zero()};
   if (const int k = n.parent == (outward ? other : slot) ? axis_of(n) : -1; k >= 0) {
     own.a = rotation(n.far_q).col(k), own.b = rotation(n.near_q).col(k);
@@ -106,15 +106,14 @@ void Dynamics::Tree::find_turn(const CountedAngle& angle, const CountedAngle::Tu
     if (!outward) std::swap(own.a, own.b), own.sign = -own.sign;
   } else if (const PlanarJoints* const plane = coordinates->planar()) {
     const auto normal = [&](int node) {
-      return node < 0 ? Vec3(Vec3::Unit(plane->plane().n))
-                      : plane->normal(plane->nodes()[static_cast<std::size_t>(node)]);
+      return node < 0 ? Vec3(Vec3::Unit(plane->plane().n)) : plane->normal(plane->nodes()[node]);
     };
     own.a = normal(slot), own.b = normal(other);
   }
   if (!(own.b.squaredNorm() > 0) || !are_parallel(own.b, turn.axis)) return;
   if (own.b.dot(turn.axis) < 0) own.a = -own.a, own.b = -own.b, own.sign = -own.sign;
   if (own.q >= 0) {
-    Motion& turned = motions[static_cast<std::size_t>(n.slot + 1)];
+    Motion& turned = motions[n.slot + 1];
     turned.e = n.K0, turned.A = rotation(n.K0);
     own.at_zero = angle.of_pose({.t = 0, .motions = motions, .s = {}, .z = {}});
     turned = {};
@@ -192,11 +191,11 @@ void Dynamics::lay_out_reactions(Tree& t) const {
   std::vector<bool> shown = t.modes;
   if (!t.reads_all) shown.assign(t.modes.size(), false);
   bool laws = false;
-  const auto show = [&](int link) { shown[static_cast<std::size_t>(link)] = laws = true; };
+  const auto show = [&](int link) { shown[link] = laws = true; };
   for (const TreeNode& n : t.coordinates->nodes())
     if (n.has_laws() || (n.left != 0 && may_have_laws(*n.lock))) show(n.link);
   for (const int link : t.coordinates->closures())
-    if (may_have_laws(*system_.links()[static_cast<std::size_t>(link)])) show(link);
+    if (may_have_laws(*system_.links()[link])) show(link);
   system_.lay_out(shown, t.rows);
   t.solves = t.reads_all || (any && laws), t.reads_power = power && laws && !t.solves;
   if (t.solves) t.reactions.begin(*t.coordinates, system_, t.rows);
@@ -217,7 +216,7 @@ double Dynamics::joint_law_power(Tree& t) {
   double power = 0;
   for (int k = 0; k < system_.n_slots(); ++k) {
     const Slot& slot = system_.slot(k);
-    const Motion& O = t.motions[static_cast<std::size_t>(k + 1)];
+    const Motion& O = t.motions[k + 1];
     const Vec3 force = slot.mass * t.a.segment<3>(6 * k) - t.f.segment<3>(6 * k);
     const Vec3 moment = slot.J * t.a.segment<3>(6 * k + 3) - t.f.segment<3>(6 * k + 3);
     power += O.v.dot(force) + O.w.dot(moment);
@@ -234,8 +233,8 @@ void Dynamics::joint_reactions(Tree& t, const Inputs& in) {
   load_closures(t);
   const ClosureRows& closures = t.closures();
   for (const RowEntry& e : t.rows.entries)
-    if (const int at = closures.empty() ? -1 : t.closure_rows.entry_of_link[static_cast<std::size_t>(e.link)]; at >= 0)
-      t.reactions.set(e, t.closure_rows.entries[static_cast<std::size_t>(at)], closures.lambda());
+    if (const int at = closures.empty() ? -1 : t.closure_rows.entry_of_link[e.link]; at >= 0)
+      t.reactions.set(e, t.closure_rows.entries[at], closures.lambda());
   t.reactions.solve(*t.coordinates, system_, t.motions, t.a, t.loaded, t.rows);
 }
 
@@ -269,7 +268,7 @@ void to_slot_coordinates(const System& system, State& state) {
   state.q = std::move(q), state.v = std::move(v);
   state.coordinates = nullptr;
   for (int k = 0; k < system.n_slots(); ++k) {
-    const Motion& O = motions[static_cast<std::size_t>(k + 1)];
+    const Motion& O = motions[k + 1];
     state.set_slot_pose(k, {O.x, normalized(O.e)});
     state.set_slot_twist(k, {O.v, O.w});
   }

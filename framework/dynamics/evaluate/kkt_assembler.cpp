@@ -16,7 +16,7 @@ void KktAssembler::lay_out_direct(const RowTable& rows) {
   const int n = system_.n_slots();
   p.rows = &rows;
   p.n = 6 * n, p.m = rows.n_rows;
-  p.width.assign(static_cast<std::size_t>(n), 6);
+  p.width.assign(n, 6);
   kkt_.masses.clear();
   p.plane = system_.plane();
   for (int k = 0; k < n; ++k) {
@@ -46,13 +46,11 @@ void KktAssembler::lay_out(const RowTable& rows, bool direct) {
     p.first.push_back(p.n);
     p.M.push_back(p.size_M);
     p.n += width;
-    p.size_M += static_cast<std::size_t>(width * width);
+    p.size_M += width * width;
   }
   const auto add = [&](KktLink link) {
     link.J = p.size_J;
-    for (int i = 0; i < link.n_slots; ++i)
-      p.size_J +=
-          static_cast<std::size_t>(link.m * p.width[static_cast<std::size_t>(link.slot[static_cast<std::size_t>(i)])]);
+    for (int i = 0; i < link.n_slots; ++i) p.size_J += static_cast<std::size_t>(link.m * p.width[link.slot[i]]);
     link.first_row = p.m;
     p.m += link.m;
     p.links.push_back(link);
@@ -61,7 +59,7 @@ void KktAssembler::lay_out(const RowTable& rows, bool direct) {
   n_links_ = static_cast<int>(p.links.size());
   if (formulation_ == Formulation::quaternion)
     for (int k = 0; k < n; ++k)
-      if (p.width[static_cast<std::size_t>(k)] == 7) add({-1, 0, 1, 1, {k}, {RowKind::function}, 0});
+      if (p.width[k] == 7) add({-1, 0, 1, 1, {k}, {RowKind::function}, 0});
 
   kkt_.M.assign(p.size_M, 0.0);
   kkt_.Minv.assign(p.size_M, 0.0);
@@ -95,31 +93,30 @@ void KktAssembler::update(const RowTable& rows, std::span<const Motion> motions)
   const KktPattern& p = kkt_.pattern;
   if (formulation_ == Formulation::quaternion)
     for (int k = 0; k < system_.n_slots(); ++k)
-      if (p.width[static_cast<std::size_t>(k)] == 7) write_mass(k, motions[static_cast<std::size_t>(k + 1)]);
+      if (p.width[k] == 7) write_mass(k, motions[k + 1]);
 
   const std::array<int, 6> columns = unknown_velocities(system_.plane());
   for (int l = 0; l < static_cast<int>(p.links.size()); ++l) {
-    const KktLink& link = p.links[static_cast<std::size_t>(l)];
+    const KktLink& link = p.links[l];
     double* out = kkt_.J.data() + link.J;
     if (l >= n_links_) {  // (2.6) Nq = q^T
-      const Quat& q = motions[static_cast<std::size_t>(link.slot[0] + 1)].e;
+      const Quat& q = motions[link.slot[0] + 1].e;
       out[0] = out[1] = out[2] = 0.0;
       out[3] = q.w, out[4] = q.x, out[5] = q.y, out[6] = q.z;
       continue;
     }
-    const RowView block = rows.block(rows.entries[static_cast<std::size_t>(l)]);
+    const RowView block = rows.block(rows.entries[l]);
     for (int i = 0; i < link.n_slots; ++i) {
-      const int slot = link.slot[static_cast<std::size_t>(i)], width = p.width[static_cast<std::size_t>(slot)];
+      const int slot = link.slot[i], width = p.width[slot];
       for (int k = 0; k < link.m; ++k, out += width) {
         const auto r = block.J(i, k);
         if (width <= 6) {
-          for (std::size_t c = 0; c < static_cast<std::size_t>(width); ++c)
-            out[c] = r[static_cast<std::size_t>(columns[c])];
+          for (int c = 0; c < width; ++c) out[c] = r[columns[c]];
           continue;
         }
         out[0] = r[0], out[1] = r[1], out[2] = r[2];
         if (width == 7) {  // (2.12) Jh_w G
-          const Quat& q = motions[static_cast<std::size_t>(slot + 1)].e;
+          const Quat& q = motions[slot + 1].e;
           const double a = 2 * r[3], b = 2 * r[4], c = 2 * r[5];
           out[3] = -a * q.x - b * q.y - c * q.z;
           out[4] = a * q.w - b * q.z + c * q.y;
@@ -141,13 +138,13 @@ void KktAssembler::load(const VecX& f6, const VecX& c6, std::span<const Motion> 
   int norm_row = static_cast<int>(c6.size());
   const std::array<int, 6> columns = unknown_velocities(system_.plane());
   for (int k = 0; k < system_.n_slots(); ++k) {
-    const int at = p.first[static_cast<std::size_t>(k)], width = p.width[static_cast<std::size_t>(k)];
+    const int at = p.first[k], width = p.width[k];
     if (width <= 6) {
-      for (int i = 0; i < width; ++i) f[at + i] = f6[6 * k + columns[static_cast<std::size_t>(i)]];
+      for (int i = 0; i < width; ++i) f[at + i] = f6[6 * k + columns[i]];
       continue;
     }
     f.segment<3>(at) = f6.segment<3>(6 * k);
-    const Motion& O = motions[static_cast<std::size_t>(k + 1)];
+    const Motion& O = motions[k + 1];
     const Vec3 tau = f6.segment<3>(6 * k + 3);
     if (!moving) {
       f.segment<4>(at + 3) = G_matrix(O.e).transpose() * tau;
@@ -171,15 +168,15 @@ void KktAssembler::unload(const VecX& a, const VecX& lambda, std::span<const Mot
   lambda6 = lambda.head(n_rows);
   const std::array<int, 6> columns = unknown_velocities(system_.plane());
   for (int k = 0; k < system_.n_slots(); ++k) {
-    const int at = p.first[static_cast<std::size_t>(k)], width = p.width[static_cast<std::size_t>(k)];
+    const int at = p.first[k], width = p.width[k];
     if (width <= 6) {
       a6.segment<6>(6 * k).setZero();
-      for (int c = 0; c < width; ++c) a6[6 * k + columns[static_cast<std::size_t>(c)]] = a[at + c];
+      for (int c = 0; c < width; ++c) a6[6 * k + columns[c]] = a[at + c];
       continue;
     }
     a6.segment<3>(6 * k) = a.segment<3>(at);
     // (1.9) al = G qdd
-    a6.segment<3>(6 * k + 3) = G_matrix(motions[static_cast<std::size_t>(k + 1)].e) * a.segment<4>(at + 3);
+    a6.segment<3>(6 * k + 3) = G_matrix(motions[k + 1].e) * a.segment<4>(at + 3);
   }
 }
 

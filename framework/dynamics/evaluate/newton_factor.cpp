@@ -30,13 +30,12 @@ void NewtonFactor<T>::factor(const NewtonNumbers& N, T a, T b, T c) {
       A.diagonal().template head<3>().array() += a * N.mass[k].m();
       A.template bottomRightCorner<3, 3>() += a * N.mass[k].J();
     }
-    for (int i = 0; i < N.width[static_cast<std::size_t>(row)]; ++i)
-      for (int j = 0; j < N.width[static_cast<std::size_t>(column)]; ++j)
-        A_[p](i, j) = A(N.velocity[static_cast<std::size_t>(i)], N.velocity[static_cast<std::size_t>(j)]);
+    for (int i = 0; i < N.width[row]; ++i)
+      for (int j = 0; j < N.width[column]; ++j) A_[p](i, j) = A(N.velocity[i], N.velocity[j]);
   }
   double* J = J_.data();
   N.for_each_row(N.J, [&](int, int slot, const double* r) {
-    for (int j = 0; j < N.width[static_cast<std::size_t>(slot)]; ++j) J[j] = r[N.velocity[static_cast<std::size_t>(j)]];
+    for (int j = 0; j < N.width[slot]; ++j) J[j] = r[N.velocity[j]];
     J += 6;
   });
   // Where the mass dominates, the Schur complement of the rows is s/a; so the proximal term is scaled alike
@@ -52,8 +51,7 @@ template <class T>
 void NewtonFactor<T>::fill(const NewtonNumbers& N) {
   blocks_.clear();
   for (std::size_t p = 0; p < A_.size(); ++p) {
-    const int n_rows = N.width[static_cast<std::size_t>(N.tangents.pairs()[p].row)],
-              n_columns = N.width[static_cast<std::size_t>(N.tangents.pairs()[p].column)];
+    const int n_rows = N.width[N.tangents.pairs()[p].row], n_columns = N.width[N.tangents.pairs()[p].column];
     T* out = blocks_.at(N.pairs[p].at);
     for (int i = 0; i < n_rows; ++i)
       for (int j = 0; j < n_columns; ++j) out[N.pairs[p].transposed ? j * n_rows + i : i * n_columns + j] = A_[p](i, j);
@@ -64,7 +62,7 @@ void NewtonFactor<T>::fill(const NewtonNumbers& N) {
   const BlockPlan::Place* place = N.row_places.data();
   for (const RowEntry& e : N.entries)
     for (int i = 0; i < e.slots.n; ++i, J += 6 * e.m, ++place) {
-      const int width = N.width[static_cast<std::size_t>(e.slots[i])];
+      const int width = N.width[e.slots[i]];
       T *U = blocks_.at(place->at), *L = U + e.m * width;
       for (int k = 0; k < e.m; ++k)
         for (int j = 0; j < width; ++j) {
@@ -89,8 +87,7 @@ void NewtonFactor<T>::factor_dense(const NewtonNumbers& N) {
   ++n_dense_;
   Mat A = Mat::Zero(N.n + N.m, N.n + N.m);
   for (std::size_t p = 0; p < A_.size(); ++p) {
-    const auto row = static_cast<std::size_t>(N.tangents.pairs()[p].row),
-               column = static_cast<std::size_t>(N.tangents.pairs()[p].column);
+    const std::size_t row = N.tangents.pairs()[p].row, column = N.tangents.pairs()[p].column;
     A.block(N.first[row], N.first[column], N.width[row], N.width[column]) =
         A_[p].topLeftCorner(N.width[row], N.width[column]);
   }
@@ -118,10 +115,9 @@ void NewtonFactor<T>::add_correction(const NewtonNumbers& N) {
 template <class Visit>
 void for_each_unknown(const NewtonNumbers& N, Visit&& visit) {
   for (std::size_t k = 0; k < N.width.size(); ++k)
-    for (int j = 0; j < N.width[k]; ++j) visit(N.first[k] + j, N.velocity[static_cast<std::size_t>(j)] < 3 ? 0u : 1u);
+    for (int j = 0; j < N.width[k]; ++j) visit(N.first[k] + j, N.velocity[j] < 3 ? 0u : 1u);
   for (const RowEntry& e : N.entries)
-    for (int k = 0; k < e.m; ++k)
-      visit(N.n + e.first_row + k, 2u + static_cast<unsigned>(e.kind[static_cast<std::size_t>(k)]));
+    for (int k = 0; k < e.m; ++k) visit(N.n + e.first_row + k, 2u + static_cast<unsigned>(e.kind[k]));
 }
 
 /// d = b - A x without the proximal term, and its largest component relative to the terms of its equation. An equation
@@ -143,8 +139,7 @@ typename NewtonFactor<T>::Residual NewtonFactor<T>::measure(const NewtonNumbers&
   d_ = b_;
   size_ = b_.cwiseAbs();
   for (std::size_t p = 0; p < A_.size(); ++p) {
-    const auto row = static_cast<std::size_t>(N.tangents.pairs()[p].row),
-               column = static_cast<std::size_t>(N.tangents.pairs()[p].column);
+    const std::size_t row = N.tangents.pairs()[p].row, column = N.tangents.pairs()[p].column;
     const int i = N.first[row], j = N.first[column];
     for_size(N.width[row], [&]<int kI>(std::integral_constant<int, kI>) {
       T sum[kI] = {};
@@ -186,8 +181,7 @@ SolveReport NewtonFactor<T>::solve(const NewtonNumbers& N, const Vec& f, const V
   SolveReport report;
   const auto for_each_velocity = [&](auto&& visit) {  // visit(unknown, its index among six per slot)
     for (std::size_t k = 0; k < N.width.size(); ++k)
-      for (int j = 0; j < N.width[k]; ++j)
-        visit(N.first[k] + j, 6 * static_cast<int>(k) + N.velocity[static_cast<std::size_t>(j)]);
+      for (int j = 0; j < N.width[k]; ++j) visit(N.first[k] + j, 6 * static_cast<int>(k) + N.velocity[j]);
   };
   for_each_velocity([&](int i, int at) { b_[i] = f[at]; });
   b_.tail(N.m) = r;

@@ -32,8 +32,7 @@ MatX rows_transposed(const Evaluation& e) {
     for (int i = 0; i < entry.slots.n; ++i)
       for (int k = 0; k < entry.m; ++k) {
         const std::array<double, 6> J = block.J(i, k);
-        for (int c = 0; c < 6; ++c)
-          Jt(6 * entry.slots[i] + c, entry.first_row + k) += (c < 3 ? 1 : per_turn) * J[static_cast<std::size_t>(c)];
+        for (int c = 0; c < 6; ++c) Jt(6 * entry.slots[i] + c, entry.first_row + k) += (c < 3 ? 1 : per_turn) * J[c];
       }
   }
   return Jt;

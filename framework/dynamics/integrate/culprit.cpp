@@ -40,7 +40,7 @@ Given given_at(Dynamics& dynamics, const State& state) {
       if (force->reacting()) force->reacting()->react(e.inputs(), reactions, sum);
     });
   }
-  directions.resize(static_cast<std::size_t>(e.rows().n_rows)), asked = directions;
+  directions.resize(e.rows().n_rows), asked = directions;
   for (const RowEntry& entry : e.rows().entries) {
     const RowView block = e.rows().block(entry);
     for (int k = 0; k < entry.m; ++k) {
@@ -108,7 +108,7 @@ std::vector<std::string> moved_by_laws(Dynamics& dynamics, const State& state) {
   std::vector<std::string> names;
   for (const RowEntry& entry : e.rows().entries)
     if (Cd.segment(entry.first_row, entry.m).any())
-      names.push_back("'" + dynamics.system().links()[static_cast<std::size_t>(entry.link)]->name() + "'");
+      names.push_back("'" + dynamics.system().links()[entry.link]->name() + "'");
   return names;
 }
 

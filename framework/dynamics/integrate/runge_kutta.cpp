@@ -80,7 +80,7 @@ void Stages::begin(const Tableau& tableau, const State& y, bool watch) {
   for (int i = 0; i < tableau.n_all; ++i) a_.emplace_back(tableau.a + i * tableau.stride, i);
   b_ = Weights(tableau.b, tableau.n_stages);
   stage_ = y;
-  k_.resize(static_cast<std::size_t>(tableau.n_all));
+  k_.resize(tableau.n_all);
   for (StateRate& k : k_) k = sized_like(y);
   conditioning_.fill({});
 }
@@ -88,18 +88,18 @@ void Stages::begin(const Tableau& tableau, const State& y, bool watch) {
 bool Stages::evaluate(Dynamics& dynamics, const State& y, double h, int first, int last, StagesOn on) {
   if (y.z.size() > 0) stage_.z = y.z;
   for (int i = first; i < last; ++i) {
-    const Weights& a = a_[static_cast<std::size_t>(i)];
+    const Weights& a = a_[i];
     const bool is_start = a.n == 0 && on == StagesOn::plain;  // Y_1 = y
     if (!is_start) combine(y, h, a, stage_), stage_.t = y.t + tableau_.c[i] * h;
     if (on == StagesOn::manifold && !dynamics.project(stage_, 0).converged) return false;
     const State& at = is_start ? y : stage_;
-    StateRate& k = k_[static_cast<std::size_t>(i)];
+    StateRate& k = k_[i];
     if (!watch_) {
       dynamics.rates(at, k);
       continue;
     }
     const SolveReport solved = dynamics.rates_with_report(at, k);
-    conditioning_[static_cast<std::size_t>(i)] = {solved.detector, solved.smallest_pivot, solved.residual};
+    conditioning_[i] = {solved.detector, solved.smallest_pivot, solved.residual};
   }
   return true;
 }

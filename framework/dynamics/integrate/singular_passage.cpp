@@ -78,7 +78,7 @@ bool SingularPassage::evaluate(Dynamics& dynamics, const State& y, double h, int
   seen_.indicator = std::min(seen_.indicator, c.indicator()), seen_.limit = false;
   if (!near() || on_ == StagesOn::plain || round_off(std::sqrt(c.detector)) < relative_) return true;
   if (y.z.size() > 0) stage_.z = y.z;
-  stages.combine(y, h, a_[static_cast<std::size_t>(i)], stage_);
+  stages.combine(y, h, a_[i], stage_);
   stage_.t = y.t + stages.tableau().c[i] * h;
   const Sides sides = both_sides_.find(dynamics, stage_, c.detector, rate_);
   constexpr double d = SingularRate::kDelta;

@@ -73,7 +73,7 @@ bool ErrorNorm::Moving::are_of(const State& y) const {
 
 void ErrorNorm::Moving::at(const State& y, int n_s) {
   t = y.t, q = y.q, v = y.v, s = y.s.head(n_s), coordinates = y.coordinates;
-  motions.resize(static_cast<std::size_t>(y.coordinates->n_slots() + 1));  // the ground, at rest, is never written
+  motions.resize(y.coordinates->n_slots() + 1);  // the ground, at rest, is never written
   y.coordinates->motions(y, motions);
 }
 
@@ -112,7 +112,7 @@ double ErrorNorm::of(const StateRate& error, const State& y1) {
   if (y1.coordinates) {
     y1.coordinates->variations(y1, now_.motions, error, dx_, dv_);
     for (Eigen::Index k = 0; k < dx_.size(); k += 6) {
-      const Motion& O = now_.motions[static_cast<std::size_t>(k / 6 + 1)];
+      const Motion& O = now_.motions[k / 6 + 1];
       const Vec3 phi = dx_.segment<3>(k + 3), w = dv_.segment<3>(k + 3) - cross(phi, Vec3(O.A * O.w));  // slot axes
       const double x = dx_.segment<3>(k).squaredNorm(), r = phi.squaredNorm(), v = dv_.segment<3>(k).squaredNorm();
       c.take(x, r, v, w.squaredNorm());

@@ -5,7 +5,7 @@ namespace lockstep {
 Weights::Weights(const double* all, int n_all) {
   for (int i = 0; i < n_all; ++i) {
     if (all[i] == 0) continue;
-    stage[n] = static_cast<std::size_t>(i);
+    stage[n] = i;
     w[n++] = all[i];
   }
 }

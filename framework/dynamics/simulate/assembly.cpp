@@ -37,7 +37,7 @@ void meet(Dynamics& dynamics, State& state, const std::vector<VelocityTarget>& t
   for (double before = std::numeric_limits<double>::infinity();;) {
     double largest = 0;
     for (Eigen::Index i = 0; i < m; ++i) {
-      const VelocityTarget& target = targets[static_cast<std::size_t>(i)];
+      const VelocityTarget& target = targets[i];
       const Lock& link = paired_link(dynamics.system(), target.link, target.axis);
       const CoordinateRow at = coordinate_row(dynamics, state, link, target.axis);
       rows.row(i) = at.of_rate.transpose();
@@ -127,9 +127,9 @@ bool only_laws_move(Dynamics& dynamics, const State& given) {
   const Evaluation& e = dynamics.gather_rows(given);
   VecX C = Residuals(e).C;
   for (const RowEntry& entry : e.rows().entries) {
-    const Lock& link = *dynamics.system().links()[static_cast<std::size_t>(entry.link)];
+    const Lock& link = *dynamics.system().links()[entry.link];
     for (int k = 0; k < entry.m; ++k)
-      if (link.row(entry.own[static_cast<std::size_t>(k)]).drive >= 0) C[entry.first_row + k] = 0;
+      if (link.row(entry.own[k]).drive >= 0) C[entry.first_row + k] = 0;
   }
   return e.norm(C) < start_limit();
 }

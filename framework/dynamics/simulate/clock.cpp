@@ -90,7 +90,7 @@ void Clock::refresh_breakpoints(double t, double limit, double largest) {
 
 double Clock::output_time(long k) const {
   const std::vector<double>& times = options_.output_times;
-  if (!times.empty()) return k < static_cast<long>(times.size()) ? times[static_cast<std::size_t>(k)] : kNever;
+  if (!times.empty()) return k < static_cast<long>(times.size()) ? times[k] : kNever;
   if (!(options_.output > 0)) return kNever;
   const double t = t_start_ + static_cast<double>(k) * options_.output;
   return std::abs(t - t_end_) < kNegligible * options_.output ? t_end_ : t;

@@ -31,7 +31,7 @@ void for_each_gradient(const Evaluation& e, const Act& act) {
         const auto J = block.J(i, k);
         for (std::size_t c = 0; c < 6; ++c) square += J[c] * J[c] / (c < 3 ? 1.0 : L * L);
       }
-      act(entry.first_row + k, entry.kind[static_cast<std::size_t>(k)], std::sqrt(square));
+      act(entry.first_row + k, entry.kind[k], std::sqrt(square));
     }
   }
 }
@@ -42,13 +42,12 @@ VecX row_sizes(const Evaluation& at, const VecX& c) {
   VecX sizes = VecX::Zero(c.size());
   const double L = at.system().length();
   for (const RowEntry& e : at.rows().entries)
-    for (int k = 0; k < e.m; ++k)
-      sizes[e.first_row + k] = length_per_unit(e.kind[static_cast<std::size_t>(k)], L) * std::abs(c[e.first_row + k]);
+    for (int k = 0; k < e.m; ++k) sizes[e.first_row + k] = length_per_unit(e.kind[k], L) * std::abs(c[e.first_row + k]);
   return sizes;
 }
 
 std::string worst_rows(const Evaluation& e, const VecX& sizes) {
-  std::vector<int> order(static_cast<std::size_t>(sizes.size()));
+  std::vector<int> order(sizes.size());
   std::iota(order.begin(), order.end(), 0);
   std::ranges::sort(order, std::greater{}, [&](int row) { return sizes[row]; });
   std::vector<std::string> words;
@@ -100,8 +99,7 @@ double start_distance(const Evaluation& e, const VecX& C) {
 void check_start(Dynamics& dynamics, const State& s, double limit) {
   const Evaluation& at = dynamics.gather_rows(s);
   check_gradients(at);
-  for (const RowEntry& entry : at.rows().entries)
-    check_not_folded(at, *at.system().links()[static_cast<std::size_t>(entry.link)]);
+  for (const RowEntry& entry : at.rows().entries) check_not_folded(at, *at.system().links()[entry.link]);
   const VecX C = Residuals(at).C;
   const double c = start_distance(at, C);
   if (!(c <= limit))
@@ -168,9 +166,9 @@ void check_links(Dynamics& dynamics, const State& state, const std::vector<std::
   const VecX sizes = row_sizes(at, Residuals(at).C);
   for (const std::string& name : links) {
     const Lock& link = dynamics.system().link(name);
-    const int entry = rows.entry_of_link[static_cast<std::size_t>(link.number())];
+    const int entry = rows.entry_of_link[link.number()];
     if (entry < 0) continue;
-    const RowEntry& e = rows.entries[static_cast<std::size_t>(entry)];
+    const RowEntry& e = rows.entries[entry];
     const double violation = sizes.segment(e.first_row, e.m).lpNorm<Eigen::Infinity>();
     if (!(violation <= limit))
       throw AssemblyError(

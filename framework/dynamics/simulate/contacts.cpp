@@ -58,14 +58,14 @@ double Contacts::gap_dd(std::size_t i, const Evaluated& v) {
   double cdd = -block.Qhat(0);
   for (int k = 0; k < slots.n; ++k) {
     const auto r = block.J(k, 0);
-    for (int j = 0; j < 6; ++j) cdd += r[static_cast<std::size_t>(j)] * v.a[6 * slots[k] + j];
+    for (int j = 0; j < 6; ++j) cdd += r[j] * v.a[6 * slots[k] + j];
   }
   return contact.sign * cdd;
 }
 
 int Contacts::row(std::size_t i, const RowTable& rows) const {
-  const int entry = rows.entry_of_link[static_cast<std::size_t>(number(i))];
-  return entry < 0 ? -1 : rows.entries[static_cast<std::size_t>(entry)].first_row;
+  const int entry = rows.entry_of_link[number(i)];
+  return entry < 0 ? -1 : rows.entries[entry].first_row;
 }
 
 }  // namespace lockstep

@@ -43,10 +43,10 @@ class LOCKSTEP_API Contacts {
   Contact& operator[](std::size_t i) { return all_[i]; }
   const Contact& operator[](std::size_t i) const { return all_[i]; }
 
-  bool in_force(std::size_t i, const State& s) const { return s.modes[static_cast<std::size_t>(number(i))]; }
+  bool in_force(std::size_t i, const State& s) const { return s.modes[number(i)]; }
   /// Whether no event has switched it off.
-  bool watched(std::size_t i, const State& s) const { return s.watched[static_cast<std::size_t>(number(i))]; }
-  void put(std::size_t i, bool in_force, State& s) const { s.modes[static_cast<std::size_t>(number(i))] = in_force; }
+  bool watched(std::size_t i, const State& s) const { return s.watched[number(i)]; }
+  void put(std::size_t i, bool in_force, State& s) const { s.modes[number(i)] = in_force; }
   int number(std::size_t i) const { return all_[i].link->number(); }
 
   /// The gap as the link sees it, whether or not it is in force.

@@ -24,7 +24,7 @@ const Lock* switched_of_decided(const System& system, const std::vector<bool>& m
   std::vector<const Lock*> links;  // of each edge, in force before or after the event
   std::vector<std::pair<int, int>> edges;
   for (const auto& link : system.links()) {
-    const bool counts = modes[static_cast<std::size_t>(link->number())] || switches(event, link->name());
+    const bool counts = modes[link->number()] || switches(event, link->name());
     if (system.merged(*link) || !counts) continue;
     const std::vector<int> ends = ends_of(system, *link);
     for (std::size_t i = 0; i < ends.size(); ++i)

@@ -44,11 +44,11 @@ class LOCKSTEP_API LastSteps {
     double t;
     std::uint64_t touched;
   };
-  static std::size_t place(long n) { return static_cast<std::size_t>(n % kKept); }
+  static std::size_t place(long n) { return n % kKept; }
 
   double t_begin_ = 0;
   long n_ = 0;  // since begin()
-  std::array<End, static_cast<std::size_t>(kKept)> ends_{};
+  std::array<End, kKept> ends_{};
 };
 
 }  // namespace lockstep

@@ -71,7 +71,7 @@ std::vector<StartTarget> targets_of(const System& system, const State& state, co
   std::vector<StartTarget> all;
   for (const auto& link : system.links()) {
     const Jointed* joint = link->jointed();
-    if (joint == nullptr || !state.modes[static_cast<std::size_t>(link->number())]) continue;
+    if (joint == nullptr || !state.modes[link->number()]) continue;
     int number = -1;
     for (const Drive& drive : joint->imposed().drives) {
       ++number;
@@ -148,16 +148,16 @@ void TargetRows::take_links(const Evaluation& e) {
   E_.setZero(C.size() + most, n_), c_.setZero(C.size() + most), exact_ = C.size();
   S_.setZero(most, n_), r_.setZero(most), soft_ = 0;
   for (const RowEntry& entry : e.rows().entries) {
-    const Lock& link = *system_.links()[static_cast<std::size_t>(entry.link)];
+    const Lock& link = *system_.links()[entry.link];
     for (int k = 0; k < entry.m; ++k) {
       const int row = entry.first_row + k;
-      if (is_led(link, link.row(entry.own[static_cast<std::size_t>(k)]).drive)) {
+      if (is_led(link, link.row(entry.own[k]).drive)) {
         C[row] = 0;
         continue;
       }
       for (int i = 0; i < entry.slots.n; ++i) {
         const auto J = e.rows().block(entry).J(i, k);
-        for (int j = 0; j < 6; ++j) E_(row, 6 * entry.slots[i] + j) += J[static_cast<std::size_t>(j)];
+        for (int j = 0; j < 6; ++j) E_(row, 6 * entry.slots[i] + j) += J[j];
       }
     }
   }

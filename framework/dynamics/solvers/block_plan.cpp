@@ -82,7 +82,7 @@ void BlockPlan::lay_out(const BlockGraph& graph, bool is_symmetric) {
     std::sort(begin, later.end(), [](const Later& a, const Later& b) { return a.place < b.place; });
     for (auto s = begin; s != later.end(); ++s) {
       s->U = size;
-      size += static_cast<std::size_t>((symmetric ? 1 : 2) * pivot.width * s->width);
+      size += (symmetric ? 1 : 2) * pivot.width * s->width;
     }
   }
   for (Node& pivot : nodes) {

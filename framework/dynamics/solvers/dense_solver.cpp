@@ -111,7 +111,7 @@ void DenseFactorization::fill_B(const Kkt& kkt) {
   });
   for (const KktLink& link : kkt.pattern.links)
     for (int i = 0; i < link.n_slots; ++i) {
-      const auto slot = static_cast<std::size_t>(link.slot[static_cast<std::size_t>(i)]);
+      const auto slot = static_cast<std::size_t>(link.slot[i]);
       for (int j = link.first_row; j < link.first_row + link.m; ++j)
         solve_lower(&L_[kkt.pattern.M[slot]], kkt.pattern.width[slot], &Bt_(kkt.pattern.first[slot], j));
     }

@@ -6,9 +6,7 @@
 namespace lockstep {
 
 /// The kind of row k of a link; a unit-length row counts as a function.
-inline RowKind kind_of(const KktLink& link, int k) {
-  return link.link < 0 ? RowKind::function : link.kind[static_cast<std::size_t>(k)];
-}
+inline RowKind kind_of(const KktLink& link, int k) { return link.link < 0 ? RowKind::function : link.kind[k]; }
 
 /// visit(link, first unknown of the slot, its width, offset of the m x width Jacobian in Kkt::J), in the order of
 /// Kkt::J.
@@ -17,9 +15,9 @@ void for_each_jacobian(const KktPattern& pattern, Visit&& visit) {
   for (const KktLink& link : pattern.links) {
     std::size_t at = link.J;
     for (int i = 0; i < link.n_slots; ++i) {
-      const auto slot = static_cast<std::size_t>(link.slot[static_cast<std::size_t>(i)]);
+      const auto slot = static_cast<std::size_t>(link.slot[i]);
       visit(link, pattern.first[slot], pattern.width[slot], at);
-      at += static_cast<std::size_t>(link.m * pattern.width[slot]);
+      at += link.m * pattern.width[slot];
     }
   }
 }
@@ -63,7 +61,7 @@ void add_row_diagonal(const Kkt& kkt, S& s, Take&& take) {
   for (const KktLink& link : kkt.pattern.links) {
     std::size_t at = link.J;
     for (int i = 0; i < link.n_slots; ++i) {
-      const auto slot = static_cast<std::size_t>(link.slot[static_cast<std::size_t>(i)]);
+      const auto slot = static_cast<std::size_t>(link.slot[i]);
       const int width = kkt.pattern.width[slot];
       const bool takes = take();
       for (int j = 0; j < link.m; ++j, at += static_cast<std::size_t>(width))

@@ -82,7 +82,7 @@ struct LOCKSTEP_API Plan {
   }
 
  private:
-  static std::size_t size(int n) { return static_cast<std::size_t>(n); }
+  static std::size_t size(int n) { return n; }
 };
 
 LOCKSTEP_API Plan make_plan(const RowTable& rows, int n_slots, bool planar);

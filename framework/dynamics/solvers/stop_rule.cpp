@@ -29,7 +29,7 @@ std::array<double, 3> pivot_floors(const Kkt& kkt, double eps) {
       if (kind_of(link, j) != RowKind::translation) continue;
       double arm2 = 0;
       for (int i = first; i < width; ++i) {
-        const double a = kkt.J[at + static_cast<std::size_t>(j * width + i)];
+        const double a = kkt.J[at + (j * width + i)];
         arm2 += a * a;
       }
       floors.arm2 = std::max(floors.arm2, arm2);

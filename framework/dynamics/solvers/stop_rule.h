@@ -95,7 +95,7 @@ bool refine(int& corrections, Measure&& measure, Within&& within, Raise&& raise,
 /// that indicate a singular position.
 class PivotWatch {
  public:
-  void begin(int n_rows) { pivots_.reserve(static_cast<std::size_t>(n_rows)); }
+  void begin(int n_rows) { pivots_.reserve(n_rows); }
   /// `each` calls its argument with the pivot of every row, its diagonal, and its RowKind. floors(): what proximal terms
   /// would leave of a redundant row by kind, as in what_counts_as_small(); asked only if it matters.
   template <class Each, class Floors>
@@ -115,7 +115,8 @@ class PivotWatch {
     const std::array<double, 3> left = floors();
     pivots_.clear();
     each([&](double pivot, double diagonal, std::size_t kind) {
-      pivots_.push_back({pivot / diagonal, pivot / what_counts_as_small(diagonal, left[kind])});
+      pivots_.push_back(
+          {pivot / diagonal, pivot / what_counts_as_small(diagonal, left[static_cast<std::size_t>(kind)])});
     });
     small_ = static_cast<int>(std::ranges::count_if(pivots_, [](const Pivot& p) { return p.share < 1; }));
     redundant_ = std::min(redundant < 0 ? small_ : redundant, static_cast<int>(pivots_.size()));

@@ -15,8 +15,8 @@ inline bool keep_present(unsigned absent, RowEntry& e) {
   int kept = 0;
   for (int k = 0; k < e.m; ++k)
     if ((absent >> k & 1U) == 0) {
-      e.own[static_cast<std::size_t>(kept)] = e.own[static_cast<std::size_t>(k)];
-      e.kind[static_cast<std::size_t>(kept++)] = e.kind[static_cast<std::size_t>(k)];
+      e.own[kept] = e.own[k];
+      e.kind[kept++] = e.kind[k];
     }
   if (kept == e.m) return true;
   e.m = kept, e.layout = RowLayout::dense;
@@ -41,7 +41,7 @@ inline void take_out(std::span<const unsigned> absent, RowTable& table) {
         runs.push_back({static_cast<int>(entries.size()), 1, run.first_link + i, false, run.in_parts || !whole});
       together = whole;
       if (e.m == 0) continue;
-      table.entry_of_link[static_cast<std::size_t>(e.link)] = static_cast<int>(entries.size());
+      table.entry_of_link[e.link] = static_cast<int>(entries.size());
       entries.push_back(e);
     }
   }

@@ -46,18 +46,18 @@ bool is_grounded(const Lock& link, const RowEntry& e) {
 
 ClosureFronts::ClosureFronts(const JointTree& tree, const System& system, const RowTable& table)
     : n_nodes(tree.nodes().size()) {
-  std::vector<std::size_t> node_of(static_cast<std::size_t>(system.n_slots()));
+  std::vector<std::size_t> node_of(system.n_slots());
   for (std::size_t k = 0; k < n_nodes; ++k) {
     const TreeNode& t = tree.nodes()[k];
-    node_of[static_cast<std::size_t>(t.slot)] = k;
+    node_of[t.slot] = k;
     parents.push_back(t.parent < 0 ? n_nodes : static_cast<std::size_t>(t.parent));
   }
   std::vector<Rows> open(n_nodes), closing(n_nodes), grounded;
   std::vector<std::vector<int>> together(n_nodes);  // of each node: those of `grounded` that pass through it
   for (const RowEntry& e : table.entries) {
     std::vector<std::size_t> at;
-    for (int i = 0; i < e.slots.n; ++i) at.push_back(node_of[static_cast<std::size_t>(e.slots[i])]);
-    const Paths paths = paths_of(at, is_grounded(*system.links()[static_cast<std::size_t>(e.link)], e), parents);
+    for (int i = 0; i < e.slots.n; ++i) at.push_back(node_of[e.slots[i]]);
+    const Paths paths = paths_of(at, is_grounded(*system.links()[e.link], e), parents);
     Rows own;
     for (int k = 0; k < e.m; ++k) own.push_back(e.first_row + k);
     for (const std::size_t k : paths.nodes) open[k].insert(open[k].end(), own.begin(), own.end());
@@ -72,7 +72,7 @@ ClosureFronts::ClosureFronts(const JointTree& tree, const System& system, const 
   for (std::size_t k = 0; k < n_nodes; ++k)
     if (parents[k] < n_nodes) together[k].clear();  // at the roots they all meet
   add_at_ground(grounded, together);
-  sources.resize(static_cast<std::size_t>(table.n_rows));
+  sources.resize(table.n_rows);
   sort_open();
   link();
   add_sides(table, node_of);
@@ -107,13 +107,13 @@ void ClosureFronts::add_at_ground(const std::vector<Rows>& entries, const std::v
   std::vector<std::size_t> order_of(entries.size());
   for (MinimumDegree order(std::move(neighbours), std::move(weights)); !order.done();) {
     MinimumDegree::Pivot pivot = order.next();
-    order_of[static_cast<std::size_t>(pivot.node)] = below.size();
+    order_of[pivot.node] = below.size();
     below.push_back(std::move(pivot.below));
     below.back().push_back(pivot.node);  // itself, last
   }
   const auto first_of = [&](const auto& some) {
     std::size_t first = entries.size();
-    for (const int e : some) first = std::min(first, order_of[static_cast<std::size_t>(e)]);
+    for (const int e : some) first = std::min(first, order_of[e]);
     return n_nodes + first;
   };
   for (std::size_t k = 0; k < n_nodes; ++k)
@@ -121,10 +121,9 @@ void ClosureFronts::add_at_ground(const std::vector<Rows>& entries, const std::v
   for (const std::vector<int>& group : below) {
     const std::span<const int> later(group.data(), group.size() - 1);
     Rows open;
-    for (const int e : later)
-      open.insert(open.end(), entries[static_cast<std::size_t>(e)].begin(), entries[static_cast<std::size_t>(e)].end());
+    for (const int e : later) open.insert(open.end(), entries[e].begin(), entries[e].end());
     parents.push_back(first_of(later));
-    add(open, entries[static_cast<std::size_t>(group.back())], 0);
+    add(open, entries[group.back()], 0);
   }
 }
 
@@ -134,14 +133,13 @@ void ClosureFronts::sort_open() {
   std::vector<int> order(sources.size(), 0);  // by row: when it is eliminated
   int n = 0;
   const auto eliminate = [&](const ClosureFront& front) {
-    for (int i = front.n; i-- > front.n_open;) order[static_cast<std::size_t>(row_of(front, i))] = n++;
+    for (int i = front.n; i-- > front.n_open;) order[row_of(front, i)] = n++;
   };
   for (std::size_t k = n_nodes; k-- > 0;) eliminate(all[k]);
   for (std::size_t k = n_nodes; k < all.size(); ++k) eliminate(all[k]);
   for (const ClosureFront& front : all)
-    std::ranges::sort(
-        std::span(rows).subspan(static_cast<std::size_t>(front.first), static_cast<std::size_t>(front.n_open)),
-        std::ranges::greater(), [&](int row) { return order[static_cast<std::size_t>(row)]; });
+    std::ranges::sort(std::span(rows).subspan(front.first, static_cast<std::size_t>(front.n_open)),
+                      std::ranges::greater(), [&](int row) { return order[row]; });
 }
 
 // The numbers of open rows at the parents.
@@ -152,22 +150,21 @@ void ClosureFronts::link() {
     const ClosureFront& front = all[k];
     if (front.n_open == 0) continue;
     const ClosureFront& up = all[parents[k]];
-    for (int i = 0; i < up.n; ++i) number[static_cast<std::size_t>(row_of(up, i))] = i;
-    for (int i = 0; i < front.n_open; ++i)
-      above[static_cast<std::size_t>(front.first + i)] = number[static_cast<std::size_t>(row_of(front, i))];
+    for (int i = 0; i < up.n; ++i) number[row_of(up, i)] = i;
+    for (int i = 0; i < front.n_open; ++i) above[front.first + i] = number[row_of(front, i)];
   }
 }
 
 void ClosureFronts::add_sides(const RowTable& table, const std::vector<std::size_t>& node_of) {
   for (const RowEntry& e : table.entries)
     for (int k = 0; k < e.m; ++k) {
-      ClosureSource& source = sources[static_cast<std::size_t>(e.first_row + k)];
-      source = {static_cast<int>(sides.size()), e.slots.n, e.kind[static_cast<std::size_t>(k)]};
+      ClosureSource& source = sources[e.first_row + k];
+      source = {static_cast<int>(sides.size()), e.slots.n, e.kind[k]};
       for (int i = 0; i < e.slots.n; ++i) {
         ClosureSide side;
-        side.node = static_cast<int>(node_of[static_cast<std::size_t>(e.slots[i])]);
-        side.place = all[static_cast<std::size_t>(side.node)].first;
-        while (rows[static_cast<std::size_t>(side.place)] != e.first_row + k) ++side.place;
+        side.node = static_cast<int>(node_of[e.slots[i]]);
+        side.place = all[side.node].first;
+        while (rows[side.place] != e.first_row + k) ++side.place;
         sides.push_back(side);
       }
     }

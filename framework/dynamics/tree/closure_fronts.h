@@ -35,16 +35,14 @@ struct LOCKSTEP_API ClosureFronts {
   /// Of a tree of this system, and the rows of its closures.
   ClosureFronts(const JointTree&, const System&, const RowTable&);
 
-  int row_of(const ClosureFront& f, int i) const { return rows[static_cast<std::size_t>(f.first + i)]; }
+  int row_of(const ClosureFront& f, int i) const { return rows[f.first + i]; }
 
   /// The place of a row at the node of its first side, where its l begins.
-  std::size_t place_of(std::size_t row) const {
-    return static_cast<std::size_t>(sides[static_cast<std::size_t>(sources[row].first_side)].place);
-  }
+  std::size_t place_of(std::size_t row) const { return static_cast<std::size_t>(sides[sources[row].first_side].place); }
   /// The place of an open row of a front at its parent.
   int place_above(std::size_t front, int i) const {
     const ClosureFront& f = all[front];
-    return all[parents[front]].first + above[static_cast<std::size_t>(f.first + i)];
+    return all[parents[front]].first + above[f.first + i];
   }
 
   /// By node, then those of the ground: one for each link that ends there, in the order of their elimination.

@@ -19,8 +19,8 @@ void ClosureRows::begin(ClosureFronts fronts, double length, double mass_ratio) 
   fronts_ = std::move(fronts);
   differ_in_mass_ = std::numeric_limits<double>::epsilon() * mass_ratio > kRowTolerance;
   length_ = length, worst_ = 0, worst_row_ = -1, redundant_ = Kkt::kUnknown;
-  Lambda_.assign(static_cast<std::size_t>(fronts_.n_Lambda), 0.0);
-  V_.assign(static_cast<std::size_t>(fronts_.n_V), 0.0);
+  Lambda_.assign(fronts_.n_Lambda, 0.0);
+  V_.assign(fronts_.n_V, 0.0);
   l_.assign(fronts_.rows.size(), 0.0);
   const auto n = static_cast<Eigen::Index>(fronts_.sources.size());
   for (VecX* v : {&c_, &diagonal_, &scale_, &d_, &lambda_, &r_, &size_, &dlambda_}) v->setZero(n);
@@ -47,7 +47,7 @@ void ClosureRows::residuals(std::span<const Motion> motions, const RowTable& tab
       const int row = e.first_row + k;
       C[row] = block.C(k), Cd[row] = block.Ct(k);
       for (int i = 0; i < e.slots.n; ++i) {
-        const Motion& O = motions[static_cast<std::size_t>(e.slots[i] + 1)];
+        const Motion& O = motions[e.slots[i] + 1];
         const std::array<double, 6> J = block.J(i, k);
         Cd[row] += Vec3(J[0], J[1], J[2]).dot(O.v) + Vec3(J[3], J[4], J[5]).dot(O.w);
       }

@@ -50,8 +50,7 @@ Operations count_in_omega(const System& system, const std::vector<bool>& modes, 
   system.lay_out(modes, all);
   Operations sum = schur::count_operations(schur::make_plan(all, system.n_slots(), bool(system.plane())));
   for (const RowEntry& e : all.entries)
-    if (closures.entry_of_link[static_cast<std::size_t>(e.link)] < 0)
-      sum.add((system.plane() ? kInPlane : kInSpace).row * e.m, 1);
+    if (closures.entry_of_link[e.link] < 0) sum.add((system.plane() ? kInPlane : kInSpace).row * e.m, 1);
   return sum;
 }
 

@@ -72,7 +72,7 @@ struct Free {
 Free free_in_space(Mask held, const MarkerFrame& S) {
   Free f;
   for (int k = 0; k < 3; ++k)
-    if (!includes(held, row_bit(k))) f.slide[static_cast<std::size_t>(f.n_slides++)] = S.A0.col(k);
+    if (!includes(held, row_bit(k))) f.slide[f.n_slides++] = S.A0.col(k);
   if (!overlaps(held, Mask::e123)) {
     f.turn = TreeTurn::ball;
   } else if (!includes(held, Mask::e123)) {
@@ -108,8 +108,8 @@ Free free_in_plane(Mask held, const MarkerFrame& S, Plane plane) {
     if (includes(held, row_bit(k)) && are_perpendicular(S.A0.col(k), normal, kNegligible))
       held_in = S.A0.col(k), ++n_held;
   for (int k = 0; k < space.n_slides; ++k)
-    if (const Vec3& along = space.slide[static_cast<std::size_t>(k)]; are_perpendicular(along, normal, kNegligible))
-      f.slide[static_cast<std::size_t>(f.n_slides++)] = along;
+    if (const Vec3& along = space.slide[k]; are_perpendicular(along, normal, kNegligible))
+      f.slide[f.n_slides++] = along;
   if (f.n_slides == 2 - n_held) return f;
   f.n_slides = 2 - n_held;
   f.slide[0] = n_held == 1 ? Vec3(cross(normal, held_in)) : Vec3(Vec3::Unit(plane.i()));
@@ -170,7 +170,7 @@ std::pair<int, int> slots_of(const Lock& link) {
 std::pair<std::vector<int>, std::vector<int>> tree_and_closures(const System& system, const std::vector<bool>& modes) {
   std::vector<GraphLink> links;
   for (const auto& link : system.links()) {
-    if (system.merged(*link) || !modes[static_cast<std::size_t>(link->number())]) continue;
+    if (system.merged(*link) || !modes[link->number()]) continue;
     const bool is_joint = refusal(*link, system.plane()).empty();
     const int n_held = is_joint ? count_held(*link, system.plane()) : 0;
     if (is_joint && n_held == 0 && system.plane()) continue;
@@ -191,13 +191,13 @@ class Graph {
   };
   Graph(const System& system, const std::vector<int>& links)
       : edges_(static_cast<std::size_t>(system.n_slots() + 1), links, [&](int link, auto&& add) {
-          const auto [a, b] = slots_of(*system.links()[static_cast<std::size_t>(link)]);
+          const auto [a, b] = slots_of(*system.links()[link]);
           add(at(a), {link, b}), add(at(b), {link, a});
         }) {}
   std::span<const Edge> of(int slot) const { return edges_[at(slot)]; }
 
  private:
-  static std::size_t at(int slot) { return static_cast<std::size_t>(slot + 1); }  // the ground first
+  static std::size_t at(int slot) { return slot + 1; }  // the ground first
   Buckets<Edge> edges_;
 };
 
@@ -208,7 +208,7 @@ std::shared_ptr<const JointTree> JointTree::of(const System& system, const std::
   why_not = obstacle(system);
   if (!why_not.empty()) return nullptr;
   const auto tree = std::make_shared<JointTree>();
-  tree->node_of_.assign(static_cast<std::size_t>(system.n_slots()), -1);
+  tree->node_of_.assign(system.n_slots(), -1);
   const auto [joints, others] = tree_and_closures(system, modes);
   tree->closures_ = others, tree->has_rows_ = tree->may_be_redundant_ = !others.empty();
   tree->grow(system, Graph(system, joints));
@@ -226,11 +226,9 @@ std::shared_ptr<const JointTree> JointTree::of(const System& system, const std::
 
 // Of links whose rows read a memory; "" where there is none.
 std::string JointTree::refusal_of_memories(const System& system) const {
-  const auto reads_memory = [&](int link) {
-    return system.links()[static_cast<std::size_t>(link)]->n_own_memory() > 0;
-  };
+  const auto reads_memory = [&](int link) { return system.links()[link]->n_own_memory() > 0; };
   const auto refused = [&](int link) {
-    return "link '" + system.links()[static_cast<std::size_t>(link)]->name() +
+    return "link '" + system.links()[link]->name() +
            "' keeps a memory from step to step (ways), which long steps outrun";
   };
   if (const auto link = std::ranges::find_if(closures_, reads_memory); link != closures_.end()) return refused(*link);
@@ -241,7 +239,7 @@ std::string JointTree::refusal_of_memories(const System& system) const {
 
 // The first link that closes a loop, or whose joint leaves rows.
 const Lock& JointTree::link_with_rows(const System& system) const {
-  if (!closures_.empty()) return *system.links()[static_cast<std::size_t>(closures_.front())];
+  if (!closures_.empty()) return *system.links()[closures_.front()];
   return *std::ranges::find_if(nodes_, [](const TreeNode& n) { return n.left != 0; })->lock;
 }
 
@@ -252,7 +250,7 @@ void JointTree::grow(const System& system, const G& graph) {
     int slot, parent, link;  // the slot, its parent's node, the link between them
   };
   std::vector<Open> open;
-  nodes_.reserve(static_cast<std::size_t>(system.n_slots()));
+  nodes_.reserve(system.n_slots());
   const auto hang_on = [&](int slot, int node, int by) {
     for (auto e = graph.of(slot).rbegin(); e != graph.of(slot).rend(); ++e)
       if (e->link != by) open.push_back({e->other, node, e->link});
@@ -265,7 +263,7 @@ void JointTree::grow(const System& system, const G& graph) {
       add_node(system, o.slot, o.parent, o.link);
       hang_on(o.slot, static_cast<int>(nodes_.size()) - 1, o.link);
     }
-    while (next < system.n_slots() && node_of_[static_cast<std::size_t>(next)] >= 0) ++next;
+    while (next < system.n_slots() && node_of_[next] >= 0) ++next;
     if (next == system.n_slots()) return;
     open.push_back({next, -1, -1});
   }
@@ -280,7 +278,7 @@ void JointTree::add_node(const System& system, int slot, int parent, int link) {
   if (link < 0) {
     P.slot = slot;  // the slot's own frame, seen from the world's
   } else {
-    const Lock& lock = *system.links()[static_cast<std::size_t>(link)];
+    const Lock& lock = *system.links()[link];
     const auto [p, s] = lock.pairs().front();
     P = MarkerFrame(*p), S = MarkerFrame(*s);
     held = closed_form(lock.jointed()->rows(), system.plane());
@@ -323,7 +321,7 @@ void JointTree::add_node(const System& system, int slot, int parent, int link) {
   }
   match_sign(system, node);
   n_q_ += node.n_q(), n_v_ += node.n_v();
-  node_of_[static_cast<std::size_t>(slot)] = static_cast<int>(nodes_.size());
+  node_of_[slot] = static_cast<int>(nodes_.size());
   nodes_.push_back(std::move(node));
 }
 
@@ -343,7 +341,7 @@ void JointTree::match_sign(const System& system, TreeNode& node) const {
     } catch (const Error&) {  // not defined at the start, where its link is not in force
       return;
     }
-  const Quat parent = node.parent < 0 ? Quat{} : system.slot(nodes_[static_cast<std::size_t>(node.parent)].slot).home.q,
+  const Quat parent = node.parent < 0 ? Quat{} : system.slot(nodes_[node.parent].slot).home.q,
              r = conjugate(near) * (conjugate(parent) * system.slot(node.slot).home.q) * far;
   if ((conjugate(law) * (node.reversed ? conjugate(r) : r)).w >= 0) return;
   node.near_q = -node.near_q, node.K0 = -node.K0, node.K1 = -node.K1;

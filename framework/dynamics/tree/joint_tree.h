@@ -72,7 +72,7 @@ struct alignas(64) TreeNode {
   Vec3 hinge = Vec3::Zero();               ///< axis of a hinge, in the axes of P and of D
   Quat near_q, far_q;                      ///< axes of near and far
 
-  const Vec3& slide(int k) const { return axes->slide[static_cast<std::size_t>(k)]; }
+  const Vec3& slide(int k) const { return axes->slide[k]; }
   bool has_laws() const { return imposed || moving; }
   int n_v() const { return n_slides + (turn == TreeTurn::none ? 0 : turn == TreeTurn::hinge ? 1 : 3); }
   int n_q() const { return n_slides + (turn == TreeTurn::none ? 0 : turn == TreeTurn::hinge ? 1 : 4); }
@@ -105,7 +105,7 @@ class LOCKSTEP_API JointTree final : public Coordinates {
 
   const std::vector<TreeNode>& nodes() const { return nodes_; }  ///< parents before their children
   /// Number of the node of a slot; -1 for the ground.
-  int node_of(int slot) const { return slot < 0 ? -1 : node_of_[static_cast<std::size_t>(slot)]; }
+  int node_of(int slot) const { return slot < 0 ? -1 : node_of_[slot]; }
   const std::vector<int>& closures() const { return closures_; }  ///< numbers of the links in force beside the tree
   /// Whether rows beside the joints may depend on others: those of closures and of functions. A turn alone never does.
   bool may_be_redundant() const { return may_be_redundant_; }
@@ -121,8 +121,8 @@ class LOCKSTEP_API JointTree final : public Coordinates {
   void add_node(const System&, int slot, int parent, int link);
   void match_sign(const System& system, TreeNode& node) const;
   // Numbers of the motions of a node, and of the node `node` (-1: the ground), where the ground's is the first.
-  static std::size_t motion_of(const TreeNode& node) { return static_cast<std::size_t>(node.slot + 1); }
-  std::size_t motion_of(int node) const { return node < 0 ? 0 : motion_of(nodes_[static_cast<std::size_t>(node)]); }
+  static std::size_t motion_of(const TreeNode& node) { return node.slot + 1; }
+  std::size_t motion_of(int node) const { return node < 0 ? 0 : motion_of(nodes_[node]); }
 
   std::vector<TreeNode> nodes_;
   std::vector<int> node_of_;  // of each slot

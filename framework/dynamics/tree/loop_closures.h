@@ -74,19 +74,19 @@ LOCKSTEP_INLINE void LoopClosures<Space>::read(const Slots& slots, std::span<con
     for (int k = 0; k < e.m; ++k) {
       const int row = e.first_row + k;
       c_[row] = block.Qhat(k);
-      const ClosureSource& source = fronts_.sources[static_cast<std::size_t>(row)];
+      const ClosureSource& source = fronts_.sources[row];
       double l = -c_[row];
       for (int i = 0; i < source.n_sides; ++i) {
         const auto at = static_cast<std::size_t>(source.first_side + i);
         const ClosureSide& side = fronts_.sides[at];
         const auto node = static_cast<std::size_t>(side.node);
-        const Motion& motion = motions[static_cast<std::size_t>(e.slots[i] + 1)];
+        const Motion& motion = motions[e.slots[i] + 1];
         Wrench& J = J_[at];
         J = slots.read_side(block, i, k, node, motion, diagonal_[row]);
         if (source.kind == RowKind::translation) arm2 = std::max(arm2, squares(J).second);
         Wrench K = J;
         l += slots.move_to_joint(node, K);
-        K_[static_cast<std::size_t>(side.place)] += K;
+        K_[side.place] += K;
       }
       open.l_of(static_cast<std::size_t>(row)) = l;
     }

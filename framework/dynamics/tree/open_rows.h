@@ -158,7 +158,7 @@ struct OpenRows {
       const Numbers V = V_of + (front.V + v);
       Number sum{};
       for (int i = 0; i < front.n_open; ++i) sum += V[i * n_v] * multipliers[fronts.row_of(front, i)];
-      less_[static_cast<std::size_t>(v)] = sum;
+      less_[v] = sum;
     }
     return less_.data();
   }

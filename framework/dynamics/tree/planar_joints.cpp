@@ -44,7 +44,7 @@ std::shared_ptr<const PlanarJoints> PlanarJoints::of(std::span<const TreeNode> t
 bool PlanarJoints::add(std::span<const TreeNode> tree, std::size_t k, std::vector<Standing>& all) {
   const TreeNode& t = tree[k];
   if (t.turn == TreeTurn::ball || t.n_slides > 2 || t.moving) return false;
-  const Standing p = t.parent < 0 ? standing(Quat{}) : all[static_cast<std::size_t>(t.parent)];
+  const Standing p = t.parent < 0 ? standing(Quat{}) : all[t.parent];
   const Standing own = all.emplace_back(standing(normalized(p.e * t.K0)));
 
   PlanarNode& n = nodes_.emplace_back();
@@ -63,7 +63,7 @@ bool PlanarJoints::add(std::span<const TreeNode> tree, std::size_t k, std::vecto
   for (int l = 0; l < t.n_slides; ++l) {
     const Vec3 slide = carrier * t.slide(l);
     if (!are_perpendicular(slide, normal)) return false;
-    n.slide[static_cast<std::size_t>(l)] = flat(slide);
+    n.slide[l] = flat(slide);
   }
   if (t.imposed) {
     const Vec3 normal_S = rotation(t.reversed ? t.far_q : t.near_q).transpose() * axis_of(carrier, plane_.n);
@@ -101,14 +101,14 @@ LOCKSTEP_INLINE void PlanarJoints::motions_along(std::span<const TreeNode> tree,
     const PlanarNode& n = nodes_[l];
     PlanarFrame p, own;
     if (n.parent >= 0) {
-      const PlanarNode& parent = nodes_[static_cast<std::size_t>(n.parent)];
-      p = read_frame<k>(out[static_cast<std::size_t>(parent.slot + 1)], posture(parent));
+      const PlanarNode& parent = nodes_[n.parent];
+      p = read_frame<k>(out[parent.slot + 1], posture(parent));
     }
     PlanarImposed now;
     if (n.law >= 0) now = planar_laws_at(tree[l], law(n), y.t, y.s);
     carry(n, n.law < 0 ? nullptr : &now, half.cosine(), half.sine(), y.q.data() + n.first_q, y.v.data() + n.first_v, p,
           own);
-    write_motion<k>(own, posture(n), out[static_cast<std::size_t>(n.slot + 1)]);
+    write_motion<k>(own, posture(n), out[n.slot + 1]);
   }
 }
 

@@ -93,12 +93,10 @@ class LOCKSTEP_API PlanarJoints {
   Plane plane() const { return plane_; }
   const std::vector<PlanarNode>& nodes() const { return nodes_; }
   /// Null where slot axes are the frame's.
-  const Posture* posture(const PlanarNode& n) const {
-    return n.posture < 0 ? nullptr : &postures_[static_cast<std::size_t>(n.posture)];
-  }
+  const Posture* posture(const PlanarNode& n) const { return n.posture < 0 ? nullptr : &postures_[n.posture]; }
   /// The normal in slot axes.
   Vec3 normal(const PlanarNode& n) const { return n.posture < 0 ? Vec3(Vec3::Unit(plane_.n)) : posture(n)->normal; }
-  const PlanarLaw& law(const PlanarNode& n) const { return laws_[static_cast<std::size_t>(n.law)]; }
+  const PlanarLaw& law(const PlanarNode& n) const { return laws_[n.law]; }
   /// As Coordinates::motions; `tree`: the nodes that these were made of.
   void motions(std::span<const TreeNode> tree, const State&, std::span<Motion> out) const;
 

@@ -32,7 +32,7 @@ LOCKSTEP_INLINE void inward(Slots& slots, Rows& rows, Waiting& waiting, AddSlot&
     const InwardPlace& place = slots.place(k);
     if (!from_next) IA = Inertia{};
     if (place.own >= 0) {
-      Inertia& here = waiting[static_cast<std::size_t>(place.own)];
+      Inertia& here = waiting[place.own];
       IA.add(here), here = Inertia{};
     }
     add_slot(k, IA);
@@ -44,7 +44,7 @@ LOCKSTEP_INLINE void inward(Slots& slots, Rows& rows, Waiting& waiting, AddSlot&
           if (place.to != -1) joint.shift(IA);
         });
     from_next = place.to == InwardPlace::kNext;
-    if (place.to >= 0) waiting[static_cast<std::size_t>(place.to)].add(IA);
+    if (place.to >= 0) waiting[place.to].add(IA);
   }
   rows.close_at_ground();
 }

@@ -25,7 +25,7 @@ class PlanarSlots {
     const std::vector<PlanarNode>& nodes = joints_.nodes();
     nodes_.resize(nodes.size() + 1), frames_.resize(nodes_.size());
     if (std::ranges::any_of(nodes, [](const PlanarNode& n) { return n.n_slides > 0 || !n.turns; }))
-      dofs_.resize(static_cast<std::size_t>(tree.n_v()));
+      dofs_.resize(tree.n_v());
     const std::vector<InwardPlace> places = inward_places(nodes, n_waiting_);
     for (std::size_t k = 0; k < nodes.size(); ++k) {
       const PlanarNode& n = nodes[k];
@@ -35,7 +35,7 @@ class PlanarSlots {
       b.m = slot.mass, b.J = normal.dot(slot.J * normal), b.place = places[k], b.posture = n.posture;
       b.slot = n.slot, b.parent = n.parent, b.first_v = n.first_v, b.n_v = n.n_slides + (n.turns ? 1 : 0);
       if (n.turns && n.n_slides == 0) b.sign = n.sign > 0 ? 1 : -1;
-      if (n.turns && n.n_slides > 0) dofs_[static_cast<std::size_t>(n.first_v + n.n_slides)].S.al = n.sign;
+      if (n.turns && n.n_slides > 0) dofs_[n.first_v + n.n_slides].S.al = n.sign;
     }
   }
 
@@ -149,11 +149,9 @@ class PlanarSlots {
         const PlanarFrame& carrier = n.reversed ? own : p;
         b.c.a += 2.0 * carrier.w * across(add.slide) + add.pdd;
         b.c.al = add.alpha;
-        for (int i = 0; i < n.n_slides; ++i)
-          dofs_[static_cast<std::size_t>(n.first_v + i)].S.a =
-              turned(carrier.c, carrier.s, n.slide[static_cast<std::size_t>(i)]);
+        for (int i = 0; i < n.n_slides; ++i) dofs_[n.first_v + i].S.a = turned(carrier.c, carrier.s, n.slide[i]);
       }
-      write_motion<k>(own, joints_.posture(n), motions[static_cast<std::size_t>(n.slot + 1)]);
+      write_motion<k>(own, joints_.posture(n), motions[n.slot + 1]);
     }
   }
   Vec3 normal(std::size_t k) const { return joints_.normal(joints_.nodes()[k]); }

@@ -30,7 +30,7 @@ class SpatialSlots {
   using Largest = lockstep::Largest;
 
   SpatialSlots(const JointTree& tree, const System& system, bool has_closures) : tree_(tree) {
-    nodes_.resize(tree.nodes().size()), dofs_.resize(static_cast<std::size_t>(tree.n_v()));
+    nodes_.resize(tree.nodes().size()), dofs_.resize(tree.n_v());
     masses_.reserve(nodes_.size());
     for (const TreeNode& n : tree.nodes()) {
       const Mat3& J = system.slot(n.slot).J;
@@ -74,13 +74,13 @@ class SpatialSlots {
             return half_angle(tree_.nodes()[i], y.q.data() + tree_.nodes()[i].first_q);
           });
       if (nodes_.size() > kCached && k + kAhead < nodes_.size())
-        ask_for<1>(&motions[static_cast<std::size_t>(tree_.nodes()[k + kAhead].slot + 1)], sizeof(Motion));
+        ask_for<1>(&motions[tree_.nodes()[k + kAhead].slot + 1], sizeof(Motion));
       const TreeNode& n = tree_.nodes()[k];
       const bool root = n.parent < 0;
-      const std::size_t parent = static_cast<std::size_t>(std::max(n.parent, 0));
+      const std::size_t parent = std::max(n.parent, 0);
       const Motion& p = motions[root ? 0 : static_cast<std::size_t>(tree_.nodes()[parent].slot + 1)];
       const Vec3& wp = root ? still : nodes_[parent].w;
-      Motion& own = motions[static_cast<std::size_t>(n.slot + 1)];
+      Motion& own = motions[n.slot + 1];
       Node& b = nodes_[k];
       if (n.moving) {
         outward_moving(n, y, p, wp, own, b);
@@ -102,11 +102,11 @@ class SpatialSlots {
                                 Space::Inertia& IA) const {
     if (nodes_.size() > kCached && k >= kAhead) {
       const int slot = tree_.nodes()[k - kAhead].slot;
-      ask_for<0>(&motions[static_cast<std::size_t>(slot + 1)].A, sizeof(Mat3));
+      ask_for<0>(&motions[slot + 1].A, sizeof(Mat3));
       ask_for<0>(forces.data() + 6 * slot, 6 * sizeof(double));
     }
     const int slot = tree_.nodes()[k].slot;
-    const Motion& motion = motions[static_cast<std::size_t>(slot + 1)];
+    const Motion& motion = motions[slot + 1];
     const double* f = forces.data() + 6 * slot;
     const auto& [m, J] = masses_[k];
     const Columns A = columns(motion.A);
@@ -125,13 +125,12 @@ class SpatialSlots {
   LOCKSTEP_INLINE const Twist& put(std::size_t k, const Twist& found) { return nodes_[k].found = found; }
   Twist read(std::size_t k, std::span<const Motion> motions, const VecX& a) const {
     const int slot = tree_.nodes()[k].slot;
-    return {column(a.segment<3>(6 * slot)),
-            column(motions[static_cast<std::size_t>(slot + 1)].A * a.segment<3>(6 * slot + 3))};
+    return {column(a.segment<3>(6 * slot)), column(motions[slot + 1].A * a.segment<3>(6 * slot + 3))};
   }
   void write(std::size_t k, std::span<const Motion> motions, VecX& a) const {
     const int slot = tree_.nodes()[k].slot;
     a.segment<3>(6 * slot) = vector(nodes_[k].found.a);
-    a.segment<3>(6 * slot + 3) = motions[static_cast<std::size_t>(slot + 1)].A.transpose() * vector(nodes_[k].found.al);
+    a.segment<3>(6 * slot + 3) = motions[slot + 1].A.transpose() * vector(nodes_[k].found.al);
   }
 
   LOCKSTEP_INLINE Space::Wrench read_side(const RowView& rows, int i, int k, std::size_t node, const Motion& motion,

@@ -29,9 +29,7 @@ bool may_have_laws(const System& system) {
 
 bool leave_out_normal_rows(const JointTree& tree, const System& system, RowTable& table) {
   const Plane plane = tree.planar()->plane();
-  const auto link_of = [&](const RowEntry& e) -> const Lock& {
-    return *system.links()[static_cast<std::size_t>(e.link)];
-  };
+  const auto link_of = [&](const RowEntry& e) -> const Lock& { return *system.links()[e.link]; };
   if (std::ranges::any_of(table.entries, [&](const RowEntry& e) { return !link_of(e).stays_in_plane(plane); }))
     return false;
   std::vector<unsigned> absent(table.entries.size(), 0U);
@@ -44,7 +42,7 @@ bool leave_out_normal_rows(const JointTree& tree, const System& system, RowTable
       const RowEntry& e = table.entries[l];
       const std::span<const RowAtStart> rows = at_start.of(link_of(e));
       for (int k = 0; k < e.m; ++k) {
-        const RowAtStart& r = rows[static_cast<std::size_t>(e.own[static_cast<std::size_t>(k)])];
+        const RowAtStart& r = rows[e.own[k]];
         if (r.lies_in() && r.is_tilted()) return false;
         if (r.lies_in()) continue;
         const bool is_met = r.demand <= kNegligible * std::max(1.0, system.length());

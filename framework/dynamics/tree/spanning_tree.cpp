@@ -60,7 +60,7 @@ class Growth {
   }
 
  private:
-  static std::size_t node(int slot) { return static_cast<std::size_t>(slot + 1); }
+  static std::size_t node(int slot) { return slot + 1; }
   std::pair<std::size_t, std::size_t> ends(std::size_t link) const {
     return {node(links_[link].a), node(links_[link].b)};
   }

@@ -16,8 +16,7 @@ namespace {
 std::string obstacle_of_rows(const System& system, const RowTable& rows) {
   if (rows.held > 0) return "rows hold that nearly depend on others";
   for (const RowEntry& e : rows.entries)
-    if (e.slots.n == 0)
-      return "link '" + system.links()[static_cast<std::size_t>(e.link)]->name() + "' touches nothing that moves";
+    if (e.slots.n == 0) return "link '" + system.links()[e.link]->name() + "' touches nothing that moves";
   return "";
 }
 
@@ -25,18 +24,18 @@ std::string obstacle_of_rows(const System& system, const RowTable& rows) {
 RowTable rows_beside(const JointTree& tree, const System& system, std::size_t n_links) {
   std::vector<bool> shown(n_links, false);
   std::vector<unsigned> left(n_links, 0U);
-  for (const int link : tree.closures()) shown[static_cast<std::size_t>(link)] = true;
+  for (const int link : tree.closures()) shown[link] = true;
   for (const TreeNode& n : tree.nodes())
-    if (n.left != 0) shown[static_cast<std::size_t>(n.link)] = true, left[static_cast<std::size_t>(n.link)] = n.left;
+    if (n.left != 0) shown[n.link] = true, left[n.link] = n.left;
   RowTable table;
   system.lay_out(shown, table);
   if (std::ranges::all_of(left, [](unsigned own) { return own == 0; })) return table;
   std::vector<unsigned> absent;
   for (const RowEntry& e : table.entries) {
-    const unsigned own = left[static_cast<std::size_t>(e.link)];
+    const unsigned own = left[e.link];
     unsigned gone = 0;  // by place in the entry
     for (int k = 0; own != 0 && k < e.m; ++k)
-      if ((own >> e.own[static_cast<std::size_t>(k)] & 1U) == 0) gone |= 1U << k;
+      if ((own >> e.own[k] & 1U) == 0) gone |= 1U << k;
     absent.push_back(gone);
   }
   take_out(absent, table);

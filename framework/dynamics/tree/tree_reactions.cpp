@@ -11,8 +11,7 @@ void TreeReactions::begin(const JointTree& tree, const System& system, const Row
   carried_.assign(tree.nodes().size(), {});
   node_of_link_.assign(system.links().size(), -1);
   for (std::size_t k = 0; k < tree.nodes().size(); ++k)
-    if (const int link = tree.nodes()[k].link; link >= 0)
-      node_of_link_[static_cast<std::size_t>(link)] = static_cast<int>(k);
+    if (const int link = tree.nodes()[k].link; link >= 0) node_of_link_[link] = static_cast<int>(k);
   lambda_.setZero(rows.n_rows);
   length_ = system.length();
 }
@@ -21,18 +20,17 @@ void TreeReactions::solve(const JointTree& tree, const System& system, std::span
                           const VecX& f, const RowTable& rows) {
   wrenches(tree, system, motions, a, f);
   for (const RowEntry& e : rows.entries) {
-    if (node_of_link_[static_cast<std::size_t>(e.link)] < 0) continue;
-    const auto node = static_cast<std::size_t>(node_of_link_[static_cast<std::size_t>(e.link)]);
+    if (node_of_link_[e.link] < 0) continue;
+    const auto node = static_cast<std::size_t>(node_of_link_[e.link]);
     const TreeNode& n = tree.nodes()[node];
-    multipliers(e, rows, motions[static_cast<std::size_t>(n.slot + 1)], carried_[node], system.slot(n.slot), n);
+    multipliers(e, rows, motions[n.slot + 1], carried_[node], system.slot(n.slot), n);
   }
 }
 
 void TreeReactions::set(const RowEntry& e, const RowEntry& other, const VecX& lambda) {
   int next = 0;
   for (int k = 0; k < e.m; ++k) {
-    const bool there =
-        next < other.m && other.own[static_cast<std::size_t>(next)] == e.own[static_cast<std::size_t>(k)];
+    const bool there = next < other.m && other.own[next] == e.own[k];
     lambda_[e.first_row + k] = there ? lambda[other.first_row + next++] : 0.0;
   }
 }
@@ -44,16 +42,16 @@ void TreeReactions::wrenches(const JointTree& tree, const System& system, std::s
   for (Wrench& w : carried_) w = {};
   for (std::size_t k = carried_.size(); k-- > 0;) {
     const TreeNode& n = tree.nodes()[k];
-    const Motion& own = motions[static_cast<std::size_t>(n.slot + 1)];
+    const Motion& own = motions[n.slot + 1];
     const Slot& slot = system.slot(n.slot);
     Wrench& w = carried_[k];
     w.force += slot.mass * a.segment<3>(6 * n.slot) - f.segment<3>(6 * n.slot);
     w.moment += own.A * (slot.J * a.segment<3>(6 * n.slot + 3) - f.segment<3>(6 * n.slot + 3));
     if (n.parent < 0) continue;
-    const int parent = tree.nodes()[static_cast<std::size_t>(n.parent)].slot;
-    Wrench& p = carried_[static_cast<std::size_t>(n.parent)];
+    const int parent = tree.nodes()[n.parent].slot;
+    Wrench& p = carried_[n.parent];
     p.force += w.force;
-    const Vec3 r = own.x - motions[static_cast<std::size_t>(parent + 1)].x;
+    const Vec3 r = own.x - motions[parent + 1].x;
     p.moment += w.moment + cross(r, w.force);
   }
 }
@@ -67,19 +65,19 @@ void TreeReactions::multipliers(const RowEntry& e, const RowTable& rows, const M
   std::array<int, 6> held{};
   int m = 0;
   for (int k = 0; k < e.m; ++k)
-    if ((n.left >> e.own[static_cast<std::size_t>(k)] & 1U) == 0) held[static_cast<std::size_t>(m++)] = k;
+    if ((n.left >> e.own[k] & 1U) == 0) held[m++] = k;
   Equations Jt(6, m);
   const RowView block = rows.block(e);
   const int i = e.slots[0] == n.slot ? 0 : 1;
   const double turns = of.freedoms == Freedoms::particle ? 0.0 : 1.0 / length_;
   for (int k = 0; k < m; ++k) {
-    const std::array<double, 6> J = block.J(i, held[static_cast<std::size_t>(k)]);
+    const std::array<double, 6> J = block.J(i, held[k]);
     Jt.col(k) << J[0], J[1], J[2], turns * J[3], turns * J[4], turns * J[5];
   }
   Eigen::Matrix<double, 6, 1> wrench;
   wrench << -carried.force, -turns * (motion.A.transpose() * carried.moment);
   const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1> found = Eigen::HouseholderQR<Equations>(Jt).solve(wrench);
-  for (int k = 0; k < m; ++k) lambda_[e.first_row + held[static_cast<std::size_t>(k)]] = found[k];
+  for (int k = 0; k < m; ++k) lambda_[e.first_row + held[k]] = found[k];
 }
 
 }  // namespace lockstep

@@ -61,8 +61,7 @@ void laws_at(const TreeNode& n, double t, const VecX& s, Imposed& now) {
 
 Motion JointTree::motion(const State& y, int slot) const {
   boost::container::small_vector<const TreeNode*, 64> path;
-  for (int k = node_of_[static_cast<std::size_t>(slot)]; k >= 0; k = path.back()->parent)
-    path.push_back(&nodes_[static_cast<std::size_t>(k)]);
+  for (int k = node_of_[slot]; k >= 0; k = path.back()->parent) path.push_back(&nodes_[k]);
   Motion p, own;
   for (; !path.empty(); path.pop_back(), p = own)
     if (path.back()->moving)
@@ -142,7 +141,7 @@ void JointTree::variations(const State& y, std::span<const Motion> at, const Sta
   for (const TreeNode& node : nodes_) {
     NodeVariation p{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
     if (node.parent >= 0) {
-      const int slot = nodes_[static_cast<std::size_t>(node.parent)].slot;
+      const int slot = nodes_[node.parent].slot;
       p = {dx.segment<3>(6 * slot), dx.segment<3>(6 * slot + 3), dv.segment<3>(6 * slot), dv.segment<3>(6 * slot + 3)};
     }
     const Motion& parent = at[motion_of(node.parent)];
@@ -177,7 +176,7 @@ void JointTree::read_off(const State& slots, const State* near, State& out) cons
   out.t = slots.t, out.s = slots.s, out.z = slots.z, out.modes = slots.modes, out.watched = slots.watched;
   for (const TreeNode& node : nodes_) {
     Motion p;
-    if (node.parent >= 0) p = slot_motion(slots, nodes_[static_cast<std::size_t>(node.parent)].slot);
+    if (node.parent >= 0) p = slot_motion(slots, nodes_[node.parent].slot);
     const Motion own = slot_motion(slots, node.slot);
     const Vec3 wp = p.A * p.w, w = own.A * own.w;
     double *q = out.q.data() + node.first_q, *v = out.v.data() + node.first_v;

@@ -129,7 +129,7 @@ class TermEvaluation {
 
  private:
   using Sign = std::optional<int>;
-  const Term& term(int i) const { return terms_[static_cast<std::size_t>(i)]; }
+  const Term& term(int i) const { return terms_[i]; }
 
   T decided(int i) {
     const Operation o = term(i).operation;
@@ -208,7 +208,7 @@ class Numbers {
  public:
   Numbers(std::span<const T> variables, Witness& witness) : variables_(variables), witness_(witness) {}
 
-  const T& variable(int k) const { return variables_[static_cast<std::size_t>(k)]; }
+  const T& variable(int k) const { return variables_[k]; }
   [[gnu::always_inline]] static T computed(const Term& t, const T& x, const T& y) {
     return expression::computed(t, x, y);
   }

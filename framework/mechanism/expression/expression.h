@@ -108,7 +108,7 @@ class LOCKSTEP_API Expression {
   explicit Expression(std::string text, std::span<const std::string> variables = {});
 
   const std::string& text() const { return text_; }
-  const Node& node(int i) const { return nodes_[static_cast<std::size_t>(i)]; }
+  const Node& node(int i) const { return nodes_[i]; }
   int root() const { return static_cast<int>(nodes_.size()) - 1; }
   const std::vector<Node>& nodes() const { return nodes_; }
 

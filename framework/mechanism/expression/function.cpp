@@ -51,7 +51,7 @@ class FormulaCompiler {
     }
     if (!is_constant(parts[0]) || !is_constant(parts[1])) return put(Operation::power, parts);
     const double p = std::pow(term(parts[0]).value, term(parts[1]).value);
-    out_.resize(static_cast<std::size_t>(parts[0]));
+    out_.resize(parts[0]);
     return constant(p);
   }
 
@@ -109,7 +109,7 @@ class FormulaCompiler {
     e_.refuse(n, "unknown name \"" + n.name + "\"" + text::suggestion(n.name, known));
   }
 
-  const Term& term(int i) const { return out_[static_cast<std::size_t>(i)]; }
+  const Term& term(int i) const { return out_[i]; }
   bool is_constant(int i) const { return term(i).operation == Operation::number; }
 
   int put(Operation o, const std::vector<int>& parts, Function f = {}) {
@@ -123,11 +123,11 @@ class FormulaCompiler {
   int put(const Term& t) {
     out_.push_back(t);
     const auto last = out_.size() - 1;
-    const std::span<const int> parts(t.parts.data(), static_cast<std::size_t>(t.n_parts));
+    const std::span<const int> parts(t.parts.data(), t.n_parts);
     if (parts.empty() || !std::ranges::all_of(parts, [&](int i) { return is_constant(i); }))
       return static_cast<int>(last);
     const double x = value_of_term<double>(out_, last, {});
-    out_.resize(static_cast<std::size_t>(std::ranges::min(parts)));
+    out_.resize(std::ranges::min(parts));
     return constant(x);
   }
 
@@ -163,7 +163,7 @@ void FormulaFunction::breakpoints(int time, double t0, double t1, std::vector<do
     const Term& t = terms_[i];
     if (t.operation == Operation::name) (t.variable == time ? timed : other)[i] = 1;
     for (int k = 0; k < t.n_parts; ++k) {
-      const auto part = static_cast<std::size_t>(t.parts[static_cast<std::size_t>(k)]);
+      const auto part = static_cast<std::size_t>(t.parts[k]);
       timed[i] |= timed[part], other[i] |= other[part];
     }
   }

@@ -321,7 +321,7 @@ class ExpressionParser {
     const auto [end, error] = std::from_chars(begin, text_.data() + text_.size(), x);
     if (error == std::errc::result_out_of_range)
       fail(at, "the number is beyond the range of numbers (1e-308 to 1e308)");
-    at_ += static_cast<std::size_t>(end - begin);
+    at_ += end - begin;
     put(Operation::number, at);
     const std::size_t node = static_cast<std::size_t>(e_.root()), behind = at_;
     last().value = x;

@@ -57,9 +57,7 @@ class Span {
     return computed({Operation::subtract}, x, computed({Operation::multiply}, y, n));
   }
   // Term i is term `other` on this span.
-  void stands(int i, int other) {
-    stands_for_[static_cast<std::size_t>(i)] = stands_for_[static_cast<std::size_t>(other)];
-  }
+  void stands(int i, int other) { stands_for_[i] = stands_for_[other]; }
   static Interval either(const Interval& x, const Interval& y) { return hull(x, y); }
   static Interval least(const Interval& x, const Interval& y) { return {std::min(x.lo, y.lo), std::min(x.hi, y.hi)}; }
 
@@ -69,13 +67,13 @@ class Span {
 
   // Whether two terms are the same operations on this span, so that they are equal to the last bit.
   bool same(int i, int j) const {
-    i = stands_for_[static_cast<std::size_t>(i)], j = stands_for_[static_cast<std::size_t>(j)];
+    i = stands_for_[i], j = stands_for_[j];
     if (i == j) return true;
-    const Term &a = terms_[static_cast<std::size_t>(i)], &b = terms_[static_cast<std::size_t>(j)];
+    const Term &a = terms_[i], &b = terms_[j];
     if (a.operation != b.operation || a.function != b.function || a.value != b.value || a.variable != b.variable ||
         a.n_parts != b.n_parts)
       return false;
-    for (std::size_t k = 0; k < static_cast<std::size_t>(a.n_parts); ++k)
+    for (int k = 0; k < a.n_parts; ++k)
       if (!same(a.parts[k], b.parts[k])) return false;
     return true;
   }
@@ -143,7 +141,7 @@ class SwitchSearch {
     std::uint64_t at_a, at_b;  // the decisions there
   };
   std::uint64_t decisions(double t) {
-    variables_[static_cast<std::size_t>(time_)] = Time(t, 1.0, 0.0);
+    variables_[time_] = Time(t, 1.0, 0.0);
     Decisions signature{target_};
     value_of_term(terms_, static_cast<std::size_t>(target_), std::span<const Time>(variables_), signature);
     return signature.hash;

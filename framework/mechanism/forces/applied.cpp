@@ -38,7 +38,7 @@ bool Applied::stays_in_plane(Plane plane) const {
   };
   if (!fits(vector_.value) || (vector_.law && !fits(vector_.direction))) return false;
   for (int k = 0; k < 3; ++k)
-    if (vector_.laws[static_cast<std::size_t>(k)] && !fits(Vec3::Unit(k))) return false;
+    if (vector_.laws[k] && !fits(Vec3::Unit(k))) return false;
   return true;
 }
 
@@ -53,7 +53,7 @@ std::vector<Quantity> Applied::quantities() const {
 Vec3 Applied::in_its_axes(double t) const {
   Vec3 f = vector_.value;
   if (vector_.law) f += value(vector_.law, t) * vector_.direction;
-  for (int k = 0; k < 3; ++k) f[k] += value(vector_.laws[static_cast<std::size_t>(k)], t);
+  for (int k = 0; k < 3; ++k) f[k] += value(vector_.laws[k], t);
   return f;
 }
 

@@ -35,7 +35,7 @@ void add_differences(const std::vector<int>& slots, const Inputs& in, TangentSum
   const double distance = Differences::distance(slots, in);
   for (const int j : slots)
     for (int k = 0; k < 12; ++k) {
-      Motion& O = scratch.motions[static_cast<std::size_t>(j + 1)];
+      Motion& O = scratch.motions[j + 1];
       const Motion home = O;
       const double speed = std::max(1.0, k < 9 ? home.v.norm() : home.w.norm());
       const double h = Differences::kStep * (k < 3 ? distance : k < 6 ? 1.0 : speed);

@@ -227,7 +227,7 @@ double JointFriction::friction_loss(const Inputs& in, const Reactions& reactions
 }
 
 double JointFriction::reacting_quantity(int k, const Inputs& in, const Reactions& reactions) const {
-  return account(in, reactions).shown[static_cast<std::size_t>(k)];
+  return account(in, reactions).shown[k];
 }
 
 std::vector<Quantity> JointFriction::quantities() const {

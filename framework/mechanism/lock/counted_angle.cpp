@@ -19,14 +19,14 @@ double nearest(double angle, double about) { return angle - kTwoPi * turns_of(an
 CountedAngle::~CountedAngle() = default;
 
 double CountedAngle::of_pose(const Inputs& in) const {
-  const double known = in.angles.empty() ? NAN : in.angles[static_cast<std::size_t>(number_)];
+  const double known = in.angles.empty() ? NAN : in.angles[number_];
   return std::isnan(known) ? angle(in) : known;
 }
 
 double CountedAngle::value(const Inputs& in) const { return nearest(of_pose(in), rest(in.s)) + kTwoPi * turns(in.s); }
 
 double CountedAngle::rate(const Inputs& in) const {
-  const double known = in.angle_rates.empty() ? NAN : in.angle_rates[static_cast<std::size_t>(number_)];
+  const double known = in.angle_rates.empty() ? NAN : in.angle_rates[number_];
   return std::isnan(known) ? rate_of_pose(in) : known;
 }
 

@@ -86,7 +86,7 @@ void difference_tangent(const Lock& link, const Inputs& in, std::span<const doub
     for (int i = 0; i < on.n; ++i)
       for (int k = 0; k < shape.m; ++k) {
         const auto r = block.J(i, k);
-        for (int j = 0; j < 6; ++j) column[6 * i + j] += factor * lambda[static_cast<std::size_t>(k)] * r[j];
+        for (int j = 0; j < 6; ++j) column[6 * i + j] += factor * lambda[k] * r[j];
       }
   };
   const double h_move =
@@ -94,7 +94,7 @@ void difference_tangent(const Lock& link, const Inputs& in, std::span<const doub
   for (int j = 0; j < on.n; ++j)
     for (int k = 0; k < 6; ++k) {
       const double h = k < 3 ? h_move : Differences::kStep;
-      Motion& O = scratch.motions[static_cast<std::size_t>(on[j] + 1)];
+      Motion& O = scratch.motions[on[j] + 1];
       const Motion home = O;
       column.setZero();
       O = Differences::moved(home, k, h);

@@ -112,7 +112,7 @@ std::string MarkerLock::diagnose(double t) const {
 }
 
 Quantity MarkerLock::drive(int d) const {
-  const Axis axis = imposed().drives[static_cast<std::size_t>(d)].axis;
+  const Axis axis = imposed().drives[d].axis;
   return {std::string(to_string(axis)), is_rotation(axis) ? "rad" : "m"};
 }
 
@@ -141,7 +141,7 @@ RowPlan MarkerLock::plan_rows() {
   side2_ = static_cast<signed char>(plan.slots.position(slot2_));
 
   const ImposedMotion& imposed = this->imposed();
-  plan.rows.reserve(static_cast<std::size_t>(count_rows(rows_)));
+  plan.rows.reserve(count_rows(rows_));
   for (int k = 0; k < 6; ++k) {
     if (!includes(rows_, row_bit(k))) continue;
     row_[plan.rows.size()] = static_cast<signed char>(k);
@@ -178,7 +178,7 @@ RowPlan MarkerLock::plan_rows() {
   }
   Lawful& own = lawful();
   own.P = P, own.S = S;
-  own.states_start.assign(static_cast<std::size_t>(own.n_states), 0.0);
+  own.states_start.assign(own.n_states, 0.0);
   if (own.n_states > 0) take_states(pose_at_start(*p_, *s_, P, S), 0.0, own.states_start);
   return plan;
 }
@@ -201,7 +201,7 @@ void MarkerLock::engage(const Inputs& in, std::span<double> s) const {
 
 void MarkerLock::take_states(const Pose& rel, double t, std::span<double> s) const {
   for (const Drive& d : imposed().drives)
-    if (d.speed) s[static_cast<std::size_t>(d.state)] = coordinate(d, rel, t);
+    if (d.speed) s[d.state] = coordinate(d, rel, t);
   if (!imposed().hold) return;
   const Vec4 q = rel.q.coefficients();
   std::copy(rel.x.begin(), rel.x.end(), s.begin());
@@ -215,7 +215,7 @@ void MarkerLock::start_states(std::span<double> s) const {
 void MarkerLock::state_rates(const Inputs& in, std::span<double> sd) const {
   if (imposed().hold) std::fill(sd.begin(), sd.end(), 0.0);
   for (const Drive& d : imposed().drives)
-    if (d.speed) sd[static_cast<std::size_t>(d.state)] = d.law->at(in.t).y;
+    if (d.speed) sd[d.state] = d.law->at(in.t).y;
 }
 
 // ---------------------------------------------------------------------------------------------------------- evaluation
@@ -224,7 +224,7 @@ namespace {
 
 LawValue value(const Drive& d, double t, std::span<const double> s) {
   const LawValue l = d.law->at(t);
-  return d.speed ? LawValue{s[static_cast<std::size_t>(d.state)], l.y, l.yd} : l;
+  return d.speed ? LawValue{s[d.state], l.y, l.yd} : l;
 }
 
 }  // namespace

@@ -6,8 +6,8 @@ namespace lockstep {
 void MarkerLock::tangent(const Inputs& in, std::span<const double> lambda, TangentSum& out) const {
   Vec3 lt = Vec3::Zero(), lr = Vec3::Zero();
   for (int k = 0; k < n_rows_; ++k) {
-    const int j = row_[static_cast<std::size_t>(k)];
-    (j < 3 ? lt[j] : lr[j - 3]) = lambda[static_cast<std::size_t>(k)];
+    const int j = row_[k];
+    (j < 3 ? lt[j] : lr[j - 3]) = lambda[k];
   }
   const MarkerMotion P = P_at(in.t), S = S_at(in.t);
   if (overlaps(rows_, Mask::xyz)) add_translation_stiffness(in, slot1_, slot2_, P, S, lt, out);

@@ -13,7 +13,7 @@ constexpr std::array<std::string_view, 6> kAxes{"x", "y", "z", "rx", "ry", "rz"}
 
 int position(const std::array<std::string_view, 6>& words, std::string_view word) {
   for (int k = 0; k < 6; ++k)
-    if (words[static_cast<std::size_t>(k)] == word) return k;
+    if (words[k] == word) return k;
   return -1;
 }
 std::string listed(const std::array<std::string_view, 6>& words) {
@@ -54,7 +54,7 @@ Axis axis_from(std::string_view word) {
   return Axis(k);
 }
 
-std::string_view to_string(Axis a) { return kAxes[static_cast<std::size_t>(axis_index(a))]; }
-std::string_view row_name(int k) { return kRows[static_cast<std::size_t>(k)]; }
+std::string_view to_string(Axis a) { return kAxes[axis_index(a)]; }
+std::string_view row_name(int k) { return kRows[k]; }
 
 }  // namespace lockstep

@@ -8,7 +8,7 @@ LinkWrench on_slot(const Lock& link, const RowView& block, const RowEntry& e, co
                    const Motion& O, const Vec3& point) {
   Vec3 F = Vec3::Zero(), m = Vec3::Zero();
   for (int k = 0; k < e.m; ++k) {
-    if (!Reactions::belongs(link.row(e.own[static_cast<std::size_t>(k)]), part)) continue;
+    if (!Reactions::belongs(link.row(e.own[k]), part)) continue;
     const auto r = block.J(i, k);
     for (std::size_t c = 0; c < 6; ++c)  // a multiplier without a value is in the directions of its row alone
       if (r[c] != 0) (c < 3 ? F : m)[static_cast<Eigen::Index>(c % 3)] -= lambda[k] * r[c];
@@ -21,7 +21,7 @@ LinkWrench on_slot(const Lock& link, const RowView& block, const RowEntry& e, co
 // A fixed body has no Jacobian: its wrench is minus the sum of the wrenches on the others.
 LinkWrench Reactions::on_body_of(const MarkerFrame& at, const Lock& link, const Inputs& in, int part) const {
   if (entry(link) < 0) return {};
-  const RowEntry& e = rows_.entries[static_cast<std::size_t>(entry(link))];
+  const RowEntry& e = rows_.entries[entry(link)];
   const RowView block = rows_.block(e);
   const double* lambda = lambda_.data() + e.first_row;
   const Vec3 point = MarkerOn<double>{in.slot(at.slot), at.at(in.t)}.x();

@@ -15,7 +15,7 @@ inline void subtract_reactions(const RowTable& rows, const VecX& lambda, VecX& f
     for (int i = 0; i < e.slots.n; ++i)
       for (int k = 0; k < e.m; ++k) {
         const std::array<double, 6> J = block.J(i, k);
-        for (int c = 0; c < 6; ++c) f[6 * e.slots[i] + c] -= lambda[e.first_row + k] * J[static_cast<std::size_t>(c)];
+        for (int c = 0; c < 6; ++c) f[6 * e.slots[i] + c] -= lambda[e.first_row + k] * J[c];
       }
   }
 }

@@ -23,7 +23,7 @@ double Differences::distance(std::span<const int> slots, const Inputs& in) {
 }
 
 void TangentSum::lay_out(int n_slots) {
-  neighbours_.assign(static_cast<std::size_t>(n_slots), {});
+  neighbours_.assign(n_slots, {});
   pairs_.clear();
   blocks_.clear();
   ++revision_;
@@ -36,7 +36,7 @@ void TangentSum::clear() {
 }
 
 TangentSum::Block& TangentSum::block(int row, int column) {
-  auto& list = neighbours_[static_cast<std::size_t>(row)];
+  auto& list = neighbours_[row];
   const auto at = std::lower_bound(list.begin(), list.end(), column,
                                    [](const Neighbour& n, int wanted) { return n.column < wanted; });
   if (at != list.end() && at->column == column) return blocks_[at->block];
@@ -48,7 +48,7 @@ TangentSum::Block& TangentSum::block(int row, int column) {
 }
 
 void TangentSum::insert(int row, int column) {
-  auto& list = neighbours_[static_cast<std::size_t>(row)];
+  auto& list = neighbours_[row];
   const auto at = std::lower_bound(list.begin(), list.end(), column,
                                    [](const Neighbour& n, int wanted) { return n.column < wanted; });
   list.insert(at, {column, blocks_.size()});

@@ -56,7 +56,7 @@ bool runs(const std::function<void()>& act) {
 std::vector<bool> wanted(const RowShape& shape) {
   std::vector<bool> needed(RowSpan::stride(shape), false);
   const auto column = [&](std::size_t at, int n) {
-    for (int k = 0; k < n; ++k) needed[at + static_cast<std::size_t>(k)] = true;
+    for (int k = 0; k < n; ++k) needed[at + k] = true;
   };
   const auto ld = static_cast<std::size_t>(shape.ld());
   for (std::size_t c = 0; c < 3; ++c) column(c * ld, shape.m);
@@ -199,12 +199,9 @@ void check_writes(const System& system) {
   system.lay_out(std::vector<bool>(system.links().size(), true), table);
   for (const RowRun& run : table.runs) {
     std::vector<const Lock*> links;
-    for (int k = 0; k < run.n; ++k)
-      links.push_back(
-          system.links()[static_cast<std::size_t>(table.entries[static_cast<std::size_t>(run.first_entry + k)].link)]
-              .get());
+    for (int k = 0; k < run.n; ++k) links.push_back(system.links()[table.entries[run.first_entry + k].link].get());
     if (ours(links.front()->origin())) continue;
-    const RowEntry& e = table.entries[static_cast<std::size_t>(run.first_entry)];
+    const RowEntry& e = table.entries[run.first_entry];
     const Lock& first = *links.front();
     const bool in_space = run.in_parts || (e.plane && !run.in_plane);
     const RowShape shape = in_space ? first.shape() : e.shape();

@@ -74,8 +74,8 @@ std::string bad_number(const System& system, const Inputs& in, const RowEntry& e
                                   {"the acceleration Qhat", static_cast<double>(block.Qhat(k))},
                                   {"the gradient", J}})
       if (!std::isfinite(x))
-        return std::string(": ") + what + " of row " + link.row_name(e.own[static_cast<std::size_t>(k)]) + " is " +
-               text::number(x) + " with " + place_of(system, in, slots);
+        return std::string(": ") + what + " of row " + link.row_name(e.own[k]) + " is " + text::number(x) + " with " +
+               place_of(system, in, slots);
   }
   return {};
 }
@@ -103,15 +103,14 @@ Thing thing_of(const Force& force) { return thing_of_kind("force", force); }
 
 Thing thing_of_row(const System& system, const RowTable& table, int row) {
   for (const RowEntry& e : table.entries)
-    if (row >= e.first_row && row < e.first_row + e.m)
-      return thing_of(*system.links()[static_cast<std::size_t>(e.link)]);
+    if (row >= e.first_row && row < e.first_row + e.m) return thing_of(*system.links()[e.link]);
   return {};
 }
 
 std::string or_against_stops(const System& system, const RowTable& table) {
   std::string stops, driven;
   for (const RowEntry& e : table.entries) {
-    const Lock& link = *system.links()[static_cast<std::size_t>(e.link)];
+    const Lock& link = *system.links()[e.link];
     if (link.unilateral() != nullptr) stops += (stops.empty() ? "'" : "', '") + link.name();
     if ((link.driven() != nullptr && link.driven()->n_drives() > 0) ||
         (link.jointed() != nullptr && link.jointed()->has_laws()))
@@ -138,10 +137,8 @@ ErrorContext context_of(const CountedAngle& angle, double t) {
 }
 
 void rethrow_from_group(const System& system, const Inputs& in, const RowTable& table, const RowRun& run) {
-  const auto entry = [&](int k) -> const RowEntry& {
-    return table.entries[static_cast<std::size_t>(run.first_entry + k)];
-  };
-  const auto link_of = [&](const RowEntry& e) { return system.links()[static_cast<std::size_t>(e.link)].get(); };
+  const auto entry = [&](int k) -> const RowEntry& { return table.entries[run.first_entry + k]; };
+  const auto link_of = [&](const RowEntry& e) { return system.links()[e.link].get(); };
   if (run.n == 1 && (run.in_plane || !entry(0).plane)) rethrow_in(context_of(*link_of(entry(0)), in.t));
   RowTable alone;
   for (int k = 0; k < run.n; ++k) {
@@ -198,7 +195,7 @@ void check_finite(const System& system, const Inputs& in, const RowTable& table,
     double sum = 0;
     for (std::size_t i = 0; i < block.size(); ++i) sum += block.numbers()[i];
     if (!std::isfinite(sum)) {
-      const Lock& link = *system.links()[static_cast<std::size_t>(e.link)];
+      const Lock& link = *system.links()[e.link];
       refuse_number(link, in.t, " computed a number that is not finite" + bad_number(system, in, e, block, link),
                     "check its function and its pose" + or_shorter_step(in.t));
     }

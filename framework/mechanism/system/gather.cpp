@@ -42,8 +42,8 @@ void check_particles(const System& system, const Inputs& in, const VecX& f) {
 void keep_rows(unsigned absent, RowEntry& e) {
   int kept = 0;
   for (int k = 0; k < e.m; ++k) {
-    const int own = e.own[static_cast<std::size_t>(k)];
-    if ((absent >> own & 1U) == 0) e.own[static_cast<std::size_t>(kept++)] = own;
+    const int own = e.own[k];
+    if ((absent >> own & 1U) == 0) e.own[kept++] = own;
   }
   e.m = kept;
   e.layout = e.plane ? RowLayout::planar : RowLayout::dense;
@@ -66,11 +66,11 @@ void System::lay_out(const std::vector<bool>& modes, RowTable& table, bool all) 
   table.entries.clear();
   table.runs.clear();
   table.entry_of_link.assign(links_.size(), -1);
-  table.entries.reserve(static_cast<std::size_t>(std::ranges::count(modes, true)));
+  table.entries.reserve(std::ranges::count(modes, true));
   int last = -2;
   for (int i = 0; i < static_cast<int>(ordered_.size()); ++i) {
-    const Lock& link = *ordered_[static_cast<std::size_t>(i)];
-    if (!modes[static_cast<std::size_t>(link.number())]) continue;
+    const Lock& link = *ordered_[i];
+    if (!modes[link.number()]) continue;
     const int entry = static_cast<int>(table.entries.size());
     RowEntry e;
     e.link = link.number();
@@ -80,7 +80,7 @@ void System::lay_out(const std::vector<bool>& modes, RowTable& table, bool all) 
     e.sign = link.shape().sign;
     bool in_plane = false;
     if (plane_) {
-      const PlanarRows& rows = planar_rows_[static_cast<std::size_t>(link.number())];
+      const PlanarRows& rows = planar_rows_[link.number()];
       if (rows.m == 0) continue;  // all its rows lie outside the plane
       e.m = rows.m, e.plane = plane_, std::ranges::copy(rows.own, e.own.begin());
       in_plane = rows.by_link;
@@ -92,15 +92,14 @@ void System::lay_out(const std::vector<bool>& modes, RowTable& table, bool all) 
       if (e.m == 0) continue;
       in_plane = false;
     }
-    for (std::size_t k = 0; k < static_cast<std::size_t>(e.m); ++k) e.kind[k] = link.row_kind(e.own[k]);
-    const bool same_group =
-        last == i - 1 && i > 0 && group_[static_cast<std::size_t>(i)] == group_[static_cast<std::size_t>(i - 1)];
+    for (int k = 0; k < e.m; ++k) e.kind[k] = link.row_kind(e.own[k]);
+    const bool same_group = last == i - 1 && i > 0 && group_[i] == group_[i - 1];
     if (!same_group || table.entries.back().m != e.m || table.entries.back().layout != e.layout ||
         table.runs.back().in_plane != in_plane || table.runs.back().in_parts != (absent != 0))
       table.runs.push_back({entry, 0, i, in_plane, absent != 0});
     ++table.runs.back().n;
     last = i;
-    table.entry_of_link[static_cast<std::size_t>(e.link)] = entry;
+    table.entry_of_link[e.link] = entry;
     table.entries.push_back(e);
   }
   table.held = held_;
@@ -126,9 +125,9 @@ void System::motions(const State& state, std::vector<Motion>& out) const {
     check_count("motions, coordinates", state.q.size(), 7 * n_slots());
     check_count("motions, velocities", state.v.size(), 6 * n_slots());
   }
-  out.resize(static_cast<std::size_t>(n_slots() + 1));  // the first is the ground, at rest
+  out.resize(n_slots() + 1);  // the first is the ground, at rest
   if (state.coordinates) return state.coordinates->motions(state, out);
-  for (int k = 0; k < n_slots(); ++k) read_motion(state, k, out[static_cast<std::size_t>(k + 1)]);
+  for (int k = 0; k < n_slots(); ++k) read_motion(state, k, out[k + 1]);
 }
 
 void System::gather_rows(const Inputs& in, RowTable& table) const {
@@ -138,7 +137,7 @@ void System::gather_rows(const Inputs& in, RowTable& table) const {
     for (const RowRun& run : table.runs) {
       now = &run;
       const Group links(ordered_.data() + run.first_link, static_cast<std::size_t>(run.n));
-      const RowEntry& first = table.entries[static_cast<std::size_t>(run.first_entry)];
+      const RowEntry& first = table.entries[run.first_entry];
       if (!plane_ && !run.in_parts)
         links.front()->gather(links, in, table.span(first));
       else if (run.in_plane)
@@ -174,18 +173,18 @@ void System::check_absent_row(const Inputs& in, const Lock& link, int k, const R
 
 // For a link without planar rows, or some of whose rows are left out: gathers in space and copies what holds.
 void System::gather_from_space(const Inputs& in, RowTable& table, int entry) const {
-  const RowEntry& e = table.entries[static_cast<std::size_t>(entry)];
-  const Lock* link = links_[static_cast<std::size_t>(e.link)].get();
+  const RowEntry& e = table.entries[entry];
+  const Lock* link = links_[e.link].get();
   const RowShape shape = link->shape();
   link->gather(Group(&link, 1), in, table.spatial_span(shape));
   const RowBlock all = table.spatial(shape), block = table.block(e);
   for (int k = 0, next = 0; k < all.rows(); ++k)
-    if (next < e.m && e.own[static_cast<std::size_t>(next)] == k)
+    if (next < e.m && e.own[next] == k)
       ++next;
     else
       check_absent_row(in, *link, k, all);
   for (int k = 0; k < e.m; ++k) {
-    const int own = e.own[static_cast<std::size_t>(k)];
+    const int own = e.own[k];
     block.C(k) = all.C(own), block.Ct(k) = all.Ct(own), block.Qhat(k) = all.Qhat(own);
     for (int i = 0; i < e.slots.n; ++i) {
       const auto r = all.J(i, own);
@@ -259,7 +258,7 @@ void System::state_rates(const Evaluated& values, VecX& sd) const {
     const int n = link->n_own_states();
     of_links -= n;
     if (n == 0) continue;
-    const bool active = values.rows.entry_of_link[static_cast<std::size_t>(link->number())] >= 0;
+    const bool active = values.rows.entry_of_link[link->number()] >= 0;
     const std::span<double> rates = part(sd, link->first_state(), n);
     if (active)
       named(*link, values.in.t, [&] { link->stateful()->state_rates(values.in, rates); });
@@ -311,9 +310,8 @@ void System::breakpoints(double t0, double t1, std::vector<double>& times) const
 std::string System::row_name(const RowTable& table, int row) const {
   for (const RowEntry& e : table.entries)
     if (row >= e.first_row && row < e.first_row + e.m) {
-      const Lock& link = *links_[static_cast<std::size_t>(e.link)];
-      return "row " + link.row_name(e.own[static_cast<std::size_t>(row - e.first_row)]) + " of link '" + link.name() +
-             "'";
+      const Lock& link = *links_[e.link];
+      return "row " + link.row_name(e.own[row - e.first_row]) + " of link '" + link.name() + "'";
     }
   return "row " + std::to_string(row);
 }

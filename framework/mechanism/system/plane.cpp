@@ -32,14 +32,14 @@ std::span<const RowAtStart> RowsAtStart::of(const Lock& link) {
   const RowShape shape = link.shape();
   named(link, in_.t, [&] { link.gather(Group(&one, 1), in_, table_.spatial_span(shape)); });
   const RowBlock block = table_.spatial(shape);
-  rows_.assign(static_cast<std::size_t>(shape.m), {});
+  rows_.assign(shape.m, {});
   for (int row = 0; row < shape.m; ++row) {
-    RowAtStart& r = rows_[static_cast<std::size_t>(row)];
+    RowAtStart& r = rows_[row];
     r.demand = std::max({std::abs(block.C(row)), std::abs(block.Ct(row)), std::abs(block.Qhat(row))});
     for (int i = 0; i < shape.n; ++i) {
       const std::array<double, 6> J = block.J(i, row);
       const Vec3 f(J[0], J[1], J[2]), m = in_.slot(link.slots()[i]).A * Vec3(J[3], J[4], J[5]) / system_.length();
-      r.normal[static_cast<std::size_t>(i)] = {f[plane_.n], m[plane_.i()], m[plane_.j()]};
+      r.normal[i] = {f[plane_.n], m[plane_.i()], m[plane_.j()]};
       r.add(f, m, plane_);
     }
   }
@@ -169,8 +169,7 @@ Refusal check_tipping(const System& system, RowsAtStart& at_start, std::vector<T
       has_arm = has_arm || (row.lies_in() && row.has_arm());
       if (row.lies_in() || !link->active_at_start() || link->unilateral()) continue;
       for (int k = 0; k < slots.n; ++k)
-        for (int c = 0; c < 3; ++c)
-          numbers.emplace_back(3 * slots[k] + c, m, row.normal[static_cast<std::size_t>(k)][c]);
+        for (int c = 0; c < 3; ++c) numbers.emplace_back(3 * slots[k] + c, m, row.normal[k][c]);
       ++m;
     }
     for (int k = 0; has_arm && k < slots.n; ++k) tipped.push_back({slots[k], {.kind = "link", .name = link->name()}});
@@ -204,7 +203,7 @@ Refusal check_reads(const Force& force, Plane plane, const std::vector<PlanarRow
       return leaves(plane, thing,
                     "it reads reactions, which lack the moments of lever arms along the normal in a planar scene",
                     ", or put links and forces into one plane");
-    if (rows[static_cast<std::size_t>(link->number())].m == 0)
+    if (rows[link->number()].m == 0)
       return leaves(plane, thing, "it reads link '" + link->name() + "', which lies out of the plane");
   }
   return {};
@@ -251,7 +250,7 @@ std::optional<ModelError> System::setup_plane() {
     int row = 0;
     for (const RowAtStart& r : at) {
       if (Refusal refusal = check_row(*links_[l], row, r, is_watched, *this)) return refusal;
-      if (r.lies_in()) rows.own[static_cast<std::size_t>(rows.m++)] = row, offsets_ = offsets_ || r.has_arm();
+      if (r.lies_in()) rows.own[rows.m++] = row, offsets_ = offsets_ || r.has_arm();
       ++row;
     }
     Planar* own = links_[l]->planar();

@@ -37,7 +37,7 @@ void System::setup_slots() {
       if (b.slot == kGround)
         b.in_slot = b.home;
       else
-        slots_[static_cast<std::size_t>(b.slot)].bodies.push_back(&b);
+        slots_[b.slot].bodies.push_back(&b);
     }
   }
   for (Slot& slot : slots_) {

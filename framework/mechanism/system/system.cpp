@@ -63,7 +63,7 @@ std::vector<std::string> names_of(const Range& range) {
 // By its number among the names, -1: none; a thing that was named anew is looked for.
 template <class Range>
 auto& find(const std::string& kind, Range& range, std::ptrdiff_t number, const std::string& name) {
-  if (number >= 0) return range[static_cast<std::size_t>(number)];
+  if (number >= 0) return range[number];
   for (auto& item : range)
     if (name_of(item) == name) return item;
   throw ModelError("unknown " + kind + " \"" + name + "\"" + text::suggestion(name, names_of(range)));

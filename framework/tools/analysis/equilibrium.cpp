@@ -262,9 +262,8 @@ bool put_into(Plane plane, const System& system, const State& from, State& state
 VecX multipliers_of(const RowTable& rows, const RowTable& in_space, const VecX& lambda) {
   VecX own(rows.n_rows);
   for (const RowEntry& e : rows.entries) {
-    const RowEntry& all =
-        in_space.entries[static_cast<std::size_t>(in_space.entry_of_link[static_cast<std::size_t>(e.link)])];
-    for (std::size_t k = 0; k < static_cast<std::size_t>(e.m); ++k)
+    const RowEntry& all = in_space.entries[in_space.entry_of_link[e.link]];
+    for (int k = 0; k < e.m; ++k)
       own[e.first_row + static_cast<int>(k)] =
           lambda[all.first_row + (std::ranges::find(all.own, e.own[k]) - all.own.begin())];
   }

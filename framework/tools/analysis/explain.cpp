@@ -30,10 +30,10 @@ void add_loads(const System& system, const Evaluated& v, int slot, std::vector<C
   for (const RowEntry& entry : v.rows.entries) {
     const int i = entry.slots.position(slot);
     if (i < 0) continue;
-    const Lock& link = *system.links()[static_cast<std::size_t>(entry.link)];
+    const Lock& link = *system.links()[entry.link];
     const int n = link.driven() ? link.driven()->n_drives() : 0;
     for (int d = -1; d < n; ++d) {  // -1: the joint
-      const auto takes = [&](int k) { return link.row(entry.own[static_cast<std::size_t>(k)]).drive == d; };
+      const auto takes = [&](int k) { return link.row(entry.own[k]).drive == d; };
       add(d < 0 ? "link '" + link.name() + "'" : "drive " + link.name() + "." + link.driven()->drive(d).name,
           -load_of(v.rows, entry, i, v.lambda, takes));
     }
@@ -122,15 +122,14 @@ LinkAccount account_of(Dynamics& dynamics, const State& state, const Lock& link)
   for (int k = 0; k < link.row_count(); ++k)
     if ((system.left_out(link) >> k & 1U) != 0) out.left_out.push_back(link.row_name(k));
   const Solution& v = dynamics.solution_at(state);
-  const int entry = out.merged ? -1 : v.rows.entry_of_link[static_cast<std::size_t>(link.number())];
-  out.in_force =
-      entry >= 0 || (!out.merged && !out.left_out.empty() && state.modes[static_cast<std::size_t>(link.number())]);
+  const int entry = out.merged ? -1 : v.rows.entry_of_link[link.number()];
+  out.in_force = entry >= 0 || (!out.merged && !out.left_out.empty() && state.modes[link.number()]);
   if (entry < 0) return out;
-  const RowEntry& e = v.rows.entries[static_cast<std::size_t>(entry)];
+  const RowEntry& e = v.rows.entries[entry];
   VecX C, Cd;
   v.evaluation.residuals(C, Cd);
   for (int k = 0; k < e.m; ++k) {
-    const LinkRow& row = link.row(e.own[static_cast<std::size_t>(k)]);
+    const LinkRow& row = link.row(e.own[k]);
     out.rows.push_back(
         {row.name, row.kind, C[e.first_row + k], Cd[e.first_row + k], v.lambda[e.first_row + k], row.drive >= 0});
   }

@@ -94,7 +94,7 @@ class Balance {
   }
 
  private:
-  std::size_t of_at(Eigen::Index k) const { return of_[static_cast<std::size_t>(k)]; }
+  std::size_t of_at(Eigen::Index k) const { return of_[k]; }
   const Grip& grip_of(Eigen::Index k) const { return grips_[of_at(k)].grip; }
 
   std::vector<GripOf> grips_;

@@ -268,9 +268,8 @@ std::vector<Finding> notes_on(const System& system, const State& state) {
   };
   for (const auto& link : system.links()) {
     if (link->unilateral() != nullptr)
-      note("one-sided link '" + link->name() + "'", state.modes[static_cast<std::size_t>(link->number())]
-                                                        ? " is in contact and held as two-sided"
-                                                        : " is open and left out");
+      note("one-sided link '" + link->name() + "'",
+           state.modes[link->number()] ? " is in contact and held as two-sided" : " is open and left out");
     if (link->n_own_states() > 0 && !link->jointed()->imposed().hold)
       note("link '" + link->name() + "'", ": the speed of its drive is held");
     if (link->n_own_memory() > 0) note("link '" + link->name() + "'", ": its memory is held");
@@ -290,7 +289,7 @@ void turn_axes(const System& system, const State& state, const std::vector<SlotM
   Triplets rate, square;  // da = dx'' + rate dx' + square dx
   const Mat3 Om = skew(out.spin);
   for (int k = 0; k < system.n_slots(); ++k) {
-    const SlotMotion& m = slots[static_cast<std::size_t>(k)];
+    const SlotMotion& m = slots[k];
     const Mat3 W = skew(Vec3(m.A.transpose() * out.spin)), r = skew(left_over_spin(m, out.spin));
     at.add(k, 2 * Om, W - r, rate), at.add(k, Om * Om, -r * W, square);
   }

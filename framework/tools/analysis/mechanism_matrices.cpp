@@ -54,7 +54,7 @@ void write_rows(const System& system, const RowTable& table, const Unknowns& at,
       const int row = e.first_row + k;
       out.c[row] = block.Qhat(k), out.C[row] = block.C(k), out.Ct[row] = block.Ct(k);
       out.rows.push_back(NamedRow(system, table, row).name());
-      out.kinds.push_back(e.kind[static_cast<std::size_t>(k)]);
+      out.kinds.push_back(e.kind[k]);
     }
   }
   out.J = at.rows(table, up_to(table.entries.size())).transpose();

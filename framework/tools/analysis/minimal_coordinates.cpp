@@ -26,7 +26,7 @@ MinimalCoordinates minimal_coordinates(Dynamics& dynamics, const State& state, c
     if (!stopping_form(e, at, N, stress)) continue;
     Eigen::Index row = 0;
     stress.cwiseAbs().maxCoeff(&row);
-    throw ModelError("in this pose row " + m.rows[static_cast<std::size_t>(row)] +
+    throw ModelError("in this pose row " + m.rows[row] +
                      " depends on others and does not elsewhere (a singular position: a change point, rods in line): "
                      "the mechanism has no single linearisation there; take another state");
   }

@@ -19,15 +19,15 @@ using Complex = std::complex<double>;
 // length, is 1 and real.
 std::vector<BodyShape> shape_of(const System& system, const State& state, const LinearMotion& motion,
                                 const Eigen::VectorXcd& dx) {
-  std::vector<BodyShape> shape(static_cast<std::size_t>(system.n_slots()));
+  std::vector<BodyShape> shape(system.n_slots());
   for (std::size_t i = 0; i < motion.unknowns.size(); ++i) {
     const UnknownVelocity& u = motion.unknowns[i];
-    BodyShape& of = shape[static_cast<std::size_t>(u.slot)];
+    BodyShape& of = shape[u.slot];
     (u.velocity < 3 ? of.move[u.velocity] : of.turn[u.velocity - 3]) = dx[static_cast<Eigen::Index>(i)];
   }
   Complex largest = 0;
   for (int k = 0; k < system.n_slots(); ++k) {
-    BodyShape& of = shape[static_cast<std::size_t>(k)];
+    BodyShape& of = shape[k];
     of.body = bodies_of(system.slot(k));
     of.turn = (rotation(normalized(state.slot_pose(k).q)).cast<Complex>() * of.turn).eval();
     for (int c = 0; c < 3; ++c)
@@ -64,7 +64,7 @@ MatX basis_of(Dynamics& dynamics, const State& state, const LinearMotion& motion
 }  // namespace
 
 std::vector<std::complex<double>> Modes::eigenvalues() const {
-  std::vector<Complex> all(static_cast<std::size_t>(zeros), 0.0);
+  std::vector<Complex> all(zeros, 0.0);
   for (const Mode& mode : modes) {
     if (mode.kind == Mode::Kind::rigid) continue;
     all.push_back(mode.value);
@@ -89,7 +89,7 @@ Modes find_modes(Dynamics& dynamics, const State& given, const ModesOptions& opt
   for (const Eigenvalue& e : found.all)
     out.modes.push_back({kind_of(e.l), e.l, e.bound, shape_of(system, state, motion, e.x)});
   if (count > 0 && static_cast<std::size_t>(count) < out.modes.size()) {
-    out.modes.resize(static_cast<std::size_t>(count));
+    out.modes.resize(count);
     out.complete = false;
   }
   return out;

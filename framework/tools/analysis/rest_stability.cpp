@@ -31,8 +31,7 @@ RestMatrices::RestMatrices(const Evaluation& e, const VecX& lambda) : at(e.syste
     at.add(row, column, Mat6::Constant(block.cwiseAbs().maxCoeff()), sizes);
   }
   const VecX loads = largest_loads(e, lambda);
-  for (int i = 0; i < at.n(); ++i)
-    sizes.emplace_back(i, i, loads[at.places()[static_cast<std::size_t>(i)] / 6] / e.system().length());
+  for (int i = 0; i < at.n(); ++i) sizes.emplace_back(i, i, loads[at.places()[i] / 6] / e.system().length());
   size_K = at.square(sizes);
 }
 
@@ -47,8 +46,7 @@ VecX unit_motion(const RestMatrices& A, const System& system, const VecX& u) {
   const auto largest = [&](bool turns) {
     double most = 0;
     for (Eigen::Index i = 0; i < u.size(); ++i)
-      if ((A.at.places()[static_cast<std::size_t>(i)] % 6 >= 3) == turns && std::abs(u[i]) > kLarger * std::abs(most))
-        most = u[i];
+      if ((A.at.places()[i] % 6 >= 3) == turns && std::abs(u[i]) > kLarger * std::abs(most)) most = u[i];
     return most;
   };
   const double turn = largest(true), move = largest(false);

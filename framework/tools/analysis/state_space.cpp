@@ -189,7 +189,7 @@ void add_states(const System& system, const State& state, const LinearMotion& m,
   const SparseMat carried = carried_by(m.spin, system, state);
   for (const bool rate : {false, true})
     for (Eigen::Index k = 0; k < r.N.cols(); ++k) {
-      const UnknownVelocity& u = m.unknowns[static_cast<std::size_t>(r.chosen[static_cast<std::size_t>(k)])];
+      const UnknownVelocity& u = m.unknowns[r.chosen[k]];
       const bool turn = u.velocity >= 3;
       const VecX N = r.N.col(k);
       const double largest = N.cwiseAbs().maxCoeff();
@@ -223,11 +223,10 @@ double accuracy_of(const VecX& derivative, const VecX& off, const LinearMotion& 
     block.largest = std::max(block.largest, std::abs(derivative[i])), block.apart = std::max(block.apart, off[i]);
   };
   const Eigen::Index rows = m.J.rows();
-  for (Eigen::Index i = 0; i < rows; ++i)
-    count(of_rows[static_cast<std::size_t>(m.kinds[static_cast<std::size_t>(i)])], i, 0);
+  for (Eigen::Index i = 0; i < rows; ++i) count(of_rows[static_cast<std::size_t>(m.kinds[i])], i, 0);
   const VecX sizes = m.f.cwiseAbs() + m.J.cwiseAbs().transpose() * m.lambda.cwiseAbs();
   for (Eigen::Index i = 0; i < sizes.size(); ++i)
-    count(m.unknowns[static_cast<std::size_t>(i)].velocity < 3 ? forces : moments, rows + i, sizes[i]);
+    count(m.unknowns[i].velocity < 3 ? forces : moments, rows + i, sizes[i]);
   moments.scale = std::max(moments.scale, m.length * forces.scale);
   double worst = 0;
   for (const Block& block : {of_rows[0], of_rows[1], of_rows[2], forces, moments})
@@ -342,7 +341,7 @@ StateSpace linearize(Dynamics& dynamics, const State& given, const std::vector<L
   MatX of_states = MatX::Zero(n, n_all), of_outputs(static_cast<Eigen::Index>(channels.size()), n_all),
        off = of_outputs;
   for (Eigen::Index k = 0; k < n_all; ++k) {
-    const Direction& column = columns[static_cast<std::size_t>(k)];
+    const Direction& column = columns[k];
     of_states.col(k).segment(f, f) = column.acceleration;
     if (column.rate_of >= 0) of_states(column.rate_of, k) = 1;
     VecX apart;

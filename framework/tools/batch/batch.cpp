@@ -27,7 +27,7 @@ Batch::Batch(std::span<System* const> systems, int first, const CopiesOptions& o
     if (!(auxiliaries[k]->reads_solution() && auxiliaries[k]->vanishes_without_laws())) integrated_.push_back(k);
   reads_motions_ = has_forces_ || !stateful_.empty() || !integrated_.empty() || !systems_[0]->counted_angles().empty();
   const int n_slots = systems_[0]->n_slots();
-  motions_.resize(static_cast<std::size_t>(n_slots + 1));
+  motions_.resize(n_slots + 1);
   wrench_of_one_.setZero(6 * n_slots);
   rates_of_one_.setZero(systems_[0]->n_states());
   lay_out(trees);
@@ -68,7 +68,7 @@ Inputs Batch::inputs(int lane, const double* y, double t) {
 }
 
 void Batch::see_motions(int lane) {
-  for (int k = 0; k < system(lane).n_slots(); ++k) read_motion(lane, k, motions_[static_cast<std::size_t>(k + 1)]);
+  for (int k = 0; k < system(lane).n_slots(); ++k) read_motion(lane, k, motions_[k + 1]);
 }
 
 void Batch::fill_wrench(const double* y, const Numbers8& t) {
@@ -77,7 +77,7 @@ void Batch::fill_wrench(const double* y, const Numbers8& t) {
     wrench_of_one_.setZero();
     if (l < n_ && !system(l).forces().empty()) {
       see_motions(l);
-      const Inputs in = inputs(l, y, t[static_cast<std::size_t>(l)]);
+      const Inputs in = inputs(l, y, t[l]);
       WrenchSum sum(in.motions, wrench_of_one_);
       guarded(l, [&] {
         for (const auto& force : system(l).forces()) force->apply(in, sum);
@@ -103,7 +103,7 @@ void Batch::state_rates(const double* y, const Numbers8& t, double* rate) {
         see_motions(l);
         const Inputs in = inputs(l, y, t[lane]);
         for (const int number : stateful_) {
-          const Lock& link = *system(l).links()[static_cast<std::size_t>(number)];
+          const Lock& link = *system(l).links()[number];
           link.stateful()->state_rates(
               in, {rates_of_one_.data() + link.first_state(), static_cast<std::size_t>(link.n_own_states())});
         }

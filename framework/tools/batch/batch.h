@@ -40,7 +40,7 @@ class LOCKSTEP_API Batch {
   int first() const { return first_; }
   const Passes& passes() const { return pass_; }
   const LaneData& data() const { return data_; }
-  System& system(int lane) const { return *systems_[static_cast<std::size_t>(lane)]; }
+  System& system(int lane) const { return *systems_[lane]; }
   std::size_t n() const { return n_q_ + n_v_ + n_s_ + n_followed_; }
   std::size_t n_numbers() const { return kLanes * n(); }
 
@@ -49,8 +49,8 @@ class LOCKSTEP_API Batch {
   void get(int lane, const double* y, State&) const;
   void get(int lane, const double* rate, StateRate&) const;
   /// Sets the memory of a copy.
-  void remember(int lane, const VecX& z) { memory_[static_cast<std::size_t>(lane)] = z; }
-  const VecX& memory(int lane) const { return memory_[static_cast<std::size_t>(lane)]; }
+  void remember(int lane, const VecX& z) { memory_[lane] = z; }
+  const VecX& memory(int lane) const { return memory_[lane]; }
 
   /// Takes a state of a copy from the slots' own coordinates to those of the batch, and back.
   void to_batch(int lane, State&) const;
@@ -85,7 +85,7 @@ class LOCKSTEP_API Batch {
   void project(double* y, const Numbers8& t, const Flags8& wanted, std::array<Landing, kLanes>& landed);
 
  private:
-  const JointTree& tree(int lane) const { return *trees_[static_cast<std::size_t>(lane)]; }
+  const JointTree& tree(int lane) const { return *trees_[lane]; }
   // The inputs of one copy's laws; its motions are those that see_motions wrote last.
   Inputs inputs(int lane, const double* y, double t);
   void see_motions(int lane);
@@ -97,11 +97,11 @@ class LOCKSTEP_API Batch {
     } catch (const std::bad_alloc&) {
       throw;
     } catch (...) {
-      lost_[static_cast<std::size_t>(lane)] = true;
+      lost_[lane] = true;
     }
   }
   // The integrated states of a copy, by the last inputs().
-  const VecX& states_of(int lane) const { return states_[static_cast<std::size_t>(lane)]; }
+  const VecX& states_of(int lane) const { return states_[lane]; }
   // Sets the forces of all copies, which are scalar code and applied copy by copy; nothing where there are none.
   void fill_wrench(const double* y, const Numbers8& t);
   // The motion of a slot, as the present evaluation has it.

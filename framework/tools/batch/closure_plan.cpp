@@ -10,12 +10,10 @@ namespace lockstep::lanes {
 namespace {
 
 const MarkerLock& lock_of(const System& system, const RowEntry& e) {
-  return static_cast<const MarkerLock&>(*system.links()[static_cast<std::size_t>(e.link)]);
+  return static_cast<const MarkerLock&>(*system.links()[e.link]);
 }
 
-bool has_own_rows(const System& system, const RowEntry& e) {
-  return !unsuited_link(*system.links()[static_cast<std::size_t>(e.link)]).empty();
-}
+bool has_own_rows(const System& system, const RowEntry& e) { return !unsuited_link(*system.links()[e.link]).empty(); }
 
 // A link with these of its rows, all of them along the axes of S.
 Link closing_link(const System& system, const RowEntry& e, ClosurePlan& plan) {
@@ -24,10 +22,10 @@ Link closing_link(const System& system, const RowEntry& e, ClosurePlan& plan) {
   link.link = e.link, link.m = e.m, link.x = static_cast<std::size_t>(e.first_row);
   std::array<int, 6> rows{};
   for (int k = 0, next = 0; k < 6; ++k)
-    if (includes(lock.rows(), row_bit(k))) rows[static_cast<std::size_t>(next++)] = k;
+    if (includes(lock.rows(), row_bit(k))) rows[next++] = k;
   bool turns = false;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(e.m); ++k) {
-    link.row[k] = rows[static_cast<std::size_t>(e.own[k])];
+  for (int k = 0; k < e.m; ++k) {
+    link.row[k] = rows[e.own[k]];
     turns = turns || link.row[k] >= 3;
   }
   link.moved = link.row[0] < 3 && (lock.laws() & with::p);
@@ -48,9 +46,9 @@ Link closing_link(const System& system, const RowEntry& e, ClosurePlan& plan) {
 ClosurePlan make_closure_plan(const System& system, const TreeLayout& layout) {
   ClosurePlan plan;
   plan.fronts = layout.fronts;
-  plan.n_slots = static_cast<std::size_t>(system.n_slots());
+  plan.n_slots = system.n_slots();
   plan.slots.resize(plan.fronts.sides.size());
-  std::vector<bool> seen(static_cast<std::size_t>(system.n_slots()), false);
+  std::vector<bool> seen(system.n_slots(), false);
   for (const RowEntry& e : layout.closures.entries) {
     const auto m = static_cast<std::size_t>(e.m), first_row = static_cast<std::size_t>(e.first_row);
     if (has_own_rows(system, e))
@@ -58,7 +56,7 @@ ClosurePlan make_closure_plan(const System& system, const TreeLayout& layout) {
     else
       plan.masks.push_back(closing_link(system, e, plan));
     plan.links.push_back({first_row, e.m, KindBits(e.kind, e.m)});
-    for (std::size_t i = 0; i < static_cast<std::size_t>(e.slots.n); ++i) {
+    for (int i = 0; i < e.slots.n; ++i) {
       const auto slot = static_cast<std::size_t>(e.slots[static_cast<int>(i)]);
       for (std::size_t k = 0; k < m; ++k) {
         const ClosureSource& source = plan.fronts.sources[first_row + k];

@@ -109,7 +109,7 @@ struct Copies::Work {
                            "' is not in the state that it has at the start; lanes keep one set of links");
     }
   }
-  std::size_t first(const lanes::Batch& batch) const { return static_cast<std::size_t>(batch.first()); }
+  std::size_t first(const lanes::Batch& batch) const { return batch.first(); }
 };
 
 namespace {

@@ -15,7 +15,7 @@ namespace lockstep::lanes {
 
 void OutputSchedule::begin(const System& system, double t0, std::span<const double> times) {
   times_ = times;
-  next_ = static_cast<std::size_t>(std::lower_bound(times.begin(), times.end(), t0) - times.begin());
+  next_ = std::lower_bound(times.begin(), times.end(), t0) - times.begin();
   jumps_ = times.empty() ? std::vector<double>{}
                          : system.breakpoints(t0, std::nextafter(times.back(), HUGE_VAL));  // one at the very end, too
   next_jump_ = 0;

@@ -32,10 +32,10 @@ Flags8 LaneRun::evaluate_stages() {
   Flags8 failed{};
   for (Lane& lane : lanes_) lane.stages = {};
   for (int i = first_done_ ? 1 : 0; i < tableau_.n_stages; ++i) {
-    if (i > 0) combine_stages(a_[static_cast<std::size_t>(i)], y_.data(), stage_.data());
+    if (i > 0) combine_stages(a_[i], y_.data(), stage_.data());
     Numbers8 t = t_;
     for (std::size_t l = 0; l < kL; ++l) t[l] += tableau_.c[i] * h_[l];
-    const Flags8 unmet = batch_.evaluate(i > 0 ? stage_.data() : y_.data(), t, k_[static_cast<std::size_t>(i)].data());
+    const Flags8 unmet = batch_.evaluate(i > 0 ? stage_.data() : y_.data(), t, k_[i].data());
     for (std::size_t l = 0; l < kL; ++l) failed[l] = failed[l] || unmet[l];
     if (batch_.watches()) see_pivots(i == 0);
     for (std::size_t l = 0; i == 0 && l < kL; ++l)
@@ -55,14 +55,14 @@ void LaneRun::see_pivots(bool first) {
 
 // Whether a stage of the attempt is near a singular position: there more pivots are small than elsewhere.
 bool LaneRun::near_singular(int lane) {
-  const Lane& the = lanes_[static_cast<std::size_t>(lane)];
+  const Lane& the = lanes_[lane];
   return std::max(the.first.most, the.stages.most) > the.usual ||
          std::min(the.first.smallest, the.stages.smallest) < the.near_below;
 }
 
 double LaneRun::error_of(int lane) {
   batch_.get(lane, error_.data(), rate_error_);
-  return lanes_[static_cast<std::size_t>(lane)].norm.of(rate_error_, state_end_);
+  return lanes_[lane].norm.of(rate_error_, state_end_);
 }
 
 // EmbeddedRungeKutta::estimate for eight copies. Lanes in which a law fails at the end of the step have failed.

@@ -144,10 +144,10 @@ struct LaneClosures {
       const auto w = to<VectorIn<Array>>(transpose_times(A, G::axial(b, moving::w)));
       out[body::e] = b[moving::e];
       for (int i = 0; i < 3; ++i) {
-        const int k = axes[static_cast<std::size_t>(i)];
+        const int k = axes[i];
         out[body::x + k] = b[moving::x + i], out[body::v + k] = b[moving::v + i];
         out[body::e + 1 + k] = b[moving::e + 1 + i], out[body::W + k] = b[moving::w + i], out[body::w + k] = w[i];
-        for (int j = 0; j < 3; ++j) out[body::A + 3 * k + axes[static_cast<std::size_t>(j)]] = b[moving::A + 3 * i + j];
+        for (int j = 0; j < 3; ++j) out[body::A + 3 * k + axes[j]] = b[moving::A + 3 * i + j];
       }
     }
   }
@@ -164,9 +164,7 @@ struct LaneClosures {
       for_sides(
           j, [&](std::size_t at, const ClosureSlot& s) __attribute__((always_inline)) {
             const Array inverse = c.inverse + 7 * s.node, K = c.J + spatial::size * at;
-            for (int i = 0; i < 6; ++i)
-              K[i] =
-                  c.rows.J[s.J + s.m * static_cast<std::size_t>(3 * (i / 3) + axes[static_cast<std::size_t>(i % 3)])];
+            for (int i = 0; i < 6; ++i) K[i] = c.rows.J[s.J + s.m * (3 * (i / 3) + axes[i % 3])];
             const auto f = G::linear(K, 0);
             const W t = G::axial(K, 3);
             diagonal += inverse[0] * dot(f, f);
@@ -186,9 +184,9 @@ struct LaneClosures {
   LOCKSTEP_LANE void measure_scales() const {
     for (const ClosureLink& link : plan.links) {
       T s[kMaxRows];
-      for (std::size_t k = 0; k < static_cast<std::size_t>(link.m); ++k) s[k] = c.diagonal[link.first_row + k];
+      for (int k = 0; k < link.m; ++k) s[k] = c.diagonal[link.first_row + k];
       average_scales(s, link.m, link.kinds);
-      for (std::size_t k = 0; k < static_cast<std::size_t>(link.m); ++k) c.scale[link.first_row + k] = s[k];
+      for (int k = 0; k < link.m; ++k) c.scale[link.first_row + k] = s[k];
     }
   }
   // Scales s_j, and all rows at the nodes of their slots.

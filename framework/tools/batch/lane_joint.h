@@ -35,7 +35,7 @@ struct LaneJoint {
   LOCKSTEP_LANE Q4 far_q() const { return G::quaternion(more, more::far_q); }
   LOCKSTEP_LANE W hinge() const { return G::axial(more, more::hinge); }
   LOCKSTEP_LANE L slide(int i) const { return G::linear(more, more::slide + 3 * static_cast<std::size_t>(i)); }
-  LOCKSTEP_LANE int free_axis(int i) const { return n.slides[static_cast<std::size_t>(i)]; }
+  LOCKSTEP_LANE int free_axis(int i) const { return n.slides[i]; }
   LOCKSTEP_LANE W ball(int i) const {
     if constexpr (kBalls)
       return column_of(load9(more, more::ball), i);

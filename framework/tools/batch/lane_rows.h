@@ -112,9 +112,9 @@ struct LinkRows {
 
     const auto s = transpose_times(A2, at.s);
     const auto A_S = this->A_S();
-    for (int k = 0; k < node.m && node.row[static_cast<std::size_t>(k)] < 3; ++k) {
+    for (int k = 0; k < node.m && node.row[k] < 3; ++k) {
       const V3 n2 = along(
-          node.row[static_cast<std::size_t>(k)], [&](auto axis) __attribute__((always_inline)) { return A_S * axis; });
+          node.row[k], [&](auto axis) __attribute__((always_inline)) { return A_S * axis; });
       const auto r = kernel::translation_row(A1, uP, s, A2 * n2, n2);
       put(0, k, r.v, -r.v), put(3, k, r.w1, r.w2);
       out[k] = dot(r.v, right);
@@ -142,7 +142,7 @@ struct LinkRows {
     const auto h = 0.5 * e;
     const auto A_SD = m.A * d.A;
     for (int k = 0; k < node.m; ++k) {
-      const int axis = node.row[static_cast<std::size_t>(k)] - 3;
+      const int axis = node.row[k] - 3;
       if (axis < 0) continue;
       const auto of_markers = along(
           axis, [&](auto g) __attribute__((always_inline)) {

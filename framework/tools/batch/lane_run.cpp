@@ -76,10 +76,10 @@ Dynamics LaneRun::dynamics_of(int lane) const {
 
 double LaneRun::first_step(int lane, const State& start) const {
   Dynamics dynamics = dynamics_of(lane);
-  ErrorNorm norm = lanes_[static_cast<std::size_t>(lane)].norm;
+  ErrorNorm norm = lanes_[lane].norm;
   StateRate f0 = sized_like(start), f1 = f0;
   State y0 = start, y1;
-  double largest = lanes_[static_cast<std::size_t>(lane)].schedule.reach() - start.t;
+  double largest = lanes_[lane].schedule.reach() - start.t;
   if (task_.options.max_step > 0) largest = std::min(largest, task_.options.max_step);
   try {
     batch_.to_slots(lane, y0);
@@ -93,7 +93,7 @@ double LaneRun::first_step(int lane, const State& start) const {
 
 // A copy whose rows are redundant on the constraints only leaves the lanes at once.
 void LaneRun::find_redundancy(int lane, const State& start) {
-  Lane& the = lanes_[static_cast<std::size_t>(lane)];
+  Lane& the = lanes_[lane];
   Dynamics dynamics = dynamics_of(lane);
   State own = start;
   batch_.to_slots(lane, own);
@@ -134,7 +134,7 @@ void LaneRun::tell_step(int lane, bool jumped) {
   if (!task_.step) return;
   told_ = state_;
   try {
-    read(lane, y_.data(), t_[static_cast<std::size_t>(lane)], told_);
+    read(lane, y_.data(), t_[lane], told_);
     batch_.to_slots(lane, told_);
   } catch (const Error& error) {  // a law
     return fail(lane, error);
@@ -148,7 +148,7 @@ void LaneRun::cross_jump(int lane, double t) {
   read(lane, y_.data(), t, state);
   batch_.to_slots(lane, state);
   Dynamics dynamics = dynamics_of(lane);
-  pass_jump(dynamics, state, t_[static_cast<std::size_t>(lane)]);
+  pass_jump(dynamics, state, t_[lane]);
   batch_.remember(lane, state.z);
   batch_.to_batch(lane, state);
   batch_.put(lane, state, y_.data());
@@ -199,7 +199,7 @@ void LaneRun::accept(int lane, double error) {
 void LaneRun::update_memory(int lane) {
   const System& system = batch_.system(lane);
   if (!system.keeps_anything()) return;
-  read(lane, y_.data(), t_[static_cast<std::size_t>(lane)], state_);
+  read(lane, y_.data(), t_[lane], state_);
   system.accept(inputs_.at(system, state_), state_);
   batch_.remember(lane, state_.z);
   batch_.put(lane, state_, y_.data());
@@ -234,8 +234,8 @@ void LaneRun::leave(int lane) {
 
 void LaneRun::fail(int lane, const Error& error) {
   park(lane);
-  reports_[static_cast<std::size_t>(lane)].finished = false;
-  reports_[static_cast<std::size_t>(lane)].error = error.what();
+  reports_[lane].finished = false;
+  reports_[lane].error = error.what();
 }
 
 // Ends stepping in a lane, which stays at a state at which it can be evaluated.

@@ -50,7 +50,7 @@ class LaneRun {
     if (scheme_.error) error_w_ = Weights(scheme_.error, tableau_.n_stages);
     if (scheme_.second) second_w_ = Weights(scheme_.second, tableau_.n_stages);
     for (Aligned<double>* v : {&y_, &stage_, &end_, &error_}) v->assign(batch.n_numbers(), 0.0);
-    k_.resize(static_cast<std::size_t>(tableau_.n_stages));
+    k_.resize(tableau_.n_stages);
     for (Aligned<double>& k : k_) k.assign(batch.n_numbers(), 0.0);
     lanes_.assign(kL, Lane(tableau_.order));
   }

@@ -27,9 +27,7 @@ class Arrays {
 };
 
 /// Writes a number, numbers or a matrix, row after row, of one copy.
-inline void put_number(std::span<double> to, std::size_t at, int lane, double value) {
-  to[kL * at + static_cast<std::size_t>(lane)] = value;
-}
+inline void put_number(std::span<double> to, std::size_t at, int lane, double value) { to[kL * at + lane] = value; }
 template <class M>
 void put_numbers(std::span<double> to, std::size_t at, int lane, const M& values) {
   for (Eigen::Index i = 0; i < values.size(); ++i)
@@ -51,7 +49,7 @@ inline void put_matrix(std::span<double> to, std::size_t at, int lane, const Mat
 inline Mat3 in_order(const std::array<int, 3>& axes, const Mat3& J) {
   Mat3 out;
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) out(i, j) = J(axes[static_cast<std::size_t>(i)], axes[static_cast<std::size_t>(j)]);
+    for (int j = 0; j < 3; ++j) out(i, j) = J(axes[i], axes[j]);
   return out;
 }
 /// xx xy xz yy yz zz

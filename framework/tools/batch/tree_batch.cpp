@@ -93,7 +93,7 @@ void Batch::lay_out(const Trees& trees) {
   closures_ = std::make_unique<TreeClosures>(systems_, layouts, data_, pass_);
   n_followed_ = 12 * trees_.front()->followed().size();
   node_of_.resize(n);
-  for (std::size_t k = 0; k < n; ++k) node_of_[static_cast<std::size_t>(data_.plan.nodes[k].slot)] = k;
+  for (std::size_t k = 0; k < n; ++k) node_of_[data_.plan.nodes[k].slot] = k;
   fill_joints();
 }
 
@@ -130,9 +130,7 @@ void Batch::fill_joints() {
 
 // Of the mass centres along the normal, which moves nobody: after the laws.
 void Batch::put_heights(int lane) {
-  const auto at = [&](std::span<double> p, std::size_t i) -> double& {
-    return p[kL * i + static_cast<std::size_t>(lane)];
-  };
+  const auto at = [&](std::span<double> p, std::size_t i) -> double& { return p[kL * i + lane]; };
   for (std::size_t k = 0; k < data_.plan.nodes.size(); ++k) {
     const LaneNode& n = data_.plan.nodes[k];
     const auto height = [&](std::size_t slot) -> double& {
@@ -147,14 +145,14 @@ void Batch::put_heights(int lane) {
 void Batch::to_batch(int lane, State& state) const {
   State out;
   tree(lane).read_off(state, nullptr, out);
-  out.coordinates = trees_[static_cast<std::size_t>(lane)];
+  out.coordinates = trees_[lane];
   state = std::move(out);
 }
 
 void Batch::to_slots(int lane, State& state) const { to_slot_coordinates(system(lane), state); }
 
 void Batch::read_motion(int lane, int slot, Motion& O) const {
-  const std::size_t at = moving::size * (node_of_[static_cast<std::size_t>(slot)] + 1);
+  const std::size_t at = moving::size * (node_of_[slot] + 1);
   const double* b = data_.z.moving.data() + kL * at + static_cast<std::size_t>(lane);
   const auto number = [&](std::size_t i) { return b[kL * i]; };
   Vec3 w, e;
@@ -172,10 +170,9 @@ void Batch::read_motion(int lane, int slot, Motion& O) const {
 void Batch::fill_laws(const double* y, const Numbers8& t) {
   if (data_.plan.size_law == 0) return;
   for (int l = 0; l < kLanes; ++l) {
-    inputs(l, y, t[static_cast<std::size_t>(l)]);
+    inputs(l, y, t[l]);
     for (std::size_t k = 0; k < data_.plan.nodes.size(); ++k)
-      if (data_.plan.nodes[k].has_law || data_.plan.nodes[k].moving)
-        guarded(l, [&] { fill_laws_of(k, l, t[static_cast<std::size_t>(l)]); });
+      if (data_.plan.nodes[k].has_law || data_.plan.nodes[k].moving) guarded(l, [&] { fill_laws_of(k, l, t[l]); });
     if (data_.plan.normal >= 0) put_heights(l);
   }
 }
@@ -211,7 +208,7 @@ void Batch::fill_closures(const double* y, const Numbers8& t) {
   if (!closures_->has_laws() && !closures_->has_own_rows()) return;
   for (int l = 0; l < kLanes; ++l) {
     if (closures_->has_own_rows()) see_motions(l);
-    const Inputs in = inputs(l, y, t[static_cast<std::size_t>(l)]);
+    const Inputs in = inputs(l, y, t[l]);
     guarded(l, [&] { closures_->fill(system(l), l, in); });
   }
 }
@@ -252,8 +249,7 @@ void Batch::watch_pivots() { watches_ = !closures_->empty() && has_loops(*system
 
 void Batch::take_off_turns(int lane, double* y) const {
   for (const TreeNode& node : tree(lane).nodes())
-    if (node.turn == TreeTurn::hinge)
-      shed_turns(y[kL * static_cast<std::size_t>(node.first_q + node.n_slides) + static_cast<std::size_t>(lane)]);
+    if (node.turn == TreeTurn::hinge) shed_turns(y[kL * (node.first_q + node.n_slides) + lane]);
 }
 
 double Batch::largest_a(std::size_t lane) const { return std::sqrt(data_.z.largest[lane]); }

@@ -17,7 +17,7 @@ namespace {
 constexpr double kRedundantRounding = 1e-9;  // of the scale of a redundant row
 
 const MarkerLock& lock_in(const System& system, const Link& link) {
-  return static_cast<const MarkerLock&>(*system.links()[static_cast<std::size_t>(link.link)]);
+  return static_cast<const MarkerLock&>(*system.links()[link.link]);
 }
 
 // J^-1 of a slot, its own axes: in a plane about its normal alone, and zero for a particle.
@@ -55,7 +55,7 @@ TreeClosures::TreeClosures(const Systems& systems, const Layouts& layouts, LaneD
   data_.c.wrench = size(spatial::size * n_nodes), data_.c.change = size(spatial::size * n_nodes);
   masked_.assign(kL * m, 0.0), dv_.assign(kL * std::max<std::size_t>(n_v, 1), 0.0), length_.assign(kL, 0.0);
   for (int l = 0; l < kLanes; ++l) {
-    const System& system = *systems[static_cast<std::size_t>(l)];
+    const System& system = *systems[l];
     put_number(length_, 0, l, system.length());
     put_matrix(data_.c.rows.body, body::size * n_slots + body::A, l, Mat3::Identity());
     put_number(data_.c.rows.body, body::size * n_slots + body::e, l, 1.0);
@@ -91,7 +91,7 @@ void TreeClosures::fill(const System& system, int lane, const Inputs& in) {
 
 void TreeClosures::fill_own_rows(const System& system, int lane, const Inputs& in) {
   for (const OwnRows& rows : data_.loops.own) {
-    const Lock* const link = system.links()[static_cast<std::size_t>(rows.link)].get();
+    const Lock* const link = system.links()[rows.link].get();
     const RowShape shape = link->shape();
     link->gather(Group(&link, 1), in, scratch_.spatial_span(shape));
     const RowBlock block = scratch_.spatial(shape);
@@ -139,7 +139,7 @@ Flags8 TreeClosures::accelerate(int n, double* rate) {
   before.fill(HUGE_VAL);
   for (;;) {
     Flags8 going{};
-    for (std::size_t l = 0; l < static_cast<std::size_t>(n); ++l) {
+    for (int l = 0; l < n; ++l) {
       going[l] = !now.met(l) && now.all[l] < kStalledRows * before[l];
       if (going[l]) before[l] = now.all[l];
     }

@@ -16,7 +16,7 @@ TreePlan make_plan(const JointTree& tree, int normal) {
     if (n.needs_more()) n.more = plan.size_more, plan.size_more += more::size;
     if (n.has_law || n.moving) n.law = plan.size_law, plan.size_law += n.moving ? marked::size : imposed::size;
     for (int axis = 0, k = 0; n.moving && axis < 3; ++axis)
-      if (!includes(t.rows, row_bit(axis))) n.slides[static_cast<std::size_t>(k++)] = axis;
+      if (!includes(t.rows, row_bit(axis))) n.slides[k++] = axis;
     plan.nodes.push_back(n);
   }
   const std::vector<InwardPlace> places = inward_places(plan.nodes, plan.n_waiting);

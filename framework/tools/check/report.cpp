@@ -16,7 +16,7 @@ void CheckReport::add(const std::string& key, CheckFinding finding, double weigh
     findings_.push_back(std::move(finding));
   } else if (weight > at->weight) {
     at->weight = weight;
-    findings_[static_cast<std::size_t>(at - keys_.begin())] = std::move(finding);
+    findings_[at - keys_.begin()] = std::move(finding);
   }
 }
 

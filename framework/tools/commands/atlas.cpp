@@ -41,8 +41,7 @@ class Atlas {
   Atlas(AtlasPlan& plan, const Interrupt& interrupt, int jobs)
       : plan_(plan), interrupt_(interrupt), jobs_(jobs), n_(plan.grid.n_runs()) {
     long n_panels = 0;
-    for (AtlasPanel& panel : plan_.panels)
-      panel.cells.resize(static_cast<std::size_t>(n_)), n_panels += panel.unsuited.empty();
+    for (AtlasPanel& panel : plan_.panels) panel.cells.resize(n_), n_panels += panel.unsuited.empty();
     total_ = n_ * n_panels;
     limit_ = std::max(0.1, 5 * plan.budget / static_cast<double>(std::max(1l, total_)));
   }
@@ -51,7 +50,7 @@ class Atlas {
     for (long run = 1; run <= n_; ++run) references_[plan_.reference_key(run)].runs.push_back(run);
     std::vector<Shared*> all;
     for (auto& [key, shared] : references_) all.push_back(&shared);
-    share_out(static_cast<long>(all.size()), [&](long k) { prepare(*all[static_cast<std::size_t>(k)]); });
+    share_out(static_cast<long>(all.size()), [&](long k) { prepare(*all[k]); });
     // A stride without a common factor: when time is up, what is left out is spread over the maps.
     long stride = std::max(1l, static_cast<long>(0.618 * static_cast<double>(n_)));
     while (std::gcd(stride, n_) != 1) ++stride;
@@ -65,7 +64,7 @@ class Atlas {
       progress.at(static_cast<double>(done_++));
       lock.unlock();
       if (spent_ > plan_.budget) return;
-      compute(*panels[static_cast<std::size_t>(k % n_panels)], 1 + (k / n_panels * stride) % n_);
+      compute(*panels[k % n_panels], 1 + (k / n_panels * stride) % n_);
     });
     for (AtlasPanel* panel : panels) add_limit(*panel);
   }
@@ -143,7 +142,7 @@ class Atlas {
   }
 
   void compute(AtlasPanel& panel, long run) {
-    AtlasCell& cell = panel.cells[static_cast<std::size_t>(run - 1)];
+    AtlasCell& cell = panel.cells[run - 1];
     const AtlasReference& reference = references_.at(plan_.reference_key(run)).reference;
     if (reference.method.empty()) {
       cell.reason = "no reference: " + reference.reason;

@@ -134,7 +134,7 @@ class PoseTimes {
   }
   long size() const { return n_; }
   double operator[](long k) const {
-    if (!times_.empty()) return times_[static_cast<std::size_t>(k)];
+    if (!times_.empty()) return times_[k];
     return std::min(static_cast<double>(k) * interval_, until_);
   }
   /// The interval goes beyond the end.

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::array kAxes = {"x", "y", "z", "rx", "ry", "rz"};
 
-std::string along(const std::string& name, int axis) { return name + "." + kAxes[static_cast<std::size_t>(axis)]; }
+std::string along(const std::string& name, int axis) { return name + "." + kAxes[axis]; }
 
 Value* member_of(Value& object, std::string_view key) {
   if (Value::Object* members = object.object())
@@ -187,9 +187,8 @@ class Opening {
   }
   // q = (turn by the input about an axis of the frame) (law)
   static void turn_before(Value& law, int axis, std::size_t number) {
-    Value first = Value::object({{"type", "axis_rotation"},
-                                 {"axis", kAxes[static_cast<std::size_t>(axis)]},
-                                 {"law", input_beside(nullptr, number)}});
+    Value first =
+        Value::object({{"type", "axis_rotation"}, {"axis", kAxes[axis]}, {"law", input_beside(nullptr, number)}});
     Value both = Value::object({{"type", "product"}, {"first", std::move(first)}});
     both.object()->push_back({"second", law, law.where}), both.where = law.where;
     law = std::move(both);
@@ -223,7 +222,7 @@ class Opening {
       add(along(name, axis), along(name, axis), magnitude.unit, [&force, axis](std::size_t n) {
         if (member_of(force, "laws") == nullptr) put(force, "laws", Value::list({0, 0, 0}));
         if (Value::List* laws = member_of(force, "laws")->list(); laws != nullptr && laws->size() == 3) {
-          Value& law = (*laws)[static_cast<std::size_t>(axis)];
+          Value& law = (*laws)[axis];
           law = input_beside(&law, n);
         }
       });

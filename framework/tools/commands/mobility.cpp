@@ -21,7 +21,7 @@ int mobility_command(const Arguments& args) {
   fmt::print("{}\n", loaded.title());
   if (const Plane plane = m.system.plane())
     fmt::print("  plane               normal {}; rows out of it are left out (--full counts them too)\n",
-               "xyz"[static_cast<std::size_t>(plane.n)]);
+               "xyz"[plane.n]);
   print_freedoms(found);
   fmt::print("  rank                {}\n", found.mobility.rank);
   print_dependencies(found, m.run);

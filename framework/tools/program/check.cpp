@@ -214,7 +214,7 @@ std::vector<std::string> proposals(const Loaded& loaded, const Mechanism& m, boo
     if (const Plane plane = other.system.plane())
       all.push_back(
           fmt::format("without \"planar\" it moves in the plane with normal {}: {} unknown velocities instead of {}",
-                      "xyz"[static_cast<std::size_t>(plane.n)], other.system.n_velocities(), m.system.n_velocities()));
+                      "xyz"[plane.n], other.system.n_velocities(), m.system.n_velocities()));
   }
   if (finds_plane && !m.system.plane() && needs_rows && m.run.formulation != Formulation::quaternion)
     for (const char* normal : {"z", "y", "x"})
@@ -326,8 +326,7 @@ std::string formulation_of(const Mechanism& m, const std::string& why_not_joint,
   const Formulation asked = m.run.formulation;
   if (asked == Formulation::quaternion || (asked == Formulation::omega && !m.system.plane())) return to_string(asked);
   const Plane plane = m.system.plane();
-  const std::string where =
-      plane ? fmt::format(", in the plane with normal {}", "xyz"[static_cast<std::size_t>(plane.n)]) : "";
+  const std::string where = plane ? fmt::format(", in the plane with normal {}", "xyz"[plane.n]) : "";
   if (asked == Formulation::omega) return "omega" + where;
   if (!why_not_joint.empty()) return "omega" + where + ": " + why_not_joint;
   const int unknowns = found.tree.n_coordinates;

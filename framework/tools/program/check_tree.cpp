@@ -54,10 +54,10 @@ TreeReport tree_of(const System& system, const std::vector<bool>& modes) {
     b.body = system.body_of_slot(n.slot).name;
     b.parent = "ground";
     if (n.parent >= 0) {
-      const Branch& parent = report.branches[static_cast<std::size_t>(n.parent)];
+      const Branch& parent = report.branches[n.parent];
       b.parent = parent.body, b.depth = parent.depth + 1;
     }
-    const Lock* link = n.link >= 0 ? system.links()[static_cast<std::size_t>(n.link)].get() : nullptr;
+    const Lock* link = n.link >= 0 ? system.links()[n.link].get() : nullptr;
     if (link != nullptr) b.link = link->name();
     b.coordinates = free_axes(n, system.plane());
     for (int row = 0; link != nullptr && row < link->row_count(); ++row)
@@ -67,8 +67,7 @@ TreeReport tree_of(const System& system, const std::vector<bool>& modes) {
       }
     report.branches.push_back(std::move(b));
   }
-  for (const int link : tree->closures())
-    report.closures.push_back(system.links()[static_cast<std::size_t>(link)]->name());
+  for (const int link : tree->closures()) report.closures.push_back(system.links()[link]->name());
   return report;
 }
 

@@ -140,7 +140,7 @@ void GrowingFile::write() {
       errno = why;
       fail("cannot be written");
     }
-    written += static_cast<std::size_t>(n);
+    written += n;
   }
   count_written(written);
 }

@@ -71,7 +71,7 @@ bool laws_move(Dynamics& dynamics, const State& state, double until) try {
 std::vector<std::string> holding(const System& system, const State& state) {
   std::vector<std::string> names;
   for (const auto& link : system.links())
-    if (state.modes[static_cast<std::size_t>(link->number())] && link->row_count() > 0) names.push_back(link->name());
+    if (state.modes[link->number()] && link->row_count() > 0) names.push_back(link->name());
   return names;
 }
 

@@ -27,8 +27,8 @@ constexpr double kSameLine = 1e-3;
 std::vector<int> entries_on_loops(const System& system, const RowTable& table) {
   std::vector<int> all;
   for (const std::vector<int>& group : loops_of(system, table)) {
-    const RowEntry& first = table.entries[static_cast<std::size_t>(group.front())];
-    const bool joint = system.links()[static_cast<std::size_t>(first.link)]->jointed() != nullptr;
+    const RowEntry& first = table.entries[group.front()];
+    const bool joint = system.links()[first.link]->jointed() != nullptr;
     if (group.size() > 1 || !joint) all.insert(all.end(), group.begin(), group.end());
   }
   return all;
@@ -99,8 +99,8 @@ BranchPoint looked_at(Dynamics& dynamics, const State& given) {
   if (rows.n() == 0 || rows.n() > kDenseRows || is_driven(e, rows.numbers)) return out;
   const RowSpace space(rows.Jt);
   out.known = true;
-  out.slots.assign(static_cast<std::size_t>(system.n_slots()), false);
-  for (const int place : rows.at.places()) out.slots[static_cast<std::size_t>(place / 6)] = true;
+  out.slots.assign(system.n_slots(), false);
+  for (const int place : rows.at.places()) out.slots[place / 6] = true;
   out.nearness = space.smallest_singular_value(space.rank(kIn));
   const MatX N = space.free(kIn);
   out.motions = static_cast<int>(N.cols());
@@ -152,14 +152,14 @@ std::string BranchPoint::text(Dynamics& dynamics, const State& given) const {
 
 bool BranchPoint::moves(const VecX& v) const {
   for (Eigen::Index i = 0; i < v.size(); ++i)
-    if (v[i] != 0 && slots[static_cast<std::size_t>(i / 6)]) return true;
+    if (v[i] != 0 && slots[i / 6]) return true;
   return false;
 }
 
 double BranchPoint::off_branches(const System& system, const VecX& v) const {
   const auto as_lengths = [&](VecX x) {
     for (Eigen::Index i = 0; i < x.size(); ++i) {
-      if (!slots[static_cast<std::size_t>(i / 6)]) x[i] = 0;
+      if (!slots[i / 6]) x[i] = 0;
       if (i % 6 >= 3) x[i] *= system.length();
     }
     return x;

@@ -36,7 +36,7 @@ std::vector<FreeCoordinate> free_coordinates(const System& system, const State& 
   std::vector<FreeCoordinate> all;
   for (const auto& link : system.links()) {
     const Jointed* joint = link->jointed();
-    if (joint == nullptr || !state.modes[static_cast<std::size_t>(link->number())]) continue;
+    if (joint == nullptr || !state.modes[link->number()]) continue;
     for (const Axis axis : {Axis::x, Axis::y, Axis::z, Axis::rx, Axis::ry, Axis::rz})
       if (!overlaps(joint->rows(), row_of(axis))) all.push_back({link.get(), axis});
   }
@@ -137,7 +137,7 @@ DriveReport driven_by(Dynamics& dynamics, const State& state) {
   const Inputs& in = dynamics.inputs(state);
   for (Eigen::Index k = 0; k < motions.cols(); ++k) {
     const VecX motion = unknowns.motion_of(motions.col(k));
-    const int leader = chosen.rows() == N.cols() ? leaders[static_cast<std::size_t>(k)] : kGround;
+    const int leader = chosen.rows() == N.cols() ? leaders[k] : kGround;
     report.free.push_back(leader == kGround ? motion_words(system, in, motion)
                                             : led_motion_words(system, in, motion, leader));
   }

@@ -24,8 +24,7 @@ std::vector<std::string> fading_links(System& system, const State& regular, cons
     if (rank == 0 || !(now.pivot(rank - 1) < kFaded * was.pivot(rank - 1))) continue;
     const VecX shares = now.circuit(rank - 1, rank - 1).cwiseAbs();
     for (int k = 0; k < rows.n(); ++k)
-      if (shares[k] >= kFaded)
-        add_name(NamedRow(system, there.rows(), rows.numbers[static_cast<std::size_t>(k)]).link->name(), names);
+      if (shares[k] >= kFaded) add_name(NamedRow(system, there.rows(), rows.numbers[k]).link->name(), names);
   }
   return names;
 }

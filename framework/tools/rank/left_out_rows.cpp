@@ -43,7 +43,7 @@ OneRow one_row(const NamedRow& row, const Inputs& in, const Unknowns& at) {
   const SlotList& on = link->slots();
   for (int i = 0; i < on.n; ++i)
     for (int j = 0; j < 6; ++j)
-      if (const int u = at.column(on[i], j); u >= 0) out.J[u] += block.J(i, row.own)[static_cast<std::size_t>(j)];
+      if (const int u = at.column(on[i], j); u >= 0) out.J[u] += block.J(i, row.own)[j];
   out.J = out.J.cwiseQuotient(at.lengths());
   if (const double length = out.J.norm(); length > 0) out.C /= length, out.J /= length;
   return out;

@@ -15,7 +15,7 @@ std::vector<std::vector<int>> loops_of(const System& system, const RowTable& tab
   std::vector<std::pair<int, int>> edges;  // each two slots that an entry joins
   std::vector<int> entry_of_edge;
   for (std::size_t k = 0; k < table.entries.size(); ++k) {
-    const std::vector<int> ends = ends_of(system, *system.links()[static_cast<std::size_t>(table.entries[k].link)]);
+    const std::vector<int> ends = ends_of(system, *system.links()[table.entries[k].link]);
     if (ends.size() < 2) groups.push_back({static_cast<int>(k)});  // its rows touch nothing that moves
     for (std::size_t i = 0; i < ends.size(); ++i)
       for (std::size_t j = i + 1; j < ends.size(); ++j)
@@ -36,7 +36,7 @@ namespace {
 std::vector<int> slots_on(const RowTable& table, const std::vector<int>& entries) {
   std::vector<int> slots;
   for (const int at : entries) {
-    const SlotList& on = table.entries[static_cast<std::size_t>(at)].slots;
+    const SlotList& on = table.entries[at].slots;
     slots.insert(slots.end(), on.slot.begin(), on.slot.begin() + on.n);
   }
   return slots;
@@ -47,7 +47,7 @@ std::vector<int> slots_on(const RowTable& table, const std::vector<int>& entries
 LoopRows::LoopRows(const System& system, const RowTable& table, const std::vector<int>& entries)
     : at(system, slots_on(table, entries)), Jt(at.rows_in_lengths(table, entries)) {
   for (const int k : entries) {
-    const RowEntry& e = table.entries[static_cast<std::size_t>(k)];
+    const RowEntry& e = table.entries[k];
     numbers.resize(numbers.size() + static_cast<std::size_t>(e.m));
     std::iota(numbers.end() - e.m, numbers.end(), e.first_row);
   }
@@ -55,8 +55,8 @@ LoopRows::LoopRows(const System& system, const RowTable& table, const std::vecto
 
 NamedRow::NamedRow(const System& system, const RowTable& table, int row) {
   const RowEntry& e = *(std::ranges::upper_bound(table.entries, row, {}, &RowEntry::first_row) - 1);
-  link = system.links()[static_cast<std::size_t>(e.link)].get();
-  own = e.own[static_cast<std::size_t>(row - e.first_row)];
+  link = system.links()[e.link].get();
+  own = e.own[row - e.first_row];
 }
 
 std::string NamedRow::name() const { return link->name() + "." + link->row_name(own); }

@@ -24,14 +24,14 @@ MobilityReport mobility(Dynamics& dynamics, const State& state) {
       Dependency& found = report.dependencies.emplace_back();
       found.too_many = set.too_many, found.nearly = set.nearly, found.pivot = set.pivot;
       for (const int row : set.rows) {
-        const NamedRow named(system, table, rows.numbers[static_cast<std::size_t>(row)]);
+        const NamedRow named(system, table, rows.numbers[row]);
         found.rows.push_back(named.name());
-        if (set.too_many > 0) takes_part[static_cast<std::size_t>(named.link->number())] = true;
+        if (set.too_many > 0) takes_part[named.link->number()] = true;
       }
     }
   }
   for (const auto& link : system.links())
-    if (takes_part[static_cast<std::size_t>(link->number())]) report.redundant_links.push_back(link->name());
+    if (takes_part[link->number()]) report.redundant_links.push_back(link->name());
   report.freedoms = report.unknowns - report.rank;
   report.redundant = report.rows - report.rank;
   return report;

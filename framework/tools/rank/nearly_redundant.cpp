@@ -64,14 +64,14 @@ class LoopChoice {
       const VecX sizes = left.colwise().norm().transpose().cwiseProduct(weights);
       Eigen::Index next = 0;
       while (sizes[next] < 0.5 * sizes.maxCoeff()) ++next;
-      stays[static_cast<std::size_t>(next)] = true;
+      stays[next] = true;
       out.smallest = std::min(out.smallest, left.col(next).norm());
       const VecX along = left.col(next).normalized();
       for (int twice = 0; twice < 2; ++twice) left -= along * (along.transpose() * left);
       left.col(next).setZero();
     }
     for (Eigen::Index k = 0; k < left.cols(); ++k) {
-      if (stays[static_cast<std::size_t>(k)]) continue;
+      if (stays[k]) continue;
       out.gone.push_back(ordered(k));
       if (out.kept.empty()) out.kept = keeper_of(ordered(k));
     }
@@ -82,8 +82,8 @@ class LoopChoice {
   }
 
  private:
-  const NamedRow& named(int row) const { return rows[static_cast<std::size_t>(row)]; }
-  const NamedRow& ordered(Eigen::Index place) const { return named(order_[static_cast<std::size_t>(place)]); }
+  const NamedRow& named(int row) const { return rows[row]; }
+  const NamedRow& ordered(Eigen::Index place) const { return named(order_[place]); }
 
   std::vector<int> order_;  // of the links, then of their rows
   MatX J_;                  // of length 1, in this order
@@ -103,7 +103,7 @@ std::vector<NearSet> nearly_dependent(const std::deque<LoopChoice>& loops) {
     for (const DependentRows& set : loop.space.sets()) {
       if (set.nearly == 0) continue;
       for (const int row : set.rows) {
-        const NamedRow& named = loop.rows[static_cast<std::size_t>(row)];
+        const NamedRow& named = loop.rows[row];
         one.told.rows.push_back(named.name());
         if (one.told.undecided.empty()) one.told.undecided = keeper_of(named);
       }

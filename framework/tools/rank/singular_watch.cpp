@@ -66,10 +66,10 @@ void SingularWatch::load(SnapshotReader& in) {
   }
   turned_ = in.get();
   n_passed_ = in.get_count();
-  passed_.assign(static_cast<std::size_t>(in.get_count()), {});
+  passed_.assign(in.get_count(), {});
   for (PassedPosition& p : passed_) {
     p.t = in.get(), p.indicator = in.get();
-    p.links.resize(static_cast<std::size_t>(in.get_count()));
+    p.links.resize(in.get_count());
     for (std::string& link : p.links) link = in.get_text();
   }
 }

@@ -26,13 +26,13 @@ std::optional<MatX> stopping_form(const Evaluation& e, const Unknowns& at, const
     double largest = 0;
     for (int k = 0; k < entry.m; ++k) {
       const double x = w[entry.first_row + k];
-      own[static_cast<std::size_t>(entry.own[static_cast<std::size_t>(k)])] = x;
-      const bool move = entry.kind[static_cast<std::size_t>(k)] == RowKind::translation;
+      own[entry.own[k]] = x;
+      const bool move = entry.kind[k] == RowKind::translation;
       largest = std::max(largest, std::abs(x) / length / (move ? 1.0 : length));
     }
     if (largest == 0) continue;
     size = std::max(size, largest);
-    const Lock& link = *e.system().links()[static_cast<std::size_t>(entry.link)];
+    const Lock& link = *e.system().links()[entry.link];
     named(link, e.inputs().t, [&] { add_tangent(link, e.inputs(), own, sum); });
   }
   const VecX turned = at.lengths().cwiseInverse();

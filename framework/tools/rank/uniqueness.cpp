@@ -22,8 +22,7 @@ class Undetermined {
       if (found.circuits.cols() == 0) continue;
       n += rows.n() - found.rank;
       round_off = std::max(round_off, found.round_off);
-      for (int k = 0; k < rows.n(); ++k)
-        numbers_[static_cast<std::size_t>(rows.numbers[static_cast<std::size_t>(k)])] = found.circuits.row(k);
+      for (int k = 0; k < rows.n(); ++k) numbers_[rows.numbers[k]] = found.circuits.row(k);
     }
   }
 
@@ -31,7 +30,7 @@ class Undetermined {
   double round_off = 0;  ///< numbers up to this are zero
 
   /// The numbers of a row, one for each vector of its loop.
-  const VecX& numbers(int row) const { return numbers_[static_cast<std::size_t>(row)]; }
+  const VecX& numbers(int row) const { return numbers_[row]; }
 
  private:
   // Whether rows of it were left out that depend on others nearly: how those that stay and those that went would share a
@@ -39,8 +38,8 @@ class Undetermined {
   static bool leaves_near_rows_out(const System& system, const RowTable& table, const std::vector<int>& entries) {
     if (system.held_down_to() > 0) return false;  // those hold
     return std::ranges::any_of(entries, [&](int k) {
-      const RowEntry& e = table.entries[static_cast<std::size_t>(k)];
-      return system.left_out(*system.links()[static_cast<std::size_t>(e.link)]) != 0;
+      const RowEntry& e = table.entries[k];
+      return system.left_out(*system.links()[e.link]) != 0;
     });
   }
 
@@ -97,7 +96,7 @@ UniquenessReport uniqueness(Dynamics& dynamics, const State& state) {
   report.undetermined = u.n;
   if (u.n == 0) return report;
   for (const auto& link : system.links()) {
-    if (table.entry_of_link[static_cast<std::size_t>(link->number())] < 0 || link->pairs().empty()) continue;
+    if (table.entry_of_link[link->number()] < 0 || link->pairs().empty()) continue;
     add_channels_of(*link, system, e.inputs(), table, u, report.channels);
   }
   for (int row = 0; row < table.n_rows; ++row) {

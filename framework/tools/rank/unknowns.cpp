@@ -19,11 +19,9 @@ Unknowns::Unknowns(const System& system, const std::vector<int>& slots) : system
   const std::array<int, 6> velocity = unknown_velocities(system.plane());
   for (const int slot : slots)
     for (int j = 0; j < BodyMass(system.slot(slot), system.plane()).width(); ++j)
-      if (const int place = 6 * slot + velocity[static_cast<std::size_t>(j)]; column_.try_emplace(place, n()).second)
-        places_.push_back(place);
+      if (const int place = 6 * slot + velocity[j]; column_.try_emplace(place, n()).second) places_.push_back(place);
   lengths_.resize(n());
-  for (Eigen::Index i = 0; i < lengths_.size(); ++i)
-    lengths_[i] = places_[static_cast<std::size_t>(i)] % 6 < 3 ? 1.0 : system.length();
+  for (Eigen::Index i = 0; i < lengths_.size(); ++i) lengths_[i] = places_[i] % 6 < 3 ? 1.0 : system.length();
 }
 
 VecX Unknowns::of_slots(const VecX& six) const { return six(places_); }
@@ -53,12 +51,12 @@ SparseMat Unknowns::rows(const RowTable& table, const std::vector<int>& entries)
   Triplets Jt;
   int row = 0;
   for (const int at : entries) {
-    const RowEntry& e = table.entries[static_cast<std::size_t>(at)];
+    const RowEntry& e = table.entries[at];
     for (int k = 0; k < e.m; ++k, ++row)
       for (int i = 0; i < e.slots.n; ++i) {
         const std::array<double, 6> J = table.block(e).J(i, k);
         for (int j = 0; j < 6; ++j)
-          if (const double x = J[static_cast<std::size_t>(j)]; x != 0)
+          if (const double x = J[j]; x != 0)
             if (const int u = column(e.slots[i], j); u >= 0) Jt.emplace_back(u, row, x);
       }
   }

@@ -43,7 +43,7 @@ void of_force(const Force& force, Entries& out) {
   for (const Quantity& q : own) loads.push_back(q.unit == "N" || q.unit == "N m" || q.unit == "W" || q.unit == "J");
   add_own(out, own, fmt::format("{} force", force.type()), [f, reacting, observable, loads](int k, const Sample& s) {
     const Evaluated& v = s.values();
-    if (loads[static_cast<std::size_t>(k)] && !f->acts(v.in)) return 0.0;
+    if (loads[k] && !f->acts(v.in)) return 0.0;
     return named(*f, v.in.t, [&] {
       return reacting ? reacting->reacting_quantity(k, v.in, Reactions(v)) : observable->quantity(k, v.in);
     });

@@ -60,7 +60,7 @@ class Frames {
   const std::vector<Switch>& switches() const { return switches_; }
   const std::vector<bool>& modes_at_start() const { return modes_at_start_; }
   /// Least and largest value of the first quantity of a link with a path; none: 0, 0.
-  std::pair<double, double> path_range(int link) const { return paths_[static_cast<std::size_t>(link)]; }
+  std::pair<double, double> path_range(int link) const { return paths_[link]; }
 
  private:
   void add(const Sample&);

@@ -17,8 +17,8 @@ Json shape_json(const std::vector<const Body*>& bodies, const ShownMode& mode) {
   Json all = Json::array();
   for (const Body* body : bodies) {
     Json numbers = Json::array();
-    for (const std::complex<double>& z : mode.shape[static_cast<std::size_t>(body->slot)]) numbers.push_back(z.real());
-    for (const std::complex<double>& z : mode.shape[static_cast<std::size_t>(body->slot)]) numbers.push_back(z.imag());
+    for (const std::complex<double>& z : mode.shape[body->slot]) numbers.push_back(z.real());
+    for (const std::complex<double>& z : mode.shape[body->slot]) numbers.push_back(z.imag());
     all.push_back(std::move(numbers));
   }
   return all;

@@ -64,8 +64,7 @@ std::string switching_event(const Mechanism& m, const State& start) {
   for (const EventRequest& request : m.events)
     for (const auto* names : {&request.event.activate, &request.event.deactivate})
       for (const auto& link : m.system.links())
-        if (std::ranges::find(*names, link->name()) != names->end())
-          modes[static_cast<std::size_t>(link->number())] = true;
+        if (std::ranges::find(*names, link->name()) != names->end()) modes[link->number()] = true;
   for (const EventRequest& request : m.events)
     if (switched_of_decided(m.system, modes, request.event) != nullptr) return request.event.name;
   return {};

@@ -98,7 +98,7 @@ void write_checkpoint(const std::string& file, const Snapshot& snapshot) {
     const ssize_t n = ::write(partial.file, bytes.data() + at, bytes.size() - at);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) fail("cannot be written");
-    at += static_cast<std::size_t>(n);
+    at += n;
   }
   if (::fsync(partial.file) != 0 && errno != EINVAL && errno != EROFS) fail("cannot be brought to the disk");
   if (std::rename(partial.name.c_str(), file.c_str()) != 0) fail("cannot be renamed");

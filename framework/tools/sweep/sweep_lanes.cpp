@@ -117,7 +117,7 @@ std::vector<CopyReport> run_together(std::vector<std::unique_ptr<Lane>>& lanes, 
   for (const auto& lane : lanes) systems.push_back(&system_of(lane->mechanism)), starts.push_back(lane->start);
   Copies copies(systems, options_of(lanes.front()->mechanism.run, registry));
   const auto output = [&](int copy, std::size_t, const State& state) {
-    Lane& lane = *lanes[static_cast<std::size_t>(copy)];
+    Lane& lane = *lanes[copy];
     const FindingScope scope;
     const Sample sample(*lane.dynamics, state, kNoReport);
     lane.recorder->output(sample);
@@ -129,7 +129,7 @@ std::vector<CopyReport> run_together(std::vector<std::unique_ptr<Lane>>& lanes, 
   Copies::Step step;
   if (std::ranges::any_of(lanes, [](const auto& lane) { return lane->follows_steps; }))
     step = [&](int copy, const State& state, bool jumped) {
-      Lane& lane = *lanes[static_cast<std::size_t>(copy)];
+      Lane& lane = *lanes[copy];
       Sample sample(*lane.dynamics, state, kNoReport);
       const FindingScope scope;
       if (jumped) sample.cause = "the jump of a law";

@@ -285,14 +285,14 @@ class MaximalWorld final : public World {
 
   /// Of body a on body b (-1: the ground) at a point and along an axis of the world.
   btHingeConstraint& hinge(int a, int b, const btVector3& x, const btVector3& axis) {
-    btRigidBody& A = *bodies_[static_cast<std::size_t>(a)];
+    btRigidBody& A = *bodies_[a];
     const btTransform to_a = A.getCenterOfMassTransform().inverse();
     btVector3 axis_a = to_a.getBasis() * axis;
     std::unique_ptr<btHingeConstraint> joint;
     if (b < 0) {
       joint = std::make_unique<btHingeConstraint>(A, to_a * x, axis_a, false);
     } else {
-      btRigidBody& B = *bodies_[static_cast<std::size_t>(b)];
+      btRigidBody& B = *bodies_[b];
       const btTransform to_b = B.getCenterOfMassTransform().inverse();
       btVector3 axis_b = to_b.getBasis() * axis;
       joint = std::make_unique<btHingeConstraint>(A, B, to_a * x, to_b * x, axis_a, axis_b, false);

@@ -29,7 +29,7 @@ void ChainModel::turn(const RealVector& y) {
 
 // About the joint: A = J - m c~ c~, B = m c~, C = m 1; bias: w x A w - m c x g and m (w x (w x c) - g); m = 1 kg.
 void ChainModel::own_inertia(const RealVector& y, int k) {
-  Link& l = links_[static_cast<std::size_t>(k)];
+  Link& l = links_[k];
   const Real transverse = 1.0L / 12 + 0.25L, axial = 1e-2L;
   const V3 d = l.R.col(0);
   l.A = transverse * M3::Identity() + (axial - transverse) * d * d.transpose();
@@ -39,14 +39,14 @@ void ChainModel::own_inertia(const RealVector& y, int k) {
   l.z_f = cross(l.w, cross(l.w, l.c)) - gravity_;
   l.a_n = l.a_f = V3::Zero();
   if (k == 0) return;
-  const Link& parent = links_[static_cast<std::size_t>(k - 1)];
-  l.a_n = cross(parent.w, l.axis * y[links_.size() + static_cast<std::size_t>(k)]);
+  const Link& parent = links_[k - 1];
+  l.a_n = cross(parent.w, l.axis * y[links_.size() + k]);
   l.a_f = cross(parent.w, cross(parent.w, 2 * parent.c));
 }
 
 // The joint lets its axis go free; what is left is moved to the parent's joint, r further back.
 void ChainModel::fold_into_parent(int k) {
-  Link& l = links_[static_cast<std::size_t>(k)];
+  Link& l = links_[k];
   l.U_n = l.A * l.axis;
   l.U_f = l.B.transpose() * l.axis;
   l.D = l.axis.dot(l.U_n);
@@ -59,7 +59,7 @@ void ChainModel::fold_into_parent(int k) {
   const M3 A = l.A - l.U_n * l.U_n.transpose() / l.D;
   const M3 B = l.B - l.U_n * l.U_f.transpose() / l.D;
   const M3 C = l.C - l.U_f * l.U_f.transpose() / l.D;
-  Link& parent = links_[static_cast<std::size_t>(k - 1)];
+  Link& parent = links_[k - 1];
   const V3 r = 2 * parent.c;
   const M3 rx = skew(r), Brx = B * rx;
   parent.A += A - Brx - Brx.transpose() - rx * C * rx;

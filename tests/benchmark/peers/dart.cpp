@@ -86,7 +86,7 @@ class Model {
     return skeleton_->createJointAndBodyNodePair<dyn::RevoluteJoint>(parent, p, properties(body)).second;
   }
 
-  dyn::Joint& joint(int body) { return *bodies_[static_cast<std::size_t>(body)]->getParentJoint(); }
+  dyn::Joint& joint(int body) { return *bodies_[body]->getParentJoint(); }
   void start(int body, double q, double v) {
     joint(body).setPosition(0, q);
     joint(body).setVelocity(0, v);
@@ -102,8 +102,7 @@ class Model {
   void build_four_bars() {
     const int n = mechanism_.n;
     for (int k = 0; k <= n; ++k) bodies_.push_back(revolute(nullptr, k, Vec3(k, 0, 0)));
-    for (int k = 0; k < n; ++k)
-      bodies_.push_back(revolute(bodies_[static_cast<std::size_t>(k)], n + 1 + k, Vec3(1, 0, 0)));
+    for (int k = 0; k < n; ++k) bodies_.push_back(revolute(bodies_[k], n + 1 + k, Vec3(1, 0, 0)));
     for (int k = 0; k <= 2 * n; ++k) start(k, (k <= n ? 1 : -1) * kHalfTurn / 2, k <= n ? -1 : 1);
     world_->addSkeleton(skeleton_);
     for (int k = 0; k < n; ++k) close(n + 1 + k, k + 1, Vec3(k + 1, 1, 0));
@@ -132,8 +131,7 @@ class Model {
   }
 
   void close(int a, int b, const Vec3& x) {
-    world_->getConstraintSolver()->addConstraint(std::make_shared<con::BallJointConstraint>(
-        bodies_[static_cast<std::size_t>(a)], bodies_[static_cast<std::size_t>(b)], x));
+    world_->getConstraintSolver()->addConstraint(std::make_shared<con::BallJointConstraint>(bodies_[a], bodies_[b], x));
   }
 
   Eigen::VectorXd acceleration(const Eigen::VectorXd& q, const Eigen::VectorXd& v) {

@@ -32,13 +32,13 @@ void step(const RateOf& rate, RealVector& y, Real H) {
     RealVector entry = midpoint(rate, y, f0, H, 2 * (j + 1));
     for (int k = 0; k < j; ++k) {
       const Real ratio = Real(j + 1) / Real(j - k), q = ratio * ratio - 1;
-      RealVector& above = row[static_cast<std::size_t>(k)];
+      RealVector& above = row[k];
       RealVector next = entry;
       for (std::size_t i = 0; i < y.size(); ++i) next[i] += (entry[i] - above[i]) / q;
       above = std::move(entry);
       entry = std::move(next);
     }
-    row[static_cast<std::size_t>(j)] = std::move(entry);
+    row[j] = std::move(entry);
   }
   y = row[kRows - 1];
 }

@@ -55,7 +55,7 @@ class Model {
   int size() const { return n_; }
   int band() const { return band_; }
   const std::vector<Pin>& pins() const { return pins_; }
-  bool is_differential(int i) const { return differential_[static_cast<std::size_t>(i)]; }
+  bool is_differential(int i) const { return differential_[i]; }
 
   void start(double* y) const {
     std::fill(y, y + n_, 0.0);
@@ -157,9 +157,9 @@ class Model {
  private:
   static constexpr double kInertia = 1.0 / 12;
 
-  int at(int body) const { return at_[static_cast<std::size_t>(body)]; }
+  int at(int body) const { return at_[body]; }
   void add_body(int k) {
-    at_[static_cast<std::size_t>(k)] = n_;
+    at_[k] = n_;
     n_ += 6;
     differential_.insert(differential_.end(), 6, true);
   }

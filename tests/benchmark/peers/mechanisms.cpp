@@ -35,11 +35,11 @@ class Largest {
 Motions four_bars_start(int n) {
   Motions bodies(static_cast<std::size_t>(2 * n + 1));
   for (int k = 0; k <= n; ++k) {
-    BodyMotion& upright = bodies[static_cast<std::size_t>(k)];
+    BodyMotion& upright = bodies[k];
     upright = {{double(k), 0.5, 0}, turned_about_z(kHalfTurn / 2), {0.5, 0, 0}, {0, 0, -1}};
   }
   for (int k = 0; k < n; ++k) {
-    BodyMotion& bar = bodies[static_cast<std::size_t>(n + 1 + k)];
+    BodyMotion& bar = bodies[n + 1 + k];
     bar.x = {k + 0.5, 1, 0};
     bar.v = {1, 0, 0};
   }
@@ -168,9 +168,7 @@ double potential_energy(const Mechanism& m, const Motions& bodies) {
 
 double largest_gap(const Mechanism& m, const Motions& bodies) {
   Largest gap;
-  const auto end = [&](int k, double side) {
-    return point(bodies[static_cast<std::size_t>(k)], {side * half_length(m, k), 0, 0});
-  };
+  const auto end = [&](int k, double side) { return point(bodies[k], {side * half_length(m, k), 0, 0}); };
   if (m.kind == Kind::chain || m.kind == Kind::spatial_chain) {
     for (int k = 0; k < m.n; ++k) gap.add(end(k, -1), k > 0 ? end(k - 1, 1) : Vec3::Zero());
   } else if (m.kind == Kind::four_bars) {

@@ -141,7 +141,7 @@ class Document {
 
   static Vec3 to_local(const Assembly& assembly, int body, const Vec3& x) {
     if (body == kGroundBody) return x;
-    const AssemblyBody& b = assembly.bodies[static_cast<std::size_t>(body)];
+    const AssemblyBody& b = assembly.bodies[body];
     return b.R.transpose() * (x - b.x);
   }
   static std::string attachment(const Assembly& assembly, const Spring& s, std::size_t i, char end) {
@@ -150,9 +150,8 @@ class Document {
   }
 
   void write_branch(const Assembly& assembly, const TreeJoint& joint) {
-    const AssemblyBody& body = assembly.bodies[static_cast<std::size_t>(joint.child)];
-    const Mat3 R_parent = joint.parent == kGroundBody ? Mat3(Mat3::Identity())
-                                                      : assembly.bodies[static_cast<std::size_t>(joint.parent)].R;
+    const AssemblyBody& body = assembly.bodies[joint.child];
+    const Mat3 R_parent = joint.parent == kGroundBody ? Mat3(Mat3::Identity()) : assembly.bodies[joint.parent].R;
     const Eigen::Quaterniond q(Mat3(R_parent.transpose() * body.R));
     write("<body name='b" + std::to_string(joint.child) + "' pos='" +
           numbers(to_local(assembly, joint.parent, body.x)) + "' quat='" + number(q.w()) + ' ' + numbers(q.vec()) +

@@ -94,7 +94,7 @@ class Model {
     }
   }
 
-  dBodyID body(int k) const { return k < 0 ? nullptr : bodies_[static_cast<std::size_t>(k)]; }
+  dBodyID body(int k) const { return k < 0 ? nullptr : bodies_[k]; }
 
   /// Of body a on body b (-1: the ground).
   dJointID hinge(int a, int b, const Vec3& x, bool about_y = false) {

@@ -88,8 +88,8 @@ class Model {
 
   void build_four_bars() {
     const int n = mechanism_.n;
-    bodies_.resize(static_cast<std::size_t>(2 * n + 1));
-    const auto body = [&](int k) -> MobilizedBody& { return bodies_[static_cast<std::size_t>(k)]; };
+    bodies_.resize(2 * n + 1);
+    const auto body = [&](int k) -> MobilizedBody& { return bodies_[k]; };
     for (int k = 0; k <= n; ++k)
       body(k) = MobilizedBody::Pin(matter.Ground(), Transform(along_x(k)), rigid(k), Transform(along_x(-0.5)));
     for (int k = 0; k < n; ++k)
@@ -127,9 +127,7 @@ class Model {
   // Every joint's coordinate is zero at the start: its frames are where it stands then.
   void build(const Assembly& assembly) {
     bodies_.resize(assembly.bodies.size());
-    const auto body = [&](int k) -> MobilizedBody& {
-      return k == kGroundBody ? matter.updGround() : bodies_[static_cast<std::size_t>(k)];
-    };
+    const auto body = [&](int k) -> MobilizedBody& { return k == kGroundBody ? matter.updGround() : bodies_[k]; };
     const auto place = [&](int k) { return k == kGroundBody ? Transform() : pose(assembly.bodies[std::size_t(k)]); };
     for (const TreeJoint& j : assembly.tree) {
       const SimTK::CoordinateAxis along(j.slides ? 0 : 2);

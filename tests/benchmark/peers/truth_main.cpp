@@ -27,7 +27,7 @@ Positions dense_chain(int n, int steps) {
   const auto rate = [n](const RealVector& u, RealVector& du) {
     Matrix M(n, n);
     Vector f(n);
-    const auto at = [&](int i) { return u[static_cast<std::size_t>(i)]; };
+    const auto at = [&](int i) { return u[i]; };
     for (int i = 0; i < n; ++i) {
       f[i] = -9.81L * std::cos(at(i)) * (n - 1 - i + 0.5L);
       for (int j = 0; j < n; ++j) {
@@ -38,8 +38,8 @@ Positions dense_chain(int n, int steps) {
     }
     const Vector a = M.ldlt().solve(f);
     for (int i = 0; i < n; ++i) {
-      du[static_cast<std::size_t>(i)] = at(n + i);
-      du[static_cast<std::size_t>(n + i)] = a[i];
+      du[i] = at(n + i);
+      du[n + i] = a[i];
     }
   };
   RealVector u(static_cast<std::size_t>(2 * n), 0);
@@ -47,7 +47,7 @@ Positions dense_chain(int n, int steps) {
   Positions centres;
   Vec3 joint = Vec3::Zero();
   for (int i = 0; i < n; ++i) {
-    const double angle = static_cast<double>(u[static_cast<std::size_t>(i)]);
+    const double angle = static_cast<double>(u[i]);
     const Vec3 d{std::cos(angle), std::sin(angle), 0};
     centres.push_back(joint + d / 2);
     joint += d;

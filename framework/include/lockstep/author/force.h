@@ -146,9 +146,7 @@ class LOCKSTEP_API Force {
   /// Where State::z says whether it acts (1) or not (0); -1: it always does. Set by System::setup.
   int switch_memory() const { return switch_memory_; }
   /// Whether it acts at these inputs.
-  bool acts(const Inputs& in) const {
-    return switch_memory_ < 0 || in.z[static_cast<std::size_t>(switch_memory_)] != 0;
-  }
+  bool acts(const Inputs& in) const { return switch_memory_ < 0 || in.z[switch_memory_] != 0; }
 
  private:
   std::string name_, origin_;
@@ -307,7 +305,7 @@ double FormulaForce<F>::supply(const Inputs& in) const {
 template <class F>
 double FormulaForce<F>::quantity(int k, const Inputs& in) const {
   const ForceAccount all = account(in);
-  return k < all.n_shown ? all.shown[static_cast<std::size_t>(k)] : all.power;
+  return k < all.n_shown ? all.shown[k] : all.power;
 }
 
 // FunctionForce: a force from a function.

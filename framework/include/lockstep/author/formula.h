@@ -120,7 +120,7 @@ struct AccountLoad : ForceAccount {
 
  private:
   void give(double to_bodies, double to_markers) { power += to_bodies, supply += to_bodies - to_markers; }
-  void show(double value) { shown.at(static_cast<std::size_t>(n_shown++)) = value; }
+  void show(double value) { shown.at(n_shown++) = value; }
   void show(const Vec3& value) {
     for (const double x : value) show(x);
   }

@@ -117,8 +117,8 @@ struct PhiTraits {
   }();
   /// Coordinates that it reads of each pair; in Phi a std::array of Reads, or one for all pairs; default both. What is
   /// not read costs nothing.
-  static constexpr std::array<Reads, static_cast<std::size_t>(kPairs)> kReads = [] {
-    std::array<Reads, static_cast<std::size_t>(kPairs)> reads;
+  static constexpr std::array<Reads, kPairs> kReads = [] {
+    std::array<Reads, kPairs> reads;
     reads.fill(Reads::both);
     if constexpr (requires { Phi::kReads[0]; })
       for (std::size_t k = 0; k < reads.size(); ++k) reads[k] = Phi::kReads[k];
@@ -128,9 +128,7 @@ struct PhiTraits {
   }();
 
   /// Whether it reads this half of the coordinates of a pair.
-  static constexpr bool reads(int pair, Reads half) {
-    return (unsigned(kReads[static_cast<std::size_t>(pair)]) & unsigned(half)) != 0;
-  }
+  static constexpr bool reads(int pair, Reads half) { return (unsigned(kReads[pair]) & unsigned(half)) != 0; }
   /// Whether it reads this half of any pair.
   static constexpr bool reads(Reads half) {
     for (int k = 0; k < kPairs; ++k)
@@ -155,7 +153,7 @@ struct PhiTraits {
   /// Row k: kKind, and the name that kNames gives it; default "phi", or "phi1", "phi2", ...
   static LinkRow row(int k) {
     if constexpr (requires { Phi::kNames[0]; })
-      return {kKind, Phi::kNames[static_cast<std::size_t>(k)]};
+      return {kKind, Phi::kNames[k]};
     else
       return {kKind, kRows == 1 ? "phi" : "phi" + std::to_string(k + 1)};
   }

@@ -112,7 +112,7 @@ struct Hooks {
     return []<std::size_t... k>(std::index_sequence<k...>) {
       return std::invocable<Call, Phi&, decltype((void(k), std::declval<const LockCoords<T>&>()))...>;
     }
-    (std::make_index_sequence<static_cast<std::size_t>(Traits::kPairs)>{});
+    (std::make_index_sequence<Traits::kPairs>{});
   }
   static constexpr auto initialise = [](auto& phi, const auto&... y) -> decltype(phi.initialise(std::string(), y...)) {
   };
@@ -264,7 +264,7 @@ struct Call {
   static auto compile(const Phi& phi, std::index_sequence<k...>) {
     return phi((void(k), LockCoords<T>{})...);
   }
-  using Pairs = std::make_index_sequence<static_cast<std::size_t>(PhiTraits<Phi>::kPairs)>;
+  using Pairs = std::make_index_sequence<PhiTraits<Phi>::kPairs>;
 };
 
 /// Number of rows in the returned type R: 1 for a T, n for an array, 0 for anything else.

@@ -57,9 +57,9 @@ class PhiFunction {
   static constexpr int kPairs = Traits::kPairs,                    ///< number of pairs
       kRows = Traits::kRows;                                       ///< number of rows
   using Grad = Jet<Traits::kWidth>;                                ///< a number with its gradient
-  using Rows = std::array<Grad, static_cast<std::size_t>(kRows)>;  ///< the values of phi
+  using Rows = std::array<Grad, kRows>;                            ///< the values of phi
   using MarkerPair = std::pair<const Marker*, const Marker*>;      ///< P and S
-  using Pairs = std::array<MarkerPair, static_cast<std::size_t>(kPairs)>;  ///< the pairs that phi takes
+  using Pairs = std::array<MarkerPair, kPairs>;                    ///< the pairs that phi takes
 
   /// phi of these pairs.
   PhiFunction(Phi phi, const Pairs& pairs) : phi_(std::move(phi)), pairs_(pairs) {
@@ -132,7 +132,7 @@ class PhiFunction {
       J[2 * k] << L.Jv1, L.Jw1;
       J[2 * k + 1] << -L.Jv1, L.Jw2;
       Vec7T<double> phi_y = Vec7T<double>::Zero();
-      for (int r = 0; r < kRows; ++r) part<k>(phi_y) += lambda[r] * gradient<k>(f[static_cast<std::size_t>(r)]);
+      for (int r = 0; r < kRows; ++r) part<k>(phi_y) += lambda[r] * gradient<k>(f[r]);
       const FramePair& frames = frames_[k];
       const MarkerMotion P = frames.P.at(in.t), S = frames.S.at(in.t);
       if (Traits::reads(k, Reads::translation))
@@ -143,8 +143,7 @@ class PhiFunction {
     });
     for (int a = 0; a < 2 * kPairs; ++a)
       for (int b = 0; b < 2 * kPairs; ++b)
-        out.add_K(slot_of(a), slot_of(b),
-                  J[static_cast<std::size_t>(a)].transpose() * full(H, a / 2, b / 2) * J[static_cast<std::size_t>(b)]);
+        out.add_K(slot_of(a), slot_of(b), J[a].transpose() * full(H, a / 2, b / 2) * J[b]);
   }
 
   // -- memory
@@ -170,16 +169,16 @@ class PhiFunction {
   struct FramePair {
     MarkerFrame P, S;
   };
-  using Points = std::array<RelativeKinematics, static_cast<std::size_t>(kPairs)>;
+  using Points = std::array<RelativeKinematics, kPairs>;
   static constexpr int kV = Traits::kVariables;
   using MatV = Eigen::Matrix<double, kV, kV>;
   template <class T>
-  using Coords = std::array<LockCoords<T>, static_cast<std::size_t>(kPairs)>;
+  using Coords = std::array<LockCoords<T>, kPairs>;
 
   template <class F>
   static void each_pair(F&& f) {
     [&]<std::size_t... k>(std::index_sequence<k...>) { (f(std::integral_constant<std::size_t, k>{}), ...); }
-    (std::make_index_sequence<static_cast<std::size_t>(kPairs)>{});
+    (std::make_index_sequence<kPairs>{});
   }
   /// Those of the seven numbers of pair k that phi reads.
   template <int k, class V>
@@ -194,10 +193,9 @@ class PhiFunction {
   Points look_at(const Inputs& in) const {
     Points y;
     for (int k = 0; k < kPairs; ++k) {
-      const FramePair& frames = frames_[static_cast<std::size_t>(k)];
-      y[static_cast<std::size_t>(k)] =
-          relative_kinematics(in.slot(frames.P.slot), in.slot(frames.S.slot), frames.P.at(in.t), frames.S.at(in.t),
-                              moving_ ? 1u : 0u, Traits::kReads[static_cast<std::size_t>(k)]);
+      const FramePair& frames = frames_[k];
+      y[k] = relative_kinematics(in.slot(frames.P.slot), in.slot(frames.S.slot), frames.P.at(in.t), frames.S.at(in.t),
+                                 moving_ ? 1u : 0u, Traits::kReads[k]);
     }
     return y;
   }
@@ -245,9 +243,9 @@ class PhiFunction {
     return y;
   }
   template <class T>
-  std::array<T, static_cast<std::size_t>(kRows)> call(const Coords<T>& y) const {
+  std::array<T, kRows> call(const Coords<T>& y) const {
     return std::apply(
-        [&](const auto&... each) -> std::array<T, static_cast<std::size_t>(kRows)> {
+        [&](const auto&... each) -> std::array<T, kRows> {
           if constexpr (kRows == 1)
             return {phi_(each...)};
           else
@@ -261,7 +259,7 @@ class PhiFunction {
     return [&]<std::size_t... k>(std::index_sequence<k...>) {
       return std::tuple<Seen<Traits::kReads[k]>...>(Seen<Traits::kReads[k]>(frames_[k].P, frames_[k].S, in)...);
     }
-    (std::make_index_sequence<static_cast<std::size_t>(kPairs)>{});
+    (std::make_index_sequence<kPairs>{});
   }
 
   /// Inlined as a whole, phi included: calls would cost half of the time.
@@ -281,7 +279,7 @@ class PhiFunction {
     });
     const Rows f = call(y);
     for (int r = 0; r < kRows; ++r) {
-      const Grad& phi = f[static_cast<std::size_t>(r)];
+      const Grad& phi = f[r];
       Columns columns(slots);
       double Ct = phi.d, Qhat = -phi.h;
       each_pair([&](auto k) {
@@ -307,7 +305,7 @@ class PhiFunction {
     const auto f = call(coords(in, Time(in.t, 0.0, 0.0), memory,
                                [&](int n, int i, std::size_t k) { return Time(y[k].y[i], d[n], 0.0); }));
     double sum = 0;
-    for (int r = 0; r < kRows; ++r) sum += lambda[r] * f[static_cast<std::size_t>(r)].h;
+    for (int r = 0; r < kRows; ++r) sum += lambda[r] * f[r].h;
     return sum;
   }
   /// From bend() along each variable and along the sum of each two of them: exact.
@@ -329,7 +327,7 @@ class PhiFunction {
     return all;
   }
   int slot_of(int side) const {
-    const FramePair& pair = frames_[static_cast<std::size_t>(side / 2)];
+    const FramePair& pair = frames_[side / 2];
     return side % 2 == 0 ? pair.P.slot : pair.S.slot;
   }
 
@@ -341,7 +339,7 @@ class PhiFunction {
       if constexpr (kPairs > 1)
         for (int i = 0; i < slots.n; ++i) at(v, i).setZero(), at(w, i).setZero();
     }
-    static Vec3& at(std::array<Vec3, kMaxSlots>& a, int i) { return a[static_cast<std::size_t>(i)]; }
+    static Vec3& at(std::array<Vec3, kMaxSlots>& a, int i) { return a[i]; }
 
     void add(const FramePair& frames, const PulledRow& row) {
       const int i = slots.position(frames.P.slot), j = slots.position(frames.S.slot);
@@ -369,7 +367,7 @@ class PhiFunction {
   /// What phi reads of a single pair is checked by the compiler (phi.h). Of several pairs the compiler checks only what
   /// all of them leave out; the rest is checked here, by coordinates that are NaN.
   void refuse_unread(const std::string& link, Coords<Time> y) const {
-    std::array<double, static_cast<std::size_t>(kMemory + 1)> memory{};
+    std::array<double, kMemory + 1> memory{};
     start_memory({memory.data(), static_cast<std::size_t>(kMemory)});
     for (LockCoords<Time>& each : y) each.memory = memory.data();
     const auto finite = [&] {
@@ -389,8 +387,8 @@ class PhiFunction {
 
   Phi phi_;
   Pairs pairs_;
-  std::array<FramePair, static_cast<std::size_t>(kPairs)> frames_;
-  std::array<const CountedAngle*, static_cast<std::size_t>(kPairs)> angles_{};  // null: its turns are not counted
+  std::array<FramePair, kPairs> frames_;
+  std::array<const CountedAngle*, kPairs> angles_{};  // null: its turns are not counted
   bool moving_ = false;  // whether a law moves one of the markers
 };
 
