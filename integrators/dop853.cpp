@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Source: E. Hairer, S. P. Norsett & G. Wanner, Solving Ordinary Differential Equations I (1993), II.5, II.6 and II.10
 // (P. J. Prince & J. R. Dormand 1981; dense output by the authors). The coefficients are those of their program DOP853,
 // rounded to double.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Sources: J. R. Dormand & P. J. Prince, J. Comput. Appl. Math. 6 (1980) 19; dense output by Shampine 1986, as in
 // Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I (1993), II.5 and II.6.
 #include <lockstep/integrators.h>

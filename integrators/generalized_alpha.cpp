@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Sources: J. Chung & G. M. Hulbert, J. Appl. Mech. 60 (1993) 371; on Lie groups O. Bruls, A. Cardona & M. Arnold,
 // Mech. Mach. Theory 48 (2012) 121; stabilised index 2 and the start M. Arnold, O. Bruls & A. Cardona, Numer. Math. 129
 // (2015) 149; states of first order K. E. Jansen, C. H. Whiting & G. M. Hulbert, CMAME 190 (2000) 305.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Sources: E. Hairer & G. Wanner, Solving Ordinary Differential Equations II (1996), IV.5 (method) and IV.8
 // (transformed Newton iteration, its stop rule, error estimate).
 #include <lockstep/integrators.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Sources: H. C. Andersen, J. Comput. Phys. 52 (1983) 24; A. Dullweber, B. Leimkuhler & R. McLachlan, J. Chem. Phys.
 // 107 (1997) 5840; M. Suzuki, Phys. Lett. A 146 (1990) 319; Hairer, Lubich & Wanner, Geometric Numerical Integration
 // (2006), VII.1 and II.4.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Source of the tableau: W. Kutta, Zeitschrift fuer Mathematik und Physik 46 (1901) 435.
 #include <lockstep/integrators.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Source of the scheme: Hairer, Lubich & Wanner, Geometric Numerical Integration (2006), I.1.2.
 #include <lockstep/integrators.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Private to the room: laws that refuse to be asked say whose they are.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "motionlaws/formula.h"
 
 #include <lockstep/error.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The law 'formula': a formula of time, written in a scene.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // This folder as a plugin, if it is not part of the library (LOCKSTEP_BUILTINS=OFF).
 #include <lockstep/author/plugin.h>
 #include "motionlaws/register.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "motionlaws/side.h"
 
 #include <algorithm>

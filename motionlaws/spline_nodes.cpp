@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The linear systems behind a spline. Unknown at a point, m numbers: x = s (slope) for a cubic, x = (s, M) (slope and
 // second derivative) for a quintic; equations: the next derivatives are continuous. Block elimination without exchanges is
 // stable, since these are the stationarity conditions of the integrals of ydd^2 and yddd^2 (positive definite up to the

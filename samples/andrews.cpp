@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Andrews' squeezing mechanism from its scene file: two integrators, and both against the published end.
 #include <cmath>
 

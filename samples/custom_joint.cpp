@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A joint of one's own from one function: a nut runs down a screw, counted over many turns, against the closed form.
 #include <cmath>
 

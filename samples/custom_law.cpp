@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A motion law of one's own: written as a plain function, its derivatives are exact; the drive force proves it.
 #include <cmath>
 

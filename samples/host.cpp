@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A host program of forty lines: loads two plugins, drives a plugin's cam by a plugin's law, and watches the lift.
 #include <cmath>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // An Oldham coupling of two offset shafts: the disc circles twice a turn, and the output follows exactly.
 #include <cmath>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A rod swings from the horizontal: its period against the elliptic integral, its energy against the start.
 #include <cmath>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A six-axis arm whose tool follows a trajectory; the joint angles are read and fed back as laws: the same motion.
 #include <cmath>
 

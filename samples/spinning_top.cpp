@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A heavy top in steady precession: fast spin, slow drift, and a height that must not change.
 #include <cmath>
 

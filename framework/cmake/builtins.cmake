@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # The folders motionlaws/ and integrators/: parts of the library, or each a plugin that it loads by name.
 foreach(folder motionlaws integrators)
   file(GLOB folder_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.cpp)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # Writes which commit a clean tree is at into a source of the program; "" for any other tree. Run at every build.
 # Words: -D root=... -D file=...
 cmake_minimum_required(VERSION 3.25)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # What a Debian package must hold beside our files: its copyright, its changelog, compressed manual pages. CPack runs this
 # when the files of each component are in place, before it packs them.
 set(root "${CPACK_TEMPORARY_DIRECTORY}")

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # What lockstep is built on. gnuplot, which draws the charts, is looked for when one is drawn.
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(Boost 1.74 REQUIRED)

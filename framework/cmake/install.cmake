@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # What a client includes is <lockstep/...>, here and installed alike.
 # Five components, which packages.cmake makes Debian packages of: library, development, program, plugins, doc.
 include(CMakePackageConfigHelpers)

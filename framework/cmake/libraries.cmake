@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # How the parts of the library are built.
 
 # Headers that most files of the core, of the tests and of the samples need are compiled once for each of the three; of

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # Time limits of tests: each has one, about twenty times what it takes in a release build and at least a minute. That is
 # lockstep_limit; test cases that take longer than 5 s have theirs in tests/limits.cmake.in. With assertions a test takes
 # longer, and with the checks of sanitizers longer still, so all limits are multiplied by LOCKSTEP_PATIENCE.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # lockstep_add_plugin(name source...): a module `plugins/<name>.so` in the build tree that lockstep can load by name.
 # It serves the plugins of this repository and, through find_package(lockstep), everybody else's.
 include_guard(GLOBAL)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # Headers that stood in lockstep/ until 0.1 are in lockstep/author/ and lockstep/detail/; for one release the old paths lead there.
 file(GLOB moved_headers RELATIVE ${PROJECT_SOURCE_DIR}/framework/include ${PROJECT_SOURCE_DIR}/framework/include/lockstep/author/*.h
      ${PROJECT_SOURCE_DIR}/framework/include/lockstep/detail/*.h)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # cpack -G DEB in the build tree: five packages, from the five components of install.cmake. Each part can be replaced
 # alone, and two versions of the library can stand side by side: it is named after its SOVERSION.
 set(CPACK_GENERATOR DEB)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # The page of reports as text inside the library: framework/tools/report/web/dist/report.html, in pieces that every compiler
 # takes as literals. `npm run build` in framework/tools/report/web makes that file; who changes no page needs no node.
 set(report_page ${PROJECT_SOURCE_DIR}/framework/tools/report/web/dist/report.html)

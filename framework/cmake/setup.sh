@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # Sourced by samples/run and tests/run: finds what is missing, installs it by apt-get, configures and builds the release
 # preset, or the one that LOCKSTEP_PRESET names. What is up to date is not touched, and nothing is asked of the network when nothing is missing.
 #

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # The templates of `lockstep new-plugin` as texts inside the program: framework/tools/program/templates/<kind>/<file>, and
 # those of common/ for every kind, with @kind@ replaced. The tests build and run the sources as they stand.
 set(template_folder ${PROJECT_SOURCE_DIR}/framework/tools/program/templates)

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # site.sh SOURCE BUILD_TREE [pages]: builds the site in BUILD_TREE/docs/html: the pages, the API, and a gallery with a
 # report and a picture of each sample; with "pages" without the gallery. Fails on every warning of Doxygen, on a public
 # name without a word of documentation, and on every link that leads nowhere. 77: no Doxygen here.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // An integrator as a plugin: Adams and Bashforth's explicit multistep methods of order 2, 3 and 4.
 //
 //   y(t + x) = y + sum_j w_j(x) f_j,   sum_j w_j t_j^m = x^(m+1)/(m+1),  m = 0 ... order - 1,   t_j: times before t

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A law as a plugin: one smooth bump, y = height (1 - u^2)^3 with u = (t - at)/width, zero outside |u| < 1.
 #include <lockstep/author/plugin.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A link as a plugin: the point P of a follower rides on the profile of a disc cam whose axis is z of S.
 #include <lockstep/author/plugin.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A force as a plugin: the drag of air at rest on the point P.
 //
 //   F = -c |v| v at P,   v: velocity of P in the world,   c = coefficient, or density area shape/2

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // BDF of orders 1 to 5 with variable steps, by IDA of SUNDIALS, as a plugin: for stiff mechanisms.
 //
 //   F(t, u, u') = u' - f(t, u + d) = 0,   y = (q, v, s) = u + d

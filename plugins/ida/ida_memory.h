@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What IDA works on: its memory, vectors, a dense matrix and its solver, made and freed together.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // An integrator as a plugin, and how to wrap one of another library: Cash and Karp's explicit method of order 5 from
 // Boost.odeint.
 //

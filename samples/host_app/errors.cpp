@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Every type of error of <lockstep/error.h>: how to catch it, what it carries, and what provokes it.
 #include "errors.h"
 

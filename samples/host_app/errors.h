@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a host program does with the errors of lockstep.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A host program on an installed lockstep: plugins, a law of its own, an observer, a stop, every type of error.
 #include <cmath>
 #include <cstdio>

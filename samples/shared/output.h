@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Where a sample puts its files: the folder LOCKSTEP_OUTPUT, or the build tree's own.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "samples/shared/robot_arm.h"
 
 #include <spdlog/fmt/fmt.h>

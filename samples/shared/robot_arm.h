@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The six-axis arm: links 1 to 6 on revolute joints J1 to J6, a tool marker on the last.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A law through what was recorded.
 #pragma once
 

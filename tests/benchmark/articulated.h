@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// @file The yardstick: a chain of rods on hinges by the articulated-body method (Featherstone 2008, chapter 7), in
 /// world axes, one pass out, one in, one out. Trees only; written for this one mechanism, as a specialist would.

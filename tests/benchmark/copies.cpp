@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What eight copies in lanes cost, against the same evaluations one by one: chains of hinged rods and rows of four-bars,
 // in one run. With arguments, files of scenes: what each costs in both formulations, and the operations by which one of them is
 // chosen.

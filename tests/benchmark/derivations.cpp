@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The paper's own claim as a chart: rows and right side of the lock derived in four ways, cost against error of the
 // rows and of a trajectory. CSV and pictures.
 #include <fstream>

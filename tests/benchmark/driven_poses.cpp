@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Poses of driven mechanisms per second, with all reactions: DrivenMotion on scenes, at three distances of poses.
 //   driven_poses [SCENE.json ...]
 #include <chrono>

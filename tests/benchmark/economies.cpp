@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Time of an evaluation of the equations of motion with each feature absent and present; CSV and bars.
 #include <fstream>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The energy of the double pendulum over a long run, method by method: how far it swings, and how fast it drifts; CSV.
 #include <spdlog/fmt/fmt.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Time of one evaluation of the equations of motion a body: trees, redundant ladders and stars, in space and in their
 // plane, against the articulated-body yardstick in the same run. A table, and evaluation.csv. Of large ladders also
 // what they hold in memory, and how long it takes to read a scene and to count its freedoms. With the word "large" also

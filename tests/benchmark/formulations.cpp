@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What an evaluation costs along joints and in omega, against the operations that both plans predict: by these `auto` chooses.
 // Arguments: files of scenes, with loops. At the end Operations::kVisit, by which measured and predicted ratios differ least.
 #include <spdlog/fmt/fmt.h>

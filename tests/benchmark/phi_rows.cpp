@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a joint from one function costs against the same row written by hand: gather() of one link between two (gear:
 // three) free bodies, in one run, and the largest difference of their numbers. A table, and phi_rows.csv.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Baumgarte's gain times step, against the step: where a swinging rod works, is inaccurate, fails; CSV and picture.
 #include <fstream>
 

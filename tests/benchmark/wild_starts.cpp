@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How often a scene is assembled from starts that have nothing to do with it: wild_starts SCENE.json [N], 1000 of them unless N
 // is given. tests/verification/data/wild_starts.csv holds what it found.
 #include <spdlog/fmt/fmt.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Functions of joints that must not compile. Behind "refused:" what the compiler has to say of the function below;
 // run.sh looks for each. `Right` must not be named.
 #include <lockstep/author/phi_links.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Functions of std on jets: one error for all of them, in each of the three places where authors write formulas (-DPLACE),
 // which names lockstep's functions. Without -DPLACE: what compiles, as it does on numbers.
 #include <algorithm>

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # jets.sh COMPILER FLAGS...: functions of std on jets are one error, in at most 40 lines, which names each function of
 # jet.h; what is right compiles.
 set -uo pipefail

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # run.sh COMPILER FLAGS...: functions.cpp must not compile, and the compiler must say all that stands behind "refused:",
 # each beside the name of the function below it.
 set -uo pipefail

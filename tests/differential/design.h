@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A random mechanism, as numbers: what the differential tests turn into scenes.
 #pragma once
 

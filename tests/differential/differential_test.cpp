@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Random mechanisms, computed in all ways: every two ways agree, or one says by name why it does not go. A disagreement
 // prints its seed and the smallest scene that shows it. LOCKSTEP_SEEDS="FROM:TO" takes other seeds than the default.
 #include <algorithm>

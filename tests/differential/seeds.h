@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Which random mechanisms are tried: [from, to), by LOCKSTEP_SEEDS="FROM:TO".
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A smaller mechanism that shows the same disagreement.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/description/scene/system_of.h"
 #include "tests/differential/trial.h"
 #include "tests/support/worst.h"

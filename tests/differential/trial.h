@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // One computation of a scene, and how far two of them are from each other.
 #pragma once
 

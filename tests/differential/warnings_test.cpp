@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Warnings are believed: none on a right run, and no wrong run without one. Runs of the program over random mechanisms, the
 // samples and the overconstrained ones, at 1e-4, 1e-6, 1e-8 and 1e-10, each judged by the run at 1e-11:
 //

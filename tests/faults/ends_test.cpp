@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The program is ended, or what it writes to is full: by signals, a closed terminal, a limit to the size of files, a
 // full standard output. Old results stay, what was computed stays beside them, and the exit code is a documented one.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What the tests of faults share: a scene, the program with a call that fails, and what tables must be like.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Loaded before a program (LD_PRELOAD), makes one call of the system fail. LOCKSTEP_FAIL="malloc:17" is the 17th request
 // for memory after main has begun, "malloc:17+" that and all later ones, "write:3" the third write (the disk is full),
 // "fsync:1", "rename:1". "alarm:20" is a signal every 20 ms, whose handler lets calls of the system end early (EINTR).

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The system fails under the program: writing, fsync, rename and kill -9. It ends by a documented exit code with a
 // sentence, old results are never lost, and what was computed is gone on with.
 #include <cstdlib>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Memory runs out under the program, at one request or from one on: it ends by one sentence and exit code 10, and old
 // results stay. LOCKSTEP_FAULTS=N takes N requests of each verb in place of 40, and all takes every
 // one: 600 000 runs of the program, some four hours.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <vector>
 
 #include <lockstep/author/jet.h>

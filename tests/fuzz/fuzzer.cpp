@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // One fuzz target as a program of libFuzzer: LOCKSTEP_FUZZ_TARGET is its name.
 #include <cstdio>
 #include <cstdlib>

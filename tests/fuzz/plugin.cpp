@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/author/loader.h>
 #include "tests/fuzz/answered.h"
 #include "tests/fuzz/scratch_file.h"

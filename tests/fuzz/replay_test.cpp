@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The fuzz targets without a fuzzer: over their corpus, and over changes to it that are the same every time. So none of
 // them rots, and what was found stays mended. LOCKSTEP_FUZZ_INPUTS="N" takes N changed inputs a target, "SEED:N" others.
 #include <poll.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What is fuzzed. A target takes any bytes, and returns: the library may refuse them by one of its errors, and nothing else.
 #pragma once
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # alignment.sh BUILD_TREE COMPILER GENERATOR FLAGS: a client with the settings of lockstep.pc links, whatever its
 # -march; one with others does not, and the linker names the setting. 77: no pkg-config here.
 set -uo pipefail

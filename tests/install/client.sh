@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # client.sh BUILD_TREE COMPILER GENERATOR FLAGS: a project in a folder of its own finds the package after it was moved,
 # builds a program and a plugin, with make where there is one, and the installed program takes the plugin.
 set -euo pipefail

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # exports.sh LIBRARY...: shows every symbol that a library offers beyond namespace lockstep and the record of plugins, and every
 # function of the installed headers that no library offers.
 # 77: no nm here.

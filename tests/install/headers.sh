@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # headers.sh BUILD_TREE COMPILER STEP: the installed headers, in install_test/prefix, are what the umbrella says and
 # compile without a warning: all of them in one file, and alone every STEP-th of them (1: each).
 set -uo pipefail

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # host_app.sh BUILD_TREE COMPILER GENERATOR FLAGS: builds samples/host_app, copied to a folder of its own, on the
 # installed package, with the instructions of this very machine, and runs it.
 set -euo pipefail

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # links.sh BUILD_TREE CMAKE: installs the pages into a scratch folder, as package lockstep-doc has them, and follows each
 # local link of each page there.
 set -euo pipefail

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # missing.sh BUILD_TREE: a library with LOCKSTEP_BUILTINS=OFF that does not find the plugins it lives on says so.
 set -uo pipefail
 place="$1/missing_test"

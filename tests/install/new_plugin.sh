@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # new_plugin.sh BUILD_TREE COMPILER GENERATOR FLAGS KIND...: with the installed package in install_test/prefix,
 # `lockstep new-plugin` writes a plugin of each of these kinds, which builds, passes its own tests, and is seen by list, describe, schema and a scene.
 set -euo pipefail

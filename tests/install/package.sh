@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # package.sh BUILD_TREE CPACK: makes the Debian packages from the build tree, unpacks them by dpkg into a root of their
 # own, runs a scene with the program from there, removes them again, and looks for what they left. 77: no dpkg here.
 set -euo pipefail

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # page.sh BUILD_TREE COMPILER GENERATOR FLAGS PAGE [KIND...]: does in a scratch folder what a page says, word by word, with the
 # installed package in install_test/prefix:
 #   ```sh            is run

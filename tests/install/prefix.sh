@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # prefix.sh BUILD_TREE: installs it once to BUILD_TREE/install_test/prefix, for all tests that use the installed package
 # (ctest fixture `installed`). Each of them works in a folder of its own beside it, and leaves the prefix as it is.
 set -euo pipefail

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // layout ROOT: holds every #include below ROOT against ROOT/framework/layout.txt. A file may include its own room and
 // the rooms that are listed before it. The table in ROOT/framework/README.md must be the one that layout.txt makes.
 // layout ROOT --table: prints that table.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What slips that were planted in dynamics, integrators and forces once got past: each test fails with one of
 // tests/mutants/*.patch.
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What slips that were planted in the sources once got past: each test fails with one of tests/mutants/*.patch.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What random slips (tests/mutants/random) got past.
 #include <cmath>
 #include <limits>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // reach.cpp: the hook of -finstrument-functions. Loaded before a program (LD_PRELOAD), it writes each function that runs into
 // the file that LOCKSTEP_REACH names, once: "MODULE ADDRESS", the address in hexadecimal from where the module is loaded. Each
 // line is written at once, so that nothing is lost where a process is killed; children append to the same file.

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # small.sh RUN: tests/mutants/run in a tree of one source, with and without git: which slips are found, which are not,
 # and what is said of those that cannot tell. The tree's one test is right where value() is 3.
 set -uo pipefail

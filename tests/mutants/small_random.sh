@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # small_random.sh RANDOM: tests/mutants/random in a tree of two sources and two test cases: it plants, finds, lists the slips
 # that survive, leaves out what is equal or not reached, goes on from what it has written, and leaves the sources alone.
 set -uo pipefail

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What the pages show is true: their C++ compiles and runs, their scenes run, their commands and files exist.
 #include "tests/pages/page.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // test_pages_writer ROOT FILE: writes all C++ of the pages into one source file, each block in a namespace of its own.
 // The compiler names page and line of what is wrong.
 #include <cctype>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The verbs that measure, called as a person calls them: chart, advise, run --certify.
 #include <cmath>
 #include <ctime>

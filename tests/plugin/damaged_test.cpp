@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Plugins that end the process that opens them, that change while a host runs, that were built otherwise, and those that
 // read files.
 #include <algorithm>

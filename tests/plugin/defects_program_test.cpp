@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Scenes that once showed a defect of the program, each as it was, under its name.
 #include <cmath>
 #include <fstream>

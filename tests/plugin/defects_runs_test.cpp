@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Runs of the program that were doubted, refused or let pass wrongly, and are right now.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The example plugins pass the checks that everybody's plugins can be held against, and do what they say.
 #include <cmath>
 

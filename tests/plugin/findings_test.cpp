@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Every kind of finding is provoked once, and stands in the JSON of the command that makes it.
 #include <nlohmann/json.hpp>
 #include <set>

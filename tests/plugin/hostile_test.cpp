@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Files that are no plugins, damaged ones, and plugins that register badly: each is refused by a PluginError that says
 // why, and the host goes on.
 #include <sys/stat.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The plugin ida: BDF of SUNDIALS on mechanisms, stiff and not.
 #include <algorithm>
 #include <string>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Plugins: found, read, checked before their code runs, taken whole or not at all.
 #include <lockstep/author/loader.h>
 

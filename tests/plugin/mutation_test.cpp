@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Real plugins, changed at random: the host reads each without harm. One whose loaded part is whole loads and is the
 // same plugin; one that was cut there is refused. Other damage to the loaded part is not looked for, so such a file is not run.
 #include <elf.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // `lockstep new-plugin`: what it writes, and what it refuses. That what it writes builds and passes is tested from the
 // installed package (tests/install/new_plugin.sh) and of the templates themselves (tests template.*).
 #include "framework/tools/program/new_plugin.h"

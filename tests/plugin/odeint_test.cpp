@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The plugin odeint: a foreign explicit method, its order and its error against the tolerance.
 #include <string>
 

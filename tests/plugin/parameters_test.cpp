@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Parameters of a scene from the command line: run, check, sweep.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Forces of plugins whose energies are no numbers, and plugins that change while a run waits.
 #include <filesystem>
 #include <fstream>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a run of the program keeps of its rows, and what of them a picture shows.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The verbs statics, kinematics, inverse and explain, and assemble --branches, as a person calls them.
 #include <cmath>
 #include <fstream>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The verb atlas, called as a person calls it.
 #include <cmath>
 #include <filesystem>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What `lockstep check` finds in a scene before it runs: freedoms, formulation, coordinates of joints, what is taken and
 // left out.
 #include <fstream>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What the program says of results that are doubtful, and of starts that are not what was asked.
 #include <cstdio>
 #include <fstream>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What the program writes and reads: tables, pictures, reports, and what becomes of them when a run fails.
 #include <algorithm>
 #include <cmath>

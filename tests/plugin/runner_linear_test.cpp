@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The verbs modes, linearize and matrices, called as a person calls them.
 #include <cmath>
 #include <filesystem>

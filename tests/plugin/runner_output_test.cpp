@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The program, as other programs use it: JSON, standard streams, completion, the manual.
 #include <algorithm>
 #include <cctype>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The files of a run beside its rows: headers of columns, rows at jumps, pictures of columns and of paths.
 #include <cctype>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What the command line refuses: the option or the name, its value, and what to write in its place.
 #include <sys/stat.h>
 #include <sys/sysmacros.h>

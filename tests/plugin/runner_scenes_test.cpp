@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What the program says and refuses of the scenes it is given: included files, places that are taken, tables of laws.
 #include <filesystem>
 #include <fstream>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The program, called as a person calls it.
 #include <filesystem>
 #include <fstream>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Simulations of scenes: a host runs a scene as the program does.
 #include <lockstep/simulation.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Where plugins may come from: folders, links, who may write there, and what a scene may ask for.
 #include <lockstep/author/loader.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Plugins in which a table is damaged that leads to their record: each is refused before it is opened, by a sentence with the
 // file, what is wrong, its value and the limit.
 #include <elf.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The verb sweep, called as a person, GNU parallel and Slurm call it.
 #include <algorithm>
 #include <filesystem>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The programs that `lockstep` calls: those of its libexec folder, any lockstep-NAME on the PATH, and what is said where one
 // is missing.
 #include <filesystem>

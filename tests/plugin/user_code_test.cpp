@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What laws, links, forces and integrators of a plugin do wrong while they are used reaches the host by name.
 #include <cmath>
 #include <exception>

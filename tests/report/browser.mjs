@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Reports in a real browser: node browser.mjs CHROMIUM LOCKSTEP SCENES FOLDER. Ends with 1 after saying what is wrong.
 import { execFileSync } from 'node:child_process';
 import { copyFileSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';

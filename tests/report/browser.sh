@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # browser.sh LOCKSTEP SCENES FOLDER: reports in a real browser. Without node or chromium: exit code 77.
 set -euo pipefail
 here="$(cd "$(dirname "$0")" && pwd)"

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # bundle.sh SOURCE: the committed page of reports is what its sources make, byte for byte, and its lock file names no
 # registry. Without node or what `npm ci` installs the page is not made anew: exit code 77.
 set -euo pipefail

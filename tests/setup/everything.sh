@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # everything.sh EVERYTHING: tests/everything in a clone of one commit, with three checks of its own: what failed is kept
 # with its output, what has a result is not run again unless asked for by name, and another commit begins anew.
 set -uo pipefail

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # limits.sh CTEST BUILD_TREE: every test has a time limit of its own (property TIMEOUT), a minute at least, and every name
 # in tests/limits.cmake.in is that of a test. Tried before on a folder with a test that has none.
 set -uo pipefail

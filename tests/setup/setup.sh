@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # What samples/run and tests/run do when something is missing, tried with stand-ins for apt-get, id and sudo, and what
 # samples/run says without building anything.
 set -uo pipefail

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Baumgarte's gain times the step against the theory's limits (2.16).
 #include "tests/support/catch.h"
 #include "tests/support/stability_probe.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Friction at rest, and impacts that accumulate.
 #include <cmath>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Rows that nearly depend, decided beside other things: lanes, implicit methods, the plane, events, drives, couplings.
 #include <cmath>
 #include <functional>

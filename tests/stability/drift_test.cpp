@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A swinging rod for a long time: what projection, Baumgarte's terms and nothing make of the drift.
 #include "tests/support/catch.h"
 #include "tests/support/outcome.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Free bodies of awkward inertia: nearly flat, nearly spherical, and the turn of the tennis racket.
 #include <cmath>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Joints near the positions where their own coordinates fail: a universal joint near its gimbal pose, homokinetic rows
 // near a half turn.
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Steps far too large: no method crashes, and none is wrong without a word.
 #include <cmath>
 

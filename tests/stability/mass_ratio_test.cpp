@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Bodies that differ much in mass, in chains and in loops whose rows are redundant: forces and motions from every solver.
 #include <cmath>
 #include <string>

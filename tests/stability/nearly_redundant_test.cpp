@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Rows that depend on others but for a very small singular value: told, and where that is asked for held or free,
 // decided once at the start, and then the same motion from every solver and in every frame of the world.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The weak instability of methods without numerical damping, on a stiff spring that turns.
 #include <string>
 

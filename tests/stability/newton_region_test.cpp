@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How far implicit methods may go in a step before Newton's method no longer finds its end: a rod on a stiff spring that
 // turns fast.
 #include <cmath>

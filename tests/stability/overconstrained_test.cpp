@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Overconstrained mechanisms: freedoms, dependencies, which reactions are unique, and the motion of a model without a
 // row too many; in any frame of the world and any order of bodies and links.
 #include <algorithm>

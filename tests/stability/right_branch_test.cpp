@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Through flat and folded positions on the branch on which a mechanism comes, with every solver, in any frame of the world:
 // parallelograms of two and three cranks, an antiparallelogram, a kite, a slider-crank of equal arms.
 #include <cmath>

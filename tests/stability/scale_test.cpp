@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Far from the origin, very small, very large, and tolerances below round-off.
 #include <cmath>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Singular positions: the branches that meet in one, what is said of runs that pass one with plain stages, starts in one.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Implicit methods at very small steps: the scaling of their linear systems keeps forces and motion.
 #include <cmath>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Fast rotors and long runs of turns: the turn in a step, and the length of quaternions.
 #include <algorithm>
 #include <cmath>

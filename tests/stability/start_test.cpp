@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Starts that the links do not allow, and links that switch at one instant.
 #include <cmath>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// @file Counts what a piece of code takes from the heap: new, malloc, and Eigen's own, wherever in the program.
 

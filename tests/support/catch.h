@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// @file Catch2 in the version that is installed, 3 or 2.
 

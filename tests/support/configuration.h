@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 /// Two bodies, two markers and all six laws at one instant: the input of the lock's oracles, and a generator of it.

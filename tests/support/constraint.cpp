@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The lock constraint along curves: its derivatives by numbers that carry two of them.
 #include "tests/support/constraint.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 /// The lock constraint alone, seven rows (rho - p, e), and every derivative of it by exact differentiation.

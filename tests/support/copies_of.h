@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// @file Families of mechanisms of one topology and different numbers, for the copies.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 /// A number that counts what is done with it: multiplications, additions (and subtractions), divisions. Changes of sign

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// @file What the block elimination and the recursion along joints do, counted: of the first one by one from its equations, of
 /// the second by columns and numbers that count. A pack that one instruction takes counts as a number.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Error of a method on a reference mechanism: against the step, and against the tolerance.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Runs of the scenes of tests/verification/defects by the program.
 #pragma once
 

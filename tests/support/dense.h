@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// @file Decompositions of small dense matrices, compiled once for all tests.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 /// Rows and right side of the lock derived in four ways from one configuration, and a lock that is made of them. For

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A door on two hinges whose axes nearly agree, the model that decides its rows and runs it, the distance of motions.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A planar parallelogram whose crank a law drives, as a scene gives it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 /// Exact derivatives along one direction, for the oracles of the tests: nothing here is shared with the library.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 /// What a scene does not need costs nothing: one mechanism, each feature absent and present.

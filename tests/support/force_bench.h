@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 /// Two bodies and the ground with a marker each, moved by hand: the bench on which forces are tested without a System.

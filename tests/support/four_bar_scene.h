@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A four-bar as a scene gives it, with its crank along x and not assembled.
 #pragma once
 

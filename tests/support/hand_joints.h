@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Joints with rows written by hand in vectors, world axes: what PhiLock and PhiCoupling are held against, digit by digit
 // and instruction by instruction. Markers stand still on their bodies.
 #pragma once

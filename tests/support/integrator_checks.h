@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// @file What every integrator must hold: the same questions to all of them, with the numbers of each.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What the scenes' schema needs of JSON Schema (draft 2020-12), for tests.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Copies of mechanisms with loops in joint coordinates, one per lane: their rates and runs beside those of each alone.
 #pragma once
 

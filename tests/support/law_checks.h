@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Oracles for scalar laws: the formula on jets, and a search for jumps that knows nothing of the law.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // One link between bodies that a test puts where it likes: C, quantities and memory, step by step.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A force that reads what a link carries.
 #pragma once
 

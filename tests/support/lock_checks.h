@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 /// Reads lock-checks.json: configurations of the lock and what must come out, computed with 60 digits.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 /// What stands on the seven rows: standard functions phi(y, t) of relative coordinates with all their derivatives, and

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 /// The library's inputs made from a Configuration of the oracles, and laws that stand at one value with given rates.

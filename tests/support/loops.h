@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Mechanisms with loops that hold as they are drawn: random ones, rows of four-bars, ladders; their joint coordinates.
 #pragma once
 

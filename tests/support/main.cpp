@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #define CATCH_CONFIG_RUNNER  // version 2 puts its implementation here
 #include "tests/support/catch.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 /// Random mechanisms of generic locks, described twice: as a System, and as what the oracles need. Chains with loops,

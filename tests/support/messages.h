@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// @file Error messages under test: what was thrown, and whether its words are there.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Mechanisms whose modes are known, and how eigenvalues are compared.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Defects that are known and not mended yet, as tests.
 //
 // Catch has a tag for cases that fail, but under it a test passes on any failure: a scene that is no longer read, a run

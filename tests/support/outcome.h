@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What becomes of a scene: its table and its audit, or the words of the error that ended it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The lock's rows as the paper writes them.
 #include "tests/support/paper_lock.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 /// The lock in the source paper's own form, written out literally: seven rows, fourteen columns, every quaternion

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tests/support/plugin_files.h"
 
 #include <spdlog/fmt/fmt.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Files of plugins made from good ones, for tests of the loader.
 #pragma once
 

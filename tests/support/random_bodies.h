@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Bodies at random, laws given by their values at t = 0, and accelerations in one form.
 #pragma once
 

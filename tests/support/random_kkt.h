@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// @file Random saddle-point systems with chosen topology, and their exact solution by other means than the solvers'.
 

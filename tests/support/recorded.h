@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 /// A number that writes down what is done with it, as a list of operations without branches: what was computed at one

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Calls that are refused, and the words of their errors.
 #pragma once
 

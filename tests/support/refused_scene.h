@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a scene that cannot be is refused with.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/scene_run/scene_run.h"
 #include "tests/support/run_scene.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Runs a scene from beginning to end, as the program does, and hands over what was recorded.
 #pragma once
 

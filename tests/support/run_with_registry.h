@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Runs a scene with things that do not come with lockstep: plugins of the test's own choice.
 #pragma once
 

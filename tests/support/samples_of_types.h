@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Parameters for every type of the library, so that tests can make one of each. A type without an example is made from
 // its defaults.
 #pragma once

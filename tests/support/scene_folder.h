@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Scenes in files: a folder of a test's own, and what comes with lockstep to build them with.
 #pragma once
 

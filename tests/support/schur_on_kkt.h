@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// @file The solver `schur` on the random matrices of random_kkt.h: masses of any form become 1 by a change of
 /// unknowns, M = L L^T, a' = L^T a, J' = J L^-T, so that the solver's own rows and masses can carry them.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// @file What every linear solver must hold: the same questions to dense, sparse and those to come.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 /// Where Baumgarte's stabilisation works, is inaccurate and fails: probes for the test and for the map.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What an act throws: its type's word and its message.
 #pragma once
 

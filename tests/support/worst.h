@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The worst of many differences, which a NaN among them does not pass unseen.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Assembly, projection and mobility: from afar, with redundant rows, and what they say when it cannot be.
 #include <cmath>
 #include <limits>

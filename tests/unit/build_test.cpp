@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Scenes that are right: what the mechanism is made of.
 #include <lockstep/scene.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Cams: the distance of a roller and of a flat face, held against a search along the profile; turn after turn; what
 // profiles are refused.
 #include <lockstep/couplings.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Digits of channels, on tables written down by hand.
 #include "framework/tools/precision/certificate.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // check_force: right forces pass, wrong ones are named in words.
 #include <lockstep/author/check.h>
 

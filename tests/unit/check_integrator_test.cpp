@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // check_integrator: right methods pass, wrong ones are named in words.
 #include <lockstep/author/check.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Counted angles: what they are at the start, along motions with few steps, and where they have no value.
 #include <lockstep/detail/counted_angle.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Cells of CSV files: what is written reads back.
 #include <unistd.h>
 

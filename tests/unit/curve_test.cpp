@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Points on curves and followers of paths: held against a search along the curve; round and round; what is refused.
 #include <lockstep/couplings.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Scenes that once showed a defect, each as it was, under its name; and what hosts in C++ get of the same.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The four derivations of the lock's rows against the 60 digits of lock-checks.json: what the benchmark charts.
 #include "tests/support/derivations.h"
 

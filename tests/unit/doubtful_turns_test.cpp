@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Angles whose axis is met by what turns: the count of turns is in doubt, and a warning says so.
 #include <cmath>
 #include <sstream>

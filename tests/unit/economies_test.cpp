@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A feature that a scene does not use costs nothing: unknowns, rows, operations and evaluations, absent and present.
 #include "tests/support/economies.h"
 

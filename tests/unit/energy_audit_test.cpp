@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Whether a run conserved energy: the audit against motions whose energy is known.
 #include <lockstep/recorder.h>
 

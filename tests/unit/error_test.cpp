@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Errors as data, and the one way in which an exception gets the name of its culprit.
 #include <lockstep/error.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Evaluation, Factor, StateEditor: what a caller may hold, and what of it stays true when the state moves on.
 #include <lockstep/detail/newton.h>
 #include <lockstep/dynamics.h>

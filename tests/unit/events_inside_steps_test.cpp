@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Events and contacts inside long steps: turning points beside the ends of a step, several turns in a step, outputs.
 #include <algorithm>
 #include <cmath>

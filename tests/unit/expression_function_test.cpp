@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Formulas as functions of variables: derivatives, breakpoints, constants.
 #include <algorithm>
 #include <array>

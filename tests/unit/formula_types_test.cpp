@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The law, the link and the force by a formula: derivatives and jumps as they say, motions in closed form.
 #include <cmath>
 

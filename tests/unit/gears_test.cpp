@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Gears, belts, differentials, racks and screws: which way they turn, from any start; their check; what is refused.
 #include <lockstep/couplings.h>
 

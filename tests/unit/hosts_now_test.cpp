@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a host does between two calls of a run acts at once: events, switches, inputs; a failed call is tried again as
 // often as one likes, a snapshot loaded as often, and a controller's calls cost no memory.
 #include <algorithm>

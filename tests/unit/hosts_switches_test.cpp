@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a host switches, sets and loads between two calls of a run: what is refused leaves the run, what is set of a drive
 // jumps as its law would, and no call of one kind is judged by those of another.
 #include <cmath>

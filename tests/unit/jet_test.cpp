@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Jets against the oracle's dual numbers: every operator and every function, alone and in one another; value, gradient,
 // first and second derivative along a motion. What the dual numbers lack is made from what they have.
 #include <lockstep/author/jet.h>

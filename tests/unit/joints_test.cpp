@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The named joints: what each holds and what it lets go, its rows and names; joints from a function; what is refused,
 // and how.
 #include <cmath>

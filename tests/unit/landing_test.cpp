@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Steps land on the jumps of built-in laws, and the stages before a jump see only what was before it.
 #include <cmath>
 #include <memory>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The library's one logger: a host redirects it, sets its level, silences it.
 #include <lockstep/log.h>
 

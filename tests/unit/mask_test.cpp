@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Masks and axes in words, both ways, and what is no word.
 #include <lockstep/detail/kernel.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Bodies bolted together move as one slot: equal motion with fewer unknowns, and what must stay a link stays one.
 #include <lockstep/dynamics.h>
 #include <lockstep/solvers.h>

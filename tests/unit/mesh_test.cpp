@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Meshes for pictures: what is read, by the volume and the area that they enclose, and what is refused.
 #include <unistd.h>
 

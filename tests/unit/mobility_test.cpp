@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Which rows depend on which: by name, in any order and frame, of any size, and those that nearly do.
 #include <algorithm>
 #include <cmath>

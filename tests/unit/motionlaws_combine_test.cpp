@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Sequence, repeat and the combinations: values against formulas, breakpoints found where they are and nowhere else.
 #include <lockstep/error.h>
 #include <lockstep/laws.h>

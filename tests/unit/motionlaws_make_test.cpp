@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The laws as a scene asks for them: made by name from the registry, units taken, errors with place and key.
 #include <cstdio>
 #include <fstream>

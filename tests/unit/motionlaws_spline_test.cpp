@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The spline law and its table: interpolation, continuity at the points, reproduced polynomials, ends, outside, errors.
 #include <cstdio>
 #include <fstream>

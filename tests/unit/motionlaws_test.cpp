@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Closed-form scalar laws and laws from a user's function: values against the formula on jets, breakpoints, errors.
 #include <array>
 #include <limits>

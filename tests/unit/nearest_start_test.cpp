@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Starts by coordinates and weights: the assembled start nearest to what was asked.
 #include <cmath>
 #include <limits>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Keys of scenes that were renamed: the old names are read for one more release, and the logger says so.
 #include <spdlog/sinks/ostream_sink.h>
 #include <spdlog/spdlog.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Parameters, points and formulas in scenes.
 #include <unistd.h>
 

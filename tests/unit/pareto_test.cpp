@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The rules of what counts, on runs written down by hand.
 #include "framework/tools/precision/pareto.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Joints and couplings from functions: held against rows written by hand, against differences and against the
 // symmetries of the theory; turns counted past full ones; what is refused, and how.
 #include <functional>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Poses: composition and inverse, against points carried one by one.
 #include <lockstep/math.h>
 

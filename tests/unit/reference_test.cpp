@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The reference of scenes covers every object, type, key and unit.
 
 #include <map>

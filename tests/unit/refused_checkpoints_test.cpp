@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Checkpoints whose hash fits and whose numbers are those of no run: refused by their cause, and the run goes on from a
 // good one as if they had not been read.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Runs in C++ that cannot be meant: settings, states and events are refused by name, value, limit and next move.
 #include <limits>
 #include <memory>

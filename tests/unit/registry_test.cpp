@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/author/registry.h>
 
 #include "framework/description/scene/json.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Pages of many runs, and of modes: what they hold, against the runs themselves.
 #include <lockstep/report.h>
 

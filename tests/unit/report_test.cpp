@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The report of a run: what the page holds, against the run itself.
 #include <lockstep/report.h>
 

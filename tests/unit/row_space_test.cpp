@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What rows hold and leave free, for as few unknowns as there can be.
 #include <cmath>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a run asks for beside the rates of its stages: evaluations, motions and values of channels, counted.
 #include <cmath>
 #include <memory>

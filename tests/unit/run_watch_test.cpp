@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A run watches itself: integrators that do not do what they report, runs without an end, events inside a step.
 #include <lockstep/step_loop.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Every kind of bad scene: refused at its place, with the name of the thing, the value and the next move.
 #include <algorithm>
 #include <fstream>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What is wrong with several things of a scene is said at once.
 #include <sstream>
 #include <string>

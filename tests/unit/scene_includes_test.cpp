@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What an included scene may hold: each key of a scene is taken, applied within the part, or left out; all are checked.
 #include <unistd.h>
 

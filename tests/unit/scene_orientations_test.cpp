@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Orientations that are none: quaternions far from length 1 and directions that are not at right angles, wherever one is given.
 #include <cmath>
 #include <sstream>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Parts of scenes: included ones somewhere else, their values by path, places of bodies in formulas.
 #include <unistd.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The schema: as the build writes it one with the tables and the registry, and right about scenes.
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Simulation, the facade: what it resolves by name is what the layers below it are made of.
 #include <lockstep/simulation.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Starts of more than half a turn: what counts turns begins in the turn that is asked for.
 #include <cmath>
 #include <string>

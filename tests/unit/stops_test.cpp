@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // One-sided links, stops and friction as scenes say them.
 #include <lockstep/joints.h>
 

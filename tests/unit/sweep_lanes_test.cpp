@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Runs of a sweep eight at a time against the same runs one by one.
 #include "framework/description/scene/system_of.h"
 #include "framework/tools/sweep/sweep_lanes.h"

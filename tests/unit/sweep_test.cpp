@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A sweep of pendulums against their closed forms.
 #include <lockstep/sweep.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The system: names, set-up, slots, groups, links out of force, and a gather that asks for no memory.
 #include <lockstep/system.h>
 

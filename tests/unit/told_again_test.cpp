@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A table loses no row, whoever throws while a row is made: the recorder is told of that output again when the run goes
 // on, and nobody else is.
 #include <lockstep/recorder.h>

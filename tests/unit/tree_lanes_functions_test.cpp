@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Copies with links that are no masks, or whose markers laws move, in lanes along joints: their rows are written copy by
 // copy. Against each mechanism alone in joint coordinates and in omega.
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Copies of mechanisms with loops in joint coordinates, one per lane, against each mechanism alone in joint coordinates
 // and in omega.
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Runs of copies in lanes: jumps of laws, who follows them, what callers and forces throw.
 #include <cmath>
 #include <utility>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Copies in joint coordinates, one per lane, against the recursion of each mechanism alone.
 #include "framework/tools/batch/batch.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Robots in URDF become scenes: the same motion as the robot written by hand, and every mistake by name.
 #include "framework/tools/import/urdf.h"
 #include "framework/description/scene/system_of.h"

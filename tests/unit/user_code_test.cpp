@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What users' code throws: its name reaches the host, and the run goes on from the last accepted state.
 #include <lockstep/step_loop.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What `describe` says of words that are no types.
 
 #include <sstream>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Work against precision on a mechanism whose motion is known, with an integrator that lies and one that fails.
 #include "framework/tools/precision/work_precision_chart.h"
 

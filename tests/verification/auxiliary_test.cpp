@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // States of the user's own, integrated with the mechanism: an integral action holds a slider against its weight, and an
 // impulse is that of a reaction.
 #include <cmath>

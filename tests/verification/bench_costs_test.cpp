@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The rules by which runs become costs in the comparison with other engines.
 #include "tests/benchmark/peers/costs.h"
 #include "tests/support/catch.h"

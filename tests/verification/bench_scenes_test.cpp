@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The scenes of the comparison with other engines: as their generator writes them, where the mechanisms say, and good
 // for a short run that keeps its constraints.
 #include <spdlog/fmt/fmt.h>

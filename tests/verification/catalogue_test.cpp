@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The catalogue of joints in motion: scenes and mechanisms whose motion and forces are known in closed form, or by one
 // equation of motion that the test integrates itself.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Runs that are saved between two steps and gone on with in another object, against those that are not.
 #include <algorithm>
 #include <cstring>

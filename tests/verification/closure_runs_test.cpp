@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Runs of loops in joint coordinates: against omega, through flat positions, with looks aside; what a step allocates.
 #include <cmath>
 

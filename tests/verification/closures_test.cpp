@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Loops in joint coordinates: links beside the tree stay rows. Accelerations against omega, the choice of the tree,
 // projections.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Links that count turns (gears, belts, differentials) along joints, where steps make many turns.
 #include <cmath>
 #include <numbers>

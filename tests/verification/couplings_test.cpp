@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Couplings where it gets harder: a carrier that moves, wheels that are bolted to shafts, turns counted through events
 // and rejected steps, driven screws, a cam that its follower may leave. Closed forms.
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Scenes that were found wrong from outside, each by its name there: what is asked of a mechanism beside its motion is
 // answered as the motion would.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Drives of every kind against closed forms: a speed that is integrated, an actuator, a trajectory, the full motion, a
 // motor that pushes instead of holding.
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Long time: the energy of the double pendulum, let go from the horizontal, which tumbles without end.
 #include <algorithm>
 #include <cmath>

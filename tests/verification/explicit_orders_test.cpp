@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Error against step has the slope of every explicit and symplectic method: on the heavy top (150 rad/s of spin, a
 // spherical joint), on a four-bar mechanism in space, whose joints are redundant, and on a chain of ten rods;
 // projection every step.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Three ways to the same motion: 6 velocities a body, the paper's 7 coordinates in the library (Jh G with Qhat), and
 // the paper's equations, literally, solved densely here (raw Cq, raw Qc, unit-length rows). All pairs of (2.13), never
 // mixed.

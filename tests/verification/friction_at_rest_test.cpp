@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Friction at rest: whether it holds a start, against closed forms.
 #include <cmath>
 #include <memory>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // One-sided links against closed forms: bounces, their energy and their end, rests and releases.
 #include <boost/math/special_functions/ellint_1.hpp>
 #include <cmath>

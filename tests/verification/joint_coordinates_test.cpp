@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Joint coordinates against the formulation omega at random states of random trees: accelerations, states read off,
 // variations; motions of masks with one turn alone. Other runs: joint_runs_test.cpp.
 #include <cmath>

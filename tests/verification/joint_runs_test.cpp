@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Runs in joint coordinates against runs in omega: scenes, events, laws that jump, changes in mid-run, allocations.
 #include <cmath>
 

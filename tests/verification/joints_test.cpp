@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Joints from functions against trusted histories (tests/verification/data) and closed forms, by their scenes.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Fully driven mechanisms from pose to pose, against trusted histories and against runs; accounts that sum up; branches.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Mechanisms of many bodies: what a body takes of the memory, and that the setup's work for it does not grow.
 #include <cmath>
 #include <functional>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Linear equations: against modes, and against small motions of the mechanism itself; what is refused; matrices.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The equations of one link at a state: C along motions of the bodies, differentiated, against Ct, J, Cq and Qc.
 #include <array>
 #include <cmath>

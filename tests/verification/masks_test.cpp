@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The lock as a link, gathered by the system: each of the 63 masks with rows, every set of the six laws, either body on
 // the ground, drives, free turns through 180 and 360 degrees, all against exact derivatives of the constraint.
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Modes: closed forms, other world frames and orders of the links, sparse against dense; states that are refused.
 #include <algorithm>
 #include <cmath>

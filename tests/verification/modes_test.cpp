@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Modes of linearised mechanisms against exact eigenvalues (tests/verification/data/modes.csv): what is held by joints
 // alone has no frequency without their geometric stiffness.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // One motor, put into the lock in every place the theory knows: as the imposed law q_D (p), on the marker S, inversely
 // on the marker P, as a drive on the free axis of a joint. Same accelerations, same angle, same torque (force) of the
 // drive, at several instants of a motion; the drive's torque against Newton and Euler.

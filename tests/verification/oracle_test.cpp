@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The oracles of the lock against each other and against lock-checks.json. No library code takes part.
 //
 // Equalities tested, each to 1e-12 times max(1, |value|), on the file's entries and on random configurations:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Error against step has the method's slope: on the heavy top (150 rad/s of spin, a spherical joint, projection every
 // step), and for implicit methods on a chain and on a closed loop with redundant rows as well.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Which scenes move in a plane: all of them are listed, and stay so.
 #include <algorithm>
 #include <filesystem>

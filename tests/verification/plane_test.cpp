@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Planar mechanisms: the same motion as in space, half the unknowns; and who leaves the plane is told by name.
 #include <algorithm>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The accelerations and multipliers of a mechanism in joint coordinates, recorded at one state and replayed at others: the
 // text of the lanes (tools/batch/lane_tree.h) on numbers that write down what is done with them, and on counted ones.
 #include <algorithm>

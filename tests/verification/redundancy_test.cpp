@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Which rows are redundant: a function of the links in force and of the branch, whatever state is asked, and when.
 #include <cmath>
 #include <memory>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The references whose joints are functions: spatial slider-crank, linkage of Peaucellier, Stewart platform.
 #include <algorithm>
 #include <cmath>

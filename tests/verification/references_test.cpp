@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Every reference mechanism that has a scene, against its trusted history (tests/verification/data, sources in the
 // README there).
 #include <algorithm>

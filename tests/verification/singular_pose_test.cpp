@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Accelerations, reactions and branches in singular positions and close to them.
 #include <cmath>
 #include <string>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Parallelograms in a row, through ten flat positions in ten seconds. In space every joint is redundant; where all lies
 // flat, more ranks are lost and other motions branch off.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Equilibria from far away, against closed forms (tests/verification/data/modes_states.csv), least energies found
 // otherwise, and steady rotation by forces of the user's own.
 #include <cmath>

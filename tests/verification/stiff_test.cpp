@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Stiff mechanisms: what implicit methods hold where explicit ones blow up, and what those then say.
 #include <algorithm>
 #include <cmath>

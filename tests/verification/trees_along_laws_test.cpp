@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Mechanisms that laws alone move: in joint coordinates nothing is unknown, and they are evaluated. Against closed forms,
 // conservation, and runs in omega.
 #include <array>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Where joint coordinates could be the worse ones: joints of several coordinates with slender bars and heavy ends, and
 // bodies that laws move beside others that are free. Against omega and closed forms.
 #include <cmath>

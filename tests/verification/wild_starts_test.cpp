@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Assembly from starts that have nothing to do with the mechanism: no fewer than the committed table says of each sample
 // (data/wild_starts.csv: of 1000, by the benchmark wild_starts, and of the first 30 of them).
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Registers everything built in; the only file that knows every room's register function.
 #include <lockstep/author/registry.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Which plugins are parts of the library itself.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/description/registry/elf_image.h"
 
 #include <spdlog/fmt/fmt.h>

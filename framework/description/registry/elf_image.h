@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The file of a shared library (ELF: System V ABI, chapters 4 and 5): its header, its segments, and views of its bytes
 // that are checked against the end of the file and of the segments.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/description/registry/law_units.h"
 
 #include <lockstep/author/registry.h>

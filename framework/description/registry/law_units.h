@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The units that laws are written in, against those of what they drive.
 #pragma once
 

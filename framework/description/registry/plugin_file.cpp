@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/description/registry/plugin_file.h"
 
 #include <spdlog/fmt/fmt.h>

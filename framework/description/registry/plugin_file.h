@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A plugin's file, read before anything of it is opened.
 #pragma once
 

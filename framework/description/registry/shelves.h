@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The shelves of a registry, one after another.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The plugins that can be loaded by name, and why others cannot.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // build_mechanism(): makes the parts of a scene in order, and what those parts share.
 #include <algorithm>
 

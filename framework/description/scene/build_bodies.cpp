@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Bodies and markers of a scene.
 #include <algorithm>
 

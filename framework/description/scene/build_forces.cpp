@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Forces and events of a scene.
 #include <algorithm>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The attachments of links and forces; links with their drives, laws and start speeds.
 #include <algorithm>
 #include <cmath>

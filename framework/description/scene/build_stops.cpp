@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Attributes of a link: that it is unilateral, the stops of its travel, its friction.
 #include <cmath>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Builder: builds a mechanism from a scene. Private to this room.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Descriptions of the types of a registry and the objects of a scene: names, help, keys; and what is printed of them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Examples of the types, as they stand in scenes: for `describe`, for the reference, and for tests that make one of each.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Parses JSON text to a Value, in which every key and value has its place in the text. read.h reads files.
 #pragma once
 

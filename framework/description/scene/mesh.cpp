@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Meshes: STL, binary and as text, and OBJ.
 #include <algorithm>
 #include <bit>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Lines of a mesh file that is a text, word by word. Private to this room.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/description/scene/parts.h"
 
 #include <cmath>

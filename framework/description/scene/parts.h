@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Parts of a scene: other scenes that it includes, where they are put, and what it repeats.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // ScenePlace: a value of a scene found by its path, such as "links.A.drive.law.slope".
 #pragma once
 

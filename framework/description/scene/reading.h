@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How a scene is read: which files it may include.
 #pragma once
 

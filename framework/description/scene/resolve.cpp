@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/description/scene/resolve.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Parameters, points and formulas of a scene.
 #pragma once
 

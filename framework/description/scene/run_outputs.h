@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a run of a scene writes beside its numbers: headers, rows at jumps, pictures.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Splits an object whose key "type" names an entry of a shelf into the keys of its kind and those of its type.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The system of a mechanism, for what is built on it inside the library.
 #pragma once
 

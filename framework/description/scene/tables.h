@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The objects of a scene file, one table of keys each, for parser, schema and `describe` alike.
 #pragma once
 

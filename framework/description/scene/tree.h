@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A scene as a tree of values: ways into it, and changes that keep the places in the file.
 #pragma once
 

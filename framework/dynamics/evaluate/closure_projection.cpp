@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The projection in joint coordinates: onto the rows that close loops (framework/docs/solvers.md, sections 6 and 9).
 #include <algorithm>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The coordinates of a state: conversions, and the rates in joint coordinates.
 #include <lockstep/dynamics.h>
 

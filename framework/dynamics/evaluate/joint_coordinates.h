@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a Dynamics keeps for joint coordinates.
 #pragma once
 

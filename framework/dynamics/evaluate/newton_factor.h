@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // NewtonFactor: one factor of an implicit method's matrix, real or complex, and its solutions. Internal to
 // NewtonMatrix.
 #pragma once

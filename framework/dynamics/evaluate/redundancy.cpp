@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Which rows are redundant: a function of the links in force and of the branch.
 #include <lockstep/dynamics.h>
 

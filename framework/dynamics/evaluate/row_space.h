@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // RowSpace: what rows hold, what they leave free, and how they depend on one another, by one factorisation.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/dynamics/evaluate/singular_rate.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // SingularRate: the limits of a motion at a state in a singular position, or close to it.
 #pragma once
 

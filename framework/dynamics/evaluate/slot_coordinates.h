@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The slots' own coordinates of a state, and whether it is one of the system.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Accelerations and multipliers at a state, also in a singular position or close to it.
 #include <lockstep/dynamics.h>
 

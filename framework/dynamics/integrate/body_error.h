@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Errors of a step on the bodies, against what the step changes (framework/docs/solvers.md, section 7).
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/dynamics/integrate/culprit.h"
 
 #include <spdlog/fmt/fmt.h>

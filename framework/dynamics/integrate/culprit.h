@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Who makes steps short: the link or force that changes most right after a state.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // SingularPassage: how an explicit method passes singular positions, where the rows do not determine the accelerations.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Which methods take joint coordinates, and run a mechanism that laws alone move without q and v.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/dynamics/simulate/clock.h"
 #include "framework/dynamics/simulate/consistency.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Clock: where the steps of a run end, how long they are, and which instants are output. Internal to the step loop.
 #pragma once
 

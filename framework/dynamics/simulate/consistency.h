@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Checks that a run can continue from a state, and corrections so that it can. Internal to the step loop; limits in m
 // and m/s.
 #pragma once

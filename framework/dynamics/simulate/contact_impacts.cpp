@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Contact of unilateral links: the impact, which links stay in contact and which are released.
 //
 // Impact. With the touching rows that push, and all rows in force,

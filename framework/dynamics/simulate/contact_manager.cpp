@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Locates where unilateral links are hit inside a step, and where one in contact would have to pull.
 //
 // A contact is free while its gap is above zero, and hit where the gap comes down to it. One that leaves at a speed is

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // ContactManager: the unilateral links of a run. Locates hits and releases inside a step, and resolves impacts,
 // contacts and releases. Internal to the step loop.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Contacts: the unilateral links of a system and their gaps. Internal to the step loop.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Whether a mechanism has damped modes at all. Internal to the step loop.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Rows that were left out, or hold although they nearly depend on others: decided for the links in force at the start.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // DetailObserver: an observer that is also told what lies between the outputs of a run.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // EventLocator: the events of a run. Knows their instants and locates where a condition is met inside a step. Internal
 // to the step loop.
 #pragma once

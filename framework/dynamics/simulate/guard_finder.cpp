@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/dynamics/simulate/guard_finder.h"
 
 #include <spdlog/fmt/fmt.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // GuardFinder: where the guards of events and contacts pass zero inside the last step. Internal to the step loop.
 //
 // A guard g is a function of the states inside a step, which is looked at in

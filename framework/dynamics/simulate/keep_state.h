@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A copy of a state that survives where memory ends.
 #pragma once
 

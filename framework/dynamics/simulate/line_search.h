@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The one line search: shares of a step from a state.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The positions of a start: targets move from the poses given to what is asked. Internal to assembly.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a start has to meet, linear at one state after another: rows of links, coordinates, poses. Internal to assembly.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/dynamics/simulate/step_interval.h"
 
 #include <spdlog/fmt/fmt.h>

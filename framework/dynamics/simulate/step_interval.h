@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // StepInterval: the last step, the states inside it, and where it is cut. Internal to the step loop.
 #pragma once
 

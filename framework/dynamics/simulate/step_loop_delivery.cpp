@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a step loop hands over: calls of observers and progress, changes at the end of a step, warnings.
 #include <spdlog/fmt/fmt.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What changes the state between two steps: events, and the links that come into force by them or by contact.
 #include <spdlog/fmt/fmt.h>
 

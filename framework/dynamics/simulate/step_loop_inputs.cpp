@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a host sets of inputs between two steps.
 #include <spdlog/fmt/fmt.h>
 

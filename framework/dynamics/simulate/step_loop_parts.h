@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a step loop is made of, for the files that it is written in.
 #pragma once
 

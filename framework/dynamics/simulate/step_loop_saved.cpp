@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a step loop writes to a checkpoint, and reads.
 #include <spdlog/fmt/fmt.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How the step loop and batch runs choose the length of a step.
 #pragma once
 

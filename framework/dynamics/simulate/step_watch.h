@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What the step loop finds out about each step itself, whatever the method reports. Internal to the step loop.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How the code of events, observers, channels and progress is called in a run. Internal to the step loop.
 #pragma once
 

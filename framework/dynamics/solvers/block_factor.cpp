@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/dynamics/solvers/block_factor.h"
 
 #include <lockstep/detail/export.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // BlockFactor: the numeric half of the block factorisation: no allocation, no search. T is double or complex.
 //
 //   pivot k:   A_kk = L R                        later neighbours s, t:   W_s = L^-1 A_ks,   Z_s^T = A_sk R^-1

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Kernels of the block factorisation: triangles and products of small dense blocks. T is double or complex.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // BlockPlan: the symbolic half of the block factorisation: the order of elimination, and where every number is stored
 // (framework/docs/solvers.md, section 4).
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Conjugate gradients, for what the proximal iteration leaves where S is small in a direction without being zero.
 #pragma once
 

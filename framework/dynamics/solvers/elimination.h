@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The elimination of S = J M^-1 J^T + E over the graph of the links, node by node (framework/docs/solvers.md, sections
 // 2 and 5): the numeric half. Letters:
 //

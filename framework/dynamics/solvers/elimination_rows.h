@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What goes into the elimination (elimination.h), node by node: S + E from the rows and masses, and right sides.
 #pragma once
 

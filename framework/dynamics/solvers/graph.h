@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The graph of the links, which join slots: whether it is a tree, and in which order its nodes are eliminated. The
 // solvers' plans are made from it at setup.
 #pragma once

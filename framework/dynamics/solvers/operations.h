@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Operations: what an evaluation costs, counted from its plan.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Products with the blocks of the saddle-point matrix. Plain loops: the blocks are small, and nothing is allocated.
 #pragma once
 

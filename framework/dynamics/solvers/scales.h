@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The scales s_j of the rows, in which the proximal term E = eps s_j is measured (framework/docs/solvers.md, section
 // 5).
 #pragma once

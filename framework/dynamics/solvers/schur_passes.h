@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The passes of the solver `schur`; each is compiled for every instruction set (LOCKSTEP_CLONES).
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // SchurPlan: the symbolic half of the elimination: the order of the nodes, and where every number is stored; the numeric
 // half is elimination.h.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/solvers.h>
 
 #include <spdlog/fmt/fmt.h>

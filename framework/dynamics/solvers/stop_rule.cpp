@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/dynamics/solvers/stop_rule.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The stopping rule of all solvers: the residuals of a solution, when they are small enough, and when they are a
 // contradiction (framework/docs/solvers.md, section 5).
 #pragma once

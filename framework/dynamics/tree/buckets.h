@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Buckets: lists of things, one after another in one array.
 #pragma once
 

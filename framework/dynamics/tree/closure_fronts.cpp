@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/dynamics/tree/closure_fronts.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // ClosureFronts: at which nodes of a tree the rows of closures are open, where they end, and in which order.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // ClosureRows: the rows of links that are not in the tree, but for what the recursion makes of them.
 #pragma once
 

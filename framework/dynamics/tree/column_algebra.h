@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Column and Columns: vectors of three numbers in packs of four, matrices of three such columns, and what is done with them: a
 // column in one instruction. For files that are compiled for several instruction sets.
 #pragma once

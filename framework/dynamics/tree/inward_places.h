@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // InwardPlace: where a pass from the leaves to the roots keeps what the nodes of a tree pass on.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Whether an evaluation along the joints of a tree costs less than one in omega, by the operations of both.
 #pragma once
 

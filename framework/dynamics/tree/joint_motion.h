@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // JointMotion: how a joint carries its slot: the motion of a node from that of its parent, and the variation of it. One text
 // for all numbers and for space and plane: with the types of Eigen, or of vec.h, whose components may be absent.
 #pragma once

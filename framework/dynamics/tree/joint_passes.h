@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // JointPasses: what a joint does to the inertia, the forces and the accelerations that pass through it, one text for all
 // spaces (Featherstone 2008, chapter 7).
 #pragma once

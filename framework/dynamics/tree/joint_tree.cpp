@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A tree is grown: what joints it has, and what stands in its way. States along it: tree_states.cpp.
 #include "framework/dynamics/tree/joint_tree.h"
 

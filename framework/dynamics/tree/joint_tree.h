@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // JointTree: joint coordinates. Slots are nodes; one link carries each slot from its parent, and its free coordinates
 // are unknowns. What a link in the tree holds has no rows, but for one turn alone and for functions.
 #pragma once

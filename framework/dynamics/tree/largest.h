@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Largest: the largest accelerations of the slots, as they are found one by one.
 #pragma once
 

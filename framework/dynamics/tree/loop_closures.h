@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // LoopClosures: the rows of links that are not in the tree: read, eliminated along with the recursion, and measured.
 #pragma once
 

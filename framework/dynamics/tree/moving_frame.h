@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // MovingFrame: a frame on its way from a parent to a slot, one text for all numbers. V3, M3, Q4: vectors, matrices and
 // quaternions of Eigen or of vec.h.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/dynamics/tree/moving_markers.h"
 
 #include "framework/mechanism/system/diagnose.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Joints of the tree whose markers move on their bodies by laws: how they carry a slot.
 #pragma once
 

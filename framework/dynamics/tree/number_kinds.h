@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Where Eigen's vectors, matrices and quaternions are spelt otherwise than those of vec.h, for texts that serve both.
 #pragma once
 

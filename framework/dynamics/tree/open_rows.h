@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // OpenRows: the elimination of the rows of links that are not in the tree, along with the recursion
 // (framework/docs/solvers.md, section 9). One text for all spaces and numbers.
 #pragma once

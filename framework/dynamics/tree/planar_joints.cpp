@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/dynamics/tree/planar_joints.h"
 
 #include "framework/dynamics/tree/joint_tree.h"

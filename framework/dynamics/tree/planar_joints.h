@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // PlanarJoints: the joints of a tree that moves in a plane whatever acts on it: hinges about its normal and translations
 // in it, from the ground outward.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How a joint carries its slot in the plane: the motion of a node from that of its parent.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // RecursionIn: the recursion on a tree, one text for all spaces and numbers. A file that is compiled for several
 // instruction sets instantiates it.
 #pragma once

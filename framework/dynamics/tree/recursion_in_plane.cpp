@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The recursion in a plane: three numbers a force.
 #include "framework/dynamics/tree/planar_motion.h"
 #include "framework/dynamics/tree/recursion_in.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The recursion in space.
 #include <Eigen/LU>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/dynamics/tree/rows_in_plane.h"
 
 #include <algorithm>

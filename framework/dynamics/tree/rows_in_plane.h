@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Rows of closures of a tree that moves in a plane: those normal to the plane, which its joints meet at all times.
 #pragma once
 

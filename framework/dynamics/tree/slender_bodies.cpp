@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/dynamics/tree/slender_bodies.h"
 
 #include <fmt/format.h>

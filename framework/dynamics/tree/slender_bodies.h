@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Where rounding makes joint coordinates the worse ones.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // InSpace, InColumns and InPlane: what the recursion asks of a space. Forces, accelerations and inertias, of numbers or of packs of
 // them. For files that are compiled for several instruction sets.
 #pragma once

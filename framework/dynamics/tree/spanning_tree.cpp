@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/dynamics/tree/spanning_tree.h"
 
 #include <algorithm>

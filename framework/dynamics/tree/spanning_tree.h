@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Which links carry a slot from another: a spanning tree of the graph of links.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // TreeLayout: joint coordinates of a mechanism, the rows of what closes loops, and where these are eliminated.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The motion of a node of the tree, of doubles.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // TreeReactions: the multipliers of the joints of a tree.
 #pragma once
 

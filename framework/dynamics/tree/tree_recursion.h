@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // TreeRecursion: accelerations of a tree, with the rows that close its loops, by articulated inertias.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // States along a tree: motions, rates, variations, and coordinates that are read off. How it is grown: joint_tree.cpp.
 #include <boost/container/small_vector.hpp>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/foundation/math/decompositions.h"
 
 #include <Eigen/Eigenvalues>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Decompositions of dense matrices, compiled once: Eigen's cost seconds in each file that names them.
 #pragma once
 

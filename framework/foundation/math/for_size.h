@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // for_size: turns a run-time size 1 .. 8 into a compile-time constant, so that loops over it are unrolled;
 // unrolled: a loop whose index is a constant.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What counts as nothing: three floors, each relative to what it is compared with.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Sines and cosines of many angles at once. For files that are compiled for several instruction sets.
 #pragma once
 

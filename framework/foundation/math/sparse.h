@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Sparse matrices whose rows and columns are scaled.
 #pragma once
 

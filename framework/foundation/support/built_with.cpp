@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/detail/export.h>
 
 namespace lockstep::built_with {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Functions of inner loops that are compiled for several instruction sets.
 #pragma once
 

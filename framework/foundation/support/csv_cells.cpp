@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/foundation/support/csv_cells.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The cells of a line of a CSV file (RFC 4180).
 #pragma once
 

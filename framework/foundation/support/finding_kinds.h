@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The table of findings: code, severity, cause and cure of every kind.
 #pragma once
 

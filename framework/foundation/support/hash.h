@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The checksum of files: FNV-1a, 64 bits.
 #pragma once
 

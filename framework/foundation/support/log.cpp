@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/log.h>
 
 #include <spdlog/sinks/null_sink.h>

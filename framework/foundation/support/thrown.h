@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Descriptions of thrown objects, for catch blocks around user code.
 #pragma once
 

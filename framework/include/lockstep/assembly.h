@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Assembly: brings a start onto the constraints, positions first, then velocities.
 #pragma once
 

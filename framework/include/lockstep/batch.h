@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Copies: eight copies of one mechanism at once, one per vector lane: parameter studies, ensembles, differences.
 //
 // One evaluation serves all eight, on packs of eight numbers (framework/docs/solvers.md, section 3). Each copy has its

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Bodies, their inertia, and markers on them.
 #pragma once
 

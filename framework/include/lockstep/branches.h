@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Branches: the different ways in which a mechanism can be assembled.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Charts: curves, maps and bars, drawn by gnuplot as SVG and PNG.
 #pragma once
 

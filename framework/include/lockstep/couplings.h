@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Gears, belts, racks, cams and curves.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Evaluation of a mechanism: what an integrator asks of it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Statics: where a mechanism rests under its loads, and whether it stays there.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Accounts: what acts on a body, what a link does, what laws give, at one state; the equations of one link.
 #pragma once
 

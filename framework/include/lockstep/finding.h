@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Findings: what is noticed of a scene, a start, a run or an analysis that is not an error, as data.
 #pragma once
 

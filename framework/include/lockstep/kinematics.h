@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Kinematics and inverse dynamics: a fully driven mechanism over time, without integration.
 #pragma once
 

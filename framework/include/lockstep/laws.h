@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Scalar laws of motion: closed forms here, laws made of laws, laws from functions.
 #pragma once
 

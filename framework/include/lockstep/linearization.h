@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Linearization: the matrices of a mechanism at a state, its equations of motion for small deviations, and the same in
 // minimal coordinates with inputs and outputs.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The library's logger: warnings of a run, corrections of a start, plugins that are loaded.
 #pragma once
 

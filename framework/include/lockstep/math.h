@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Vectors, matrices, quaternions and poses.
 #pragma once
 

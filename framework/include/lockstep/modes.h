@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Modes: frequencies, damping ratios and shapes of a mechanism about an equilibrium, a steady rotation or a state.
 //
 //   ( l^2 N^T M N + l N^T D N + N^T K N ) y = 0,   N a basis of the null space of J        theory, (9.21)

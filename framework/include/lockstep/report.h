@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Reports: a run as one HTML file, to be looked at in a browser.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Simulation: a run of a system or of a scene, with integrator and solver by name and a table of what is recorded.
 #pragma once
 

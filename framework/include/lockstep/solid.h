@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Solids and looks: what bodies look like.
 #pragma once
 

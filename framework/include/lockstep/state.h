@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The state of a mechanism, and what links and forces see of it.
 #pragma once
 

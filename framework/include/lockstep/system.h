@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The system: bodies, markers, links and forces, and how they are connected.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Text of messages: the closest name, lists of names, numbers for people.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Which reactions of a mechanism with redundant rows are unique.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Formulas of variables held against the dimensions of what they read and of what they drive.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The evaluation of a compiled formula on any number type.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Formulas as text to trees: "=A + crank*[cos(phi), sin(phi), 0]".
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A formula of variables, such as the time, evaluated on numbers and jets.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Intervals that hold all values of a formula over a span of its variables.
 #pragma once
 

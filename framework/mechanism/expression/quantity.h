@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Formulas of numbers with units: what stands in a scene in place of a number or a vector.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Intervals rule out the spans of time in which nothing is decided anew; the rest is halved until single instants remain.
 #include "framework/mechanism/expression/switches.h"
 

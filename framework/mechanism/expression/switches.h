@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Where the comparisons of a formula switch.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/mechanism/forces/formula_force.h"
 
 #include <array>

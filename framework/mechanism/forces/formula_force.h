@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The force 'function_force': a formula of one coordinate of P seen from S, its rate and the time, written in a scene.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The link 'function': a joint by formulas of the relative coordinates, written in a scene.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/mechanism/links/register.h"
 
 #include <lockstep/author/registry.h>

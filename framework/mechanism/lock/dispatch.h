@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The kernel instance for a set of laws: a compromise between compile time and specialisation (theory, (5.4)). A law
 // that the instance covers and the link lacks enters as zero.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Geometric stiffness of the rows of a lock.
 #include <lockstep/detail/phi_function.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // MarkerLock in a planar mechanism: the equations of kernel.h with all vectors in the plane or along its normal.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/author/lock.h>
 #include <lockstep/detail/phi_function.h>
 

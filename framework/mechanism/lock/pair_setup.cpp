@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/detail/phi_function.h>
 
 #include <lockstep/error.h>

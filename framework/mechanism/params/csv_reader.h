@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The header of a CSV file, and its rows as texts.
 #pragma once
 

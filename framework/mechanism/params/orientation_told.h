@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Orientations whose quaternion is not of length 1.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Readers of one Value by its form, with errors that say where it was written. Params and the scene builder use them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Refusals: several refusals of one input as one.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Units of measurement in texts: "12 mm", "1200 rpm", "0.3 g/cm^3". (Boost.Units works at compile time and reads no
 // text.)
 #pragma once

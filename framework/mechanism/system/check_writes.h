@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // check_writes: checks that links and forces write all of their own numbers and nothing else.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Attribution of errors: whose code threw or computed a number that is not finite - a link's, a force's or a law's.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The passes over the mechanism: slots -> links -> forces. Each reads the arrays filled by the pass before.
 #include <algorithm>
 #include <cmath>

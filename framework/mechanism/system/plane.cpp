@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Planar mechanisms: which rows lie in the plane, and what leaves it. What types say of themselves decides
 // (stays_in_plane, turns_about, kStaysInPlane); what lies where is read at the start.
 #include <spdlog/fmt/fmt.h>

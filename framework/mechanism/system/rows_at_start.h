@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The rows of links at the start, against a plane: which lie in it and which are normal to it. Locks by a mask turn with
 // their markers, and other links say that they keep what they are (Lock::stays_in_plane), so that one position is enough.
 #pragma once

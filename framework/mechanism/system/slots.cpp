@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Slots: the clusters of welded bodies that move as one.
 #include <algorithm>
 #include <unordered_map>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The assemblies of a mechanism, from many random starts.
 #include <lockstep/branches.h>
 

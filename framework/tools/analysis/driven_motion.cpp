@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A fully driven mechanism from pose to pose.
 #include <lockstep/kinematics.h>
 

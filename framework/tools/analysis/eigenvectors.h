@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Eigenvectors and singular values of dense matrices, compiled once: Eigen's solvers cost seconds in each file that names them.
 #pragma once
 

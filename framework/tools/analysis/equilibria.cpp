@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // All equilibria that many random starts lead to.
 #include <lockstep/equilibrium.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Statics: Newton's method on rows and forces, downhill.
 #include <lockstep/equilibrium.h>
 #include "framework/foundation/support/finding_kinds.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // One-sided links of a search: they come into force where they are touched, and are released where they would pull.
 #include "framework/tools/analysis/equilibrium_search.h"
 

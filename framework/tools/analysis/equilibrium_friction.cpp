@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Friction at rest: whether it holds the state from which a search begins.
 #include <spdlog/fmt/fmt.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a search does where Newton's method fails, and how it leaves unstable positions.
 #include <spdlog/fmt/fmt.h>
 

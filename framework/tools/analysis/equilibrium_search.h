@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // One search for an equilibrium: Newton's method, dynamic relaxation where that fails, one-sided links.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Accounts of bodies and links from one solution of the equations of motion.
 #include <lockstep/explain.h>
 

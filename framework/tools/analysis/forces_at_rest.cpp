@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/analysis/forces_at_rest.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The forces on a mechanism at rest that nothing balances.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What friction carries of the forces on a mechanism at rest.
 #pragma once
 

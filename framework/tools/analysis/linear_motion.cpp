@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Small deviations from a state, in axes that turn with it.
 //
 // The axes turn with Om. A body may turn on in them with r = w - Om about an axis of symmetry. With W = Om, all in slot

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Davidson's method. The modes x of the mechanism in a basis V of some motions have residuals
 //
 //   r = (l^2 M + l D + K) x + J^T lambda

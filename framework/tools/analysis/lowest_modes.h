@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The lowest modes of a large mechanism by its sparse saddle-point matrix.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Masses and stiffness of a mechanism as sparse matrices in some of its unknown velocities.
 #pragma once
 

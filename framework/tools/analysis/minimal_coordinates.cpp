@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/analysis/minimal_coordinates.h"
 
 #include <Eigen/QR>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Minimal coordinates of a mechanism at a state: a basis of the null space of its constraints.
 #pragma once
 

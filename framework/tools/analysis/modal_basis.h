@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Motions of a mechanism in which its masses and its stiffness are diagonal.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/modes.h>
 #include "framework/foundation/support/finding_kinds.h"
 

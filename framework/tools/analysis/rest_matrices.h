@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The matrices of a mechanism at rest, and whether it stays there.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Stability of a position of rest: what holds the free motions.
 #include <lockstep/equilibrium.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The sparse factor of a saddle-point matrix, for solutions on the constraints.
 #pragma once
 

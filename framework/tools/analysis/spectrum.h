@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Eigenvalues of l^2 M + l D + K in motions of a mechanism, zeros told from round-off.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A, B, C, D in minimal coordinates.
 //
 //   dx = N y + G u,  J N = 0,  J G = -C_u:    Mr y'' + Dr y' + Kr y = -N^T ( (K G + R_u) u + (D G + R_ud) u' + M G u'' )

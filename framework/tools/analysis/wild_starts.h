@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Random starts of a mechanism, brought onto its rows, and how far poses are apart.
 #pragma once
 

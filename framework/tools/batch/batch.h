@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Batch: up to eight copies in joint coordinates, one copy per lane. Private to the room.
 //
 // Arrays of states and rates have n() packs: q, v, s and followed as in State and StateRate (the last means nothing in a

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/batch/closure_plan.h"
 
 #include <algorithm>

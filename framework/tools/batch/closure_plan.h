@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // ClosurePlan: the rows that close the loops of a batch in joint coordinates: at which nodes they are open, and where the
 // packs of each row are. Private to the room.
 #pragma once

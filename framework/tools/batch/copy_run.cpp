@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/batch/copy_run.h"
 
 #include <algorithm>

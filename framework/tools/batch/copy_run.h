@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The run of one batch, in lanes or one copy after another. Private to the room.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // All passes for one instruction set: included once by lane_avx512.cpp, lane_fma.cpp and lane_plain.cpp, which define
 // LOCKSTEP_SET, LOCKSTEP_WIDE and LOCKSTEP_TARGET. Private to the room.
 #pragma once

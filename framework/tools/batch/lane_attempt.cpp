@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // An attempt at a step in lanes: steps chosen, stages, errors, and who takes it.
 #include <algorithm>
 #include <array>

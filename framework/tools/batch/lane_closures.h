@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // LaneClosures: rows that close loops, eliminated along with the recursion (dynamics/tree/open_rows.h) on arrays of any
 // numbers. Private to the room.
 #pragma once

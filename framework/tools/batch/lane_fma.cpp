@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The passes, 4 lanes a register.
 #define LOCKSTEP_SET fma
 #define LOCKSTEP_WIDE 4

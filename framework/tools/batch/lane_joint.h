@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A joint of the tree by its numbers, for the texts that serve all numbers (dynamics/tree/joint_motion.h,
 // moving_frame.h). Private to the room.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Numbers that are packs, one value per copy, and arrays of them. Private to the room.
 //
 // Compiled once per instruction set, in the namespace LOCKSTEP_SET, with packs of LOCKSTEP_WIDE lanes, as many as a

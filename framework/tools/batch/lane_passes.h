@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The passes over all nodes of eight copies, compiled for three instruction sets. Private to the room.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The links of a batch whose rows are written in lanes: locks that are masks, and where their numbers are. Private to the
 // room.
 #pragma once

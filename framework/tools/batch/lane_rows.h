@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // LinkRows: the rows of one link: the equations of <lockstep/detail/equations.h> on arrays of any numbers, translations in world
 // axes. Private to the room.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Explicit Runge-Kutta in lanes: every copy has its own time, step and error control; the attempts are made together. A
 // copy whose attempt is rejected repeats it with a smaller step while the others go on.
 #include "framework/tools/batch/lane_run.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A run of eight copies in lanes: what it holds. Internal to batch runs.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // LaneTree: the recursion of a tree (dynamics/tree/recursion_in.h) on arrays of any numbers, in space or in a plane: its
 // nodes, and how they move. World axes; forces and accelerations of a slot about its mass centre. Private to the room.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/batch/link_numbers.h"
 
 #include "framework/tools/batch/packs.h"

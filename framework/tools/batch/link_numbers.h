@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The numbers of a link in lanes: its markers and laws, in packs. Private to the room.
 #pragma once
 

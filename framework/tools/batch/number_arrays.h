@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Vectors, matrices and quaternions in arrays of numbers: packs, in lanes, or any other. Private to the room.
 #pragma once
 

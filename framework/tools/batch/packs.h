@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Packs of eight numbers, one of each copy, as they are stored. Private to the room.
 #pragma once
 

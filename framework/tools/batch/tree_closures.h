@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // TreeClosures: the rows that close the loops of a batch in joint coordinates: their arrays, and the rule by which each
 // lane is corrected. Private to the room.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/batch/tree_plan.h"
 
 namespace lockstep::lanes {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // TreePlan: the tree of a batch in joint coordinates, and where the packs of each node are. Private to the room.
 #pragma once
 

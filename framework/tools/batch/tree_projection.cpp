@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Projection of eight states in joint coordinates onto the rows that close their loops, by the rule of
 // dynamics/evaluate/closure_projection.cpp for each copy; a copy that has converged does not move while others go on.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Grids of log-log panels, with one legend above and remarks below.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Maps and bars.
 #include <spdlog/fmt/fmt.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The common style of all charts. Private to the chart_*.cpp files.
 #pragma once
 

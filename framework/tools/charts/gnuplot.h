@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Script: the gnuplot commands of one picture. No shell is involved, and no text of the user's can become a command.
 #pragma once
 

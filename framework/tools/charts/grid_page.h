@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Plots in rows and columns on one page. Private to the chart_*.cpp files.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Maps side by side, with one legend above and remarks below.
 #pragma once
 

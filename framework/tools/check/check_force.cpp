@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // check_force: a force against the energies that it reports, and its tangent against differences.
 #include <lockstep/author/check.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // check_integrator: what the step loop relies on: steps, throws, repetitions, steps taken back.
 #include <lockstep/author/check.h>
 

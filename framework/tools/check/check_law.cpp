@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // check_law: the derivatives of a law against differences, and its jumps.
 #include <lockstep/author/check.h>
 

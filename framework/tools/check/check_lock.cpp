@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // check_lock: the link's description, its memory, and what its rows may depend on.
 #include <lockstep/author/check.h>
 

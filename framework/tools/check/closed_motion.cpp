@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/check/closed_motion.h"
 
 #include <boost/math/special_functions/jacobi_elliptic.hpp>

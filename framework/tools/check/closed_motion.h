@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Motions with a closed form, to hold integrators against.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Declared derivatives against differences: the rule that all checks have.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Draw: random numbers that are the same on every machine, which those of the standard's distributions are not.
 #pragma once
 

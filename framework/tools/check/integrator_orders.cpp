@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/check/integrator_orders.h"
 
 #include <spdlog/fmt/fmt.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Runs of an integrator on a motion with a closed form, and the orders that they show.
 #pragma once
 

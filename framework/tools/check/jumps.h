@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Jumps of a function of time about which nothing is known.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The rows of one link of a system at inputs that a check varies.
 #pragma once
 

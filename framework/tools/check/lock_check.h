@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // LockCheck: the comparisons of check_lock. Those of derivatives are in lock_derivatives.cpp, the others in
 // check_lock.cpp.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The derivatives of a link against differences: jacobian, Ct, Qhat, tangent.
 #include <spdlog/fmt/fmt.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/check/sample_system.h"
 
 #include <algorithm>

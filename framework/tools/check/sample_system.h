@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // SampleSystem: bodies and markers for the check of a registered type.
 #pragma once
 

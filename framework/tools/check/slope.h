@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Derivatives by differences, with an estimate of their error from the same numbers.
 //
 //   f'(0)  = (1/h)   sum_k  a_k (f(kh) - f(-kh)),          k = 1 ... 4: error h^8

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // StateCheck: what check_lock and check_force share. Their object says numbers at a state, and is looked at in random
 // states, in time, and along full turns.
 #pragma once

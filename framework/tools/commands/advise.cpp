@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The verb advise: the cheapest method and setting that met a wanted error on the user's own scene.
 #include <spdlog/fmt/fmt.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The verb assemble.
 #include <spdlog/fmt/fmt.h>
 

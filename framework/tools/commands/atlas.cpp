@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The verb atlas: over any two numbers of a scene, where each method works, is inaccurate and fails.
 #include <spdlog/fmt/fmt.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The maps of an atlas as a picture.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What an atlas computes: two numbers of a scene that vary, and the methods that have a map each.
 #pragma once
 

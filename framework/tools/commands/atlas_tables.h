@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The cells of an atlas as numbers: a CSV file, JSON, lines of text.
 #pragma once
 

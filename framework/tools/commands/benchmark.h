@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // SceneBenchmark: what `chart` and `advise` measure: the work-precision data of a scene.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Measured runs as JSON, for chart and advise.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The option --branches of the verb assemble: all ways in which a scene fits together.
 #include <spdlog/fmt/fmt.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/commands/certify.h"
 #include "framework/tools/commands/tool_verbs.h"
 

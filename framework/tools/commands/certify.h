@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The certificate of a run: the run is repeated by other means, and the columns are compared.
 #pragma once
 

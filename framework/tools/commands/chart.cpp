@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The verb chart: what accuracy costs on this scene, measured on this machine.
 #include <spdlog/fmt/fmt.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The verb explain: what acts on a body, what a link does and why it is redundant, what laws give, at one instant.
 #include <spdlog/fmt/fmt.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The verb import: a robot in URDF becomes a scene.
 #include <spdlog/fmt/fmt.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The verbs kinematics and inverse: a fully driven scene from instant to instant, without integration.
 #include <spdlog/fmt/fmt.h>
 

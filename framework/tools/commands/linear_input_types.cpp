@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/commands/linear_input_types.h"
 
 #include <string>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Types of laws and forces that hold the inputs of a linearisation, for a registry of its own.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Inputs of a scene by name: drives, laws, and forces, opened for `lockstep linearize`.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/commands/linear_words.h"
 
 #include <spdlog/fmt/fmt.h>

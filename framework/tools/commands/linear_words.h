@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What the verbs modes, linearize and matrices share: their options, and words on the state.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The verb linearize: A, B, C, D with named inputs and outputs.
 #include <spdlog/fmt/fmt.h>
 

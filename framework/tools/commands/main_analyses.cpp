@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The program lockstep-analyses: commands that analyse a mechanism.
 #include "framework/tools/commands/tool_verbs.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The program lockstep-import: other formats as scenes.
 #include "framework/tools/commands/tool_verbs.h"
 

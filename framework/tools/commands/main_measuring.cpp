@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The program lockstep-measuring: commands that measure methods.
 #include "framework/tools/commands/tool_verbs.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The program lockstep-sweep: a scene run many times.
 #include "framework/tools/commands/tool_verbs.h"
 

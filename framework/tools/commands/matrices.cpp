@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The verb matrices: M, D, K, J and the right sides at an instant, with names.
 #include <spdlog/fmt/fmt.h>
 

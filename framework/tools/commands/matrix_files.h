@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Matrices as files: Matrix Market, and the names of rows and columns as CSV.
 #pragma once
 

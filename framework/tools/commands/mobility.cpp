@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The verb mobility: how a scene can move, which of its rows are too many, and which reactions are not unique.
 #include <spdlog/fmt/fmt.h>
 

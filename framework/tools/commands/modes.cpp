@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The verb modes: frequencies, damping ratios and shapes.
 #include <spdlog/fmt/fmt.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Poses of bodies and reactions of links as numbers with the names of their channels, for analyses without a run.
 #pragma once
 

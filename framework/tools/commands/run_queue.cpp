@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/commands/run_queue.h"
 
 #include <sched.h>

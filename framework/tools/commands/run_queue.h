@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // RunQueue: the runs of a sweep, handed out to threads and taken back in order.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A state of a scene's mechanism at an instant, for the verbs that analyse one.
 #pragma once
 

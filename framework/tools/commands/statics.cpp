@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The verb statics: where a scene rests under its loads.
 #include <spdlog/fmt/fmt.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The verb sweep: a scene run many times with other values, one row a run.
 #include <lockstep/log.h>
 #include <lockstep/sweep.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a sweep is to do: its variables, the grid of their values, and the columns of its runs.
 #pragma once
 

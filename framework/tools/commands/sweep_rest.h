@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What is left to do of a sweep that was interrupted.
 #pragma once
 

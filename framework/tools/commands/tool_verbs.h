@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The verbs of the programs beside `lockstep`: one function each over the public interface.
 #pragma once
 

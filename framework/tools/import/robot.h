@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A robot as URDF has it: a tree of links that joints connect.
 #pragma once
 

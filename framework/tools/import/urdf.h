@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Robots in URDF, the XML format of ROS, as scenes.
 #pragma once
 

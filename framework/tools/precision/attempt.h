@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // One measured run from start to end. Private to the work_precision*.cpp files.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Certificate: how many digits of each recorded channel agree between a run and repeats of it by other means.
 #pragma once
 

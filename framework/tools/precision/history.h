@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // History: a measured run at the instants of comparison. Private to the work_precision*.cpp files.
 #pragma once
 

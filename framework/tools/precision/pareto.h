@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The Pareto front of cost and error, and the cost of a given error.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Reference: the solution to which measured runs are compared. Private to the work_precision*.cpp files.
 #pragma once
 

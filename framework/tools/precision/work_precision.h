@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Work-precision data: the cost of accuracy. Each combination of integrator, formulation, stabilisation and solver runs
 // at a sequence of tolerances or steps, coarsest first; each run is compared to a reference over its history.
 #pragma once

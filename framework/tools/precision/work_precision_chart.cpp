@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/precision/work_precision_chart.h"
 
 #include <spdlog/fmt/fmt.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The results of work_precision as a CSV file and as charts.
 #pragma once
 

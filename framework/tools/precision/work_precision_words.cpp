@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Names, labels and the CSV file of work-precision results.
 #include <spdlog/fmt/fmt.h>
 

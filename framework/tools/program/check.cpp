@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The verb check: the size of a scene, and which parts of the computation it does not need.
 #include <spdlog/fmt/fmt.h>
 

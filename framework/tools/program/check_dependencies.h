@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How `lockstep check` says which rows depend on which, and which reactions are not unique.
 #pragma once
 

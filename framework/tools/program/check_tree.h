@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The tree of joint coordinates, for `lockstep check`.
 #pragma once
 

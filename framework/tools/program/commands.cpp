@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The command line: from words to a verb, and the exit codes of errors.
 #include "framework/tools/program/commands.h"
 

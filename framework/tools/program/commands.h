@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The verbs of the program `lockstep`: one function each over the public interface; and what all programs share.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What may follow a line that somebody types: from the commands and options themselves, the registry, and the scene at hand.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The verb demo: a mechanism that moves, from nothing but the program.
 #include "framework/tools/program/demo.h"
 

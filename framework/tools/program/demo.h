@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The scene that `lockstep demo` shows.
 #pragma once
 

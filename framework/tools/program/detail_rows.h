@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Rows beside the outputs of a run, for smooth pictures.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Findings as the program prints them, and the exit code that they give.
 #pragma once
 

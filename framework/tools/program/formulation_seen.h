@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // FormulationSeen: in which formulation the steps of a run were taken.
 #pragma once
 

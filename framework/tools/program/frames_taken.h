@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Frames that a scene leaves out, and which are taken instead.
 #pragma once
 

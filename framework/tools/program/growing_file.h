@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // GrowingFile: a file of results that loses nothing: neither the old one, nor what was written.
 #pragma once
 

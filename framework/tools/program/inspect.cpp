@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The verbs list, describe, reference and schema.
 #include <spdlog/fmt/fmt.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // From the command line to a scene and a registry.
 #include <cctype>
 #include <filesystem>

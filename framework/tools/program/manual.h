@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The manual page of the program, written from its commands and options.
 #pragma once
 

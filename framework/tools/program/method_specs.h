@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Integrators and solvers with their options: from the command line, from the registry, and back to text.
 #pragma once
 

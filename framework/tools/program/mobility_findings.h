@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What is counted and found of the mobility of a scene, for the verbs `mobility` and `check`.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/program/new_plugin.h"
 
 #include <spdlog/fmt/fmt.h>

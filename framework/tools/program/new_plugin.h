@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Writes the folder of a new plugin from the templates: source, CMake file, test, scene, README.
 #pragma once
 

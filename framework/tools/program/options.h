@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Commands and their options as data: the line is read, its help printed, completed and documented by these tables.
 #pragma once
 

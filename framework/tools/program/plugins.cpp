@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The verb plugins list: the plugins of the search path, and why one is refused. Each file is asked by a process of its
 // own, which code of a damaged file may end.
 #include <sys/wait.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/program/progress.h"
 
 #include <spdlog/fmt/fmt.h>

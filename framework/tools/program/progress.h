@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The progress of a run: a bar on a terminal, plain lines otherwise; and Ctrl-C.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // RowEnvelope: what is kept in memory of the rows of a long run: all of them, or what a picture shows of them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The verbs run, report and resume.
 #include <spdlog/fmt/fmt.h>
 

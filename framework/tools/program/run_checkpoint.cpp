@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/program/run_checkpoint.h"
 
 #include <spdlog/fmt/fmt.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The checkpoint of a run of a scene: what `lockstep run --checkpoint` writes and `lockstep resume` reads.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The report of a run of a scene: where it goes, and what it says.
 #pragma once
 

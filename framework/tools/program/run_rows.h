@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // RunRows: where the rows of a run go: to its file as they come, and to an envelope in memory.
 #pragma once
 

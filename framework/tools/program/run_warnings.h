@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What is said of a run before it begins: settings without effect, starts that leave a choice, columns that are not unique.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/program/run_words.h"
 #include "framework/description/scene/system_of.h"
 #include "framework/foundation/support/finding_kinds.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What is said of a run that ended: as lines for people, and as JSON for programs.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Summary: what moved, for the report at the end of a run, and an audit in words.
 #pragma once
 

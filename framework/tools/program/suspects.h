@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Who may be to blame where a run did not conserve energy.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What the program says on standard error, and what a terminal shows that a file does not: colour.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The programs beside `lockstep`, in libexec/lockstep beside the folder of this program, or on the PATH: which verbs they have,
 // and how one takes over.
 #pragma once

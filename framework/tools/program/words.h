@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Where the words of a verb go that writes rows.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Singular positions by the equations themselves: which motions the rows leave in one position, and along which of them a
 // mechanism can leave it.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What makes the result of a run doubtful though it went through: a tolerance that was not reached, recorded reactions that
 // rounding decides.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Whether laws alone determine the motion: which coordinates to drive, which drives to release.
 #include <lockstep/kinematics.h>
 

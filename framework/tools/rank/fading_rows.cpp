@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/rank/fading_rows.h"
 
 #include "framework/dynamics/evaluate/row_space.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Rows that become dependent on others in one position alone.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/rank/left_out_rows.h"
 
 #include <algorithm>

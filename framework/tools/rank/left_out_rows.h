@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Rows that are left out, and whether they hold when the mechanism has moved on without them.
 #pragma once
 

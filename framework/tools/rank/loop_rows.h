@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The rows of a mechanism loop by loop: what rank, dependencies and unique reactions are found from.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A small motion of a mechanism in words.
 #pragma once
 

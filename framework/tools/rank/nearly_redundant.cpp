@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What rows hold that nearly depend on others: found, tried, and decided where that is asked for.
 #include <algorithm>
 #include <deque>

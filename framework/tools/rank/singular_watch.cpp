@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/rank/singular_watch.h"
 #include "framework/foundation/support/finding_kinds.h"
 

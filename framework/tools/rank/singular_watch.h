@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // SingularWatch: the singular positions that a run passes without noticing.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How rows that depend on one another stop motions to second order.
 #pragma once
 

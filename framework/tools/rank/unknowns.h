@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The unknown velocities of slots as columns of matrices.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Channels of bodies and markers: motion in the world, and seen from another frame.
 #include <spdlog/fmt/fmt.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What the channel_*.cpp files provide for the lookup by name. Private to the room.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Channels of forces: their own quantities, power, stored and dissipated energy.
 #include <spdlog/fmt/fmt.h>
 

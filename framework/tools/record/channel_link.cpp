@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Channels of links: coordinates of P relative to S (imposed motion included), rows, a link's own quantities.
 #include <spdlog/fmt/fmt.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Reactions of links and the share of their drives, from multipliers and rows alone, for every type of link.
 #include <spdlog/fmt/fmt.h>
 

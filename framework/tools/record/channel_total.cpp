@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Channels of the whole mechanism: energies, momenta; and of the run.
 #include <cmath>
 #include <memory>

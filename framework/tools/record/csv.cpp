@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Tables as CSV files, independent of the locale.
 #include <spdlog/fmt/fmt.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Energies of a mechanism: of its motion, and works that are integrated beside it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Frame: a body's frame, a marker or the world, and its coordinates relative to another one.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Quadrature: a number that is integrated along with the motion, such as the work of a drive.
 #pragma once
 

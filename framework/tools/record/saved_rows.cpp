@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/record/saved_rows.h"
 
 #include <spdlog/fmt/fmt.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What of a link is drawn beside the symbol of its mask.
 #include <cmath>
 #include <nlohmann/json.hpp>

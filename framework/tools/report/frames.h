@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Frames: what is drawn at the instants of a run.
 #pragma once
 

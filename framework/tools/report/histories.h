@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Histories and motion of many runs, for the page that shows each of them as a point.
 #pragma once
 

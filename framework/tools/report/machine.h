@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The machine on which a report is made, in words.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Meshes of a report: each once, however many bodies have it.
 #pragma once
 

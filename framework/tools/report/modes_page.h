@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The report of modes: the mechanism at rest, and how it swings in each of its modes.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Numbers of a report: arrays in one block of bytes, which the page holds as base64 text.
 #pragma once
 

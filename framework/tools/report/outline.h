@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The outline of a report: who is in the mechanism, and what is drawn of it.
 #pragma once
 

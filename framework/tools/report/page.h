@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The page of a report, whose script and style stand in the library.
 #pragma once
 

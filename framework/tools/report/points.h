@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The report of many runs: each is a point of a plot whose axes are columns of their table.
 #pragma once
 

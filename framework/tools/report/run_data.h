@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What the page of a run holds, beside its texts.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/scene_run/rows_at_jumps.h"
 
 #include <limits>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Rows of a table beside its outputs: at what jumps.
 #pragma once
 

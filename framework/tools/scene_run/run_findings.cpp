@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/scene_run/run_findings.h"
 
 #include <spdlog/fmt/fmt.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A Simulation of a scene: what the program runs, as one object.
 #include "framework/tools/rank/doubts.h"
 #include "framework/tools/rank/singular_watch.h"

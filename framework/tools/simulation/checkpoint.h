@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Checkpoints as files.
 //
 //   "lockstep checkpoint N\n" of layout N, the length n, n numbers as they are in memory, a hash of all of it

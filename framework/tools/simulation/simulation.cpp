@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/simulation.h>
 
 #include <spdlog/fmt/fmt.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a Simulation holds, whether it runs a system or a scene.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // One run of a scene judged against a reference: what a cell of an atlas is.
 #pragma once
 

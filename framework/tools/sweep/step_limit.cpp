@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "framework/description/scene/system_of.h"
 #include "framework/tools/sweep/step_limit.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The largest fixed step of a method by linear theory: a scene's small motions about its start.
 #pragma once
 

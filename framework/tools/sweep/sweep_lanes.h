@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Runs of a sweep, eight at a time: one run per vector lane.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // One run of a sweep that is watched by more than its recorder.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The mechanisms that are no simple family, as data that any engine's model can be built from: Andrews' squeezing
 // mechanism, Bricard's loop, the flyball governor. World axes, everything at the start.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A chain of rods in its joints' angles, in extended precision: the truth for the chains. Articulated bodies in world
 // axes about the joints' points, so that the cost is linear in the number of rods.
 #pragma once

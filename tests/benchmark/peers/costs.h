@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // From runs to costs: the cheapest run of a system within an error, by the rules that keep lucky hits out.
 #pragma once
 

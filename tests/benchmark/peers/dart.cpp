@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // DART: trees in reduced coordinates, loops by ball constraints on velocities; its world steps by semi-implicit Euler
 // alone. "ABA+RK4" drives its forward dynamics with a classical Runge-Kutta of ours (open chains only).
 #include <dart/constraint/BallJointConstraint.hpp>

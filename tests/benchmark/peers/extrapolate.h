@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // One-step integration of order 16 in extended precision: the midpoint rule, extrapolated in eight rows (Gragg,
 // Bulirsch, Stoer). For truths only.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // SUNDIALS IDA (BDF) on planar maximal coordinates, index 2 stabilised (Gear, Gupta, Leimkuhler):
 //   q' = v - G^T mu,  M v' = f - G^T lambda,  0 = G v,  0 = g(q)   (mass-scaled unknowns; mu = 0 on the solution)
 // A rod has q (3) and v (3), a joint lambda (2) and mu (2), interleaved along the mechanism, so that the Jacobian is

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How every system is measured, lockstep as its peers: one method over a ladder of steps or tolerances, made coarser
 // until it fails and finer until it stops gaining; errors in one run, user CPU time in others; a line of CSV each.
 #pragma once

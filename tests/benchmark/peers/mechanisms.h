@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The mechanisms that lockstep and its peers are measured on: how many bodies, how heavy, where they start, their
 // energy and the gaps of their joints. SI, world axes unless said; a body's place is that of its mass centre. This and
 // measure.h stay within C++17: not every peer's headers can do more.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // MuJoCo: reduced coordinates from an MJCF text, loops closed by its soft equality "connect", contacts off.
 #include <mujoco/mujoco.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // ODE: rigid bodies in maximal coordinates, hinges; its direct step (LCP) and its iterated one ("quick").
 #include <ode/ode.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // lockstep itself, by its public interface. Words of its own: --scenes FOLDER (where bench_*.json are; the long ones
 // are written on the way), --solver NAME and --planar VALUE (each repeatable: one more variant each), --integrator
 // NAME or NAME{"key": value} (repeatable: only these), --plugin NAME (repeatable).

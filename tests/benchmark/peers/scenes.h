@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The mechanisms as scenes of lockstep. Those of few bodies are kept as tests/benchmark/scenes/bench_*.json; the long
 // ones are written when they are needed.
 #pragma once

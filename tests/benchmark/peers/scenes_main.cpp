@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // scenes FOLDER [MOST]: writes the scenes of the mechanisms with at most so many bodies (default: all) into a folder.
 // scenes --names: the names of all mechanisms.
 #include <cstdio>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Simbody: reduced coordinates (Pin, Ball and Slider mobilizers), loops closed by constraints. Its headers are C++17 at
 // most.
 #include <Simbody.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // table NOTE OUT.md OUT.csv IN.csv...: of each system the cheapest run within 1e-3, 1e-6 and 1e-9 m, and how many times
 // dearer than lockstep the best peer is.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Where the mass centres truly are at 101 equal times: closed forms, the trusted csv files of tests/verification/data,
 // or few coordinates in extended precision.
 #pragma once

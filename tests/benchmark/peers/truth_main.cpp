@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // truth FOLDER [NAME...]: computes the truths and keeps them there, says how well each is known, and fails when one is
 // not known to 1e-10 m or disagrees with a trusted csv or with a second model.
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Memory of a state that the library made is resized and freed here, and the other way round.
 #include <lockstep/system.h>
 

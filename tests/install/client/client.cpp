@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // client PREFIX PLUGINS: what is loaded comes from the prefix and fits the headers; a plugin's law can be made; classes
 // of motionlaws/ and integrators/ can be named.
 #include <cmath>

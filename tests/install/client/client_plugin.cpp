@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The smallest law: y = slope t.
 #include <lockstep/author/plugin.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A plugin that ends the process that opens it, in the way that LOCKSTEP_TEST_DEADLY says.
 #include <sys/syscall.h>
 #include <unistd.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A plugin that gives up half way: nothing of it may stay.
 #include <lockstep/author/plugin.h>
 #include <lockstep/error.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A plugin that forgot its register function: the record stands alone.
 #include <lockstep/author/plugin.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A law, a link, a force and an integrator that do what their key "does" says, as soon as they can.
 #include <cmath>
 #include <stdexcept>

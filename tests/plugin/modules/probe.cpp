@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A plugin that leaves a trace as soon as any of its code runs.
 #include <cstdlib>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A law, a link and a force that read a file, and say in their refusal what is in it.
 #include <fstream>
 

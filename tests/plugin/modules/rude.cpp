@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A plugin that registers badly, in the way that LOCKSTEP_TEST_RUDE says.
 #include <unwind.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A plugin with tables that few have: versions of its own, both hash tables, packed relocations (tests/CMakeLists.txt
 // says so to the linker), a variable of each thread, and functions that run when it is opened and closed.
 #include <string>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A plugin that needs what no lockstep has.
 #include <lockstep/author/plugin.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Checks for authors of links, laws, forces and integrators.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Applied forces: the base classes, and a force from a function.
 #pragma once
 

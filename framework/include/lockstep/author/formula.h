@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Formulas of forces, written once for any scalar, and what follows from them: wrench, tangent and powers.
 #pragma once
 

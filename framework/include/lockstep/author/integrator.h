@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Integrator: a time-stepping method, one step at a time. Registered by name, built in or from a plugin.
 #pragma once
 

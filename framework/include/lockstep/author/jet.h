@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Numbers that carry their derivatives: automatic differentiation in forward mode.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The three kinds of law: a number, a translation and a rotation as functions of time. Value and both derivatives come
 // from one call, because they share sines and cosines; nothing is differenced.
 #pragma once

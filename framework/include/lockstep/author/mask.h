@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Masks and axes: which coordinates a lock holds.
 #pragma once
 

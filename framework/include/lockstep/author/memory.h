@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Aligned buffers, and the numbers that an integrator saves.
 #pragma once
 

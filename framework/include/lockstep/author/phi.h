@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Joints from functions of relative coordinates: what the function is given and what it defines.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Links from functions: one pair of markers, or several joints.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The registry: links, laws, forces, integrators and solvers by name.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Relative kinematics of two markers.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The saddle-point matrix and the solvers' interface.
 #pragma once
 

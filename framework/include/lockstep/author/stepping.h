@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What integrators are made of: tableaus, stages, step control.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // CountedAngle: an angle with its whole turns, as a state.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The equations of the lock on numbers of any kind.
 #pragma once
 

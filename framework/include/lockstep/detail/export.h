@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The export macro, and the compile settings that client and library must share.
 #pragma once
 

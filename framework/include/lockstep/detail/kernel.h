@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The kernel of the lock: rows of one pair of markers.
 #pragma once
 

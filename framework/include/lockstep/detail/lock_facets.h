@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Facets of links: what a link may have in addition to its rows.
 #pragma once
 

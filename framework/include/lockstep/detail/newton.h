@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // NewtonMatrix: the saddle-point matrix of one Newton step of an implicit method, factored at a gathered state.
 //
 //   | a M + b D + c K   J^T | | x |   | f |      K, D: tangents of inertia, constraint and applied forces at lambda

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What is refused of a function joint at compile time.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Rows of a function of relative coordinates, with their derivatives.
 #pragma once
 

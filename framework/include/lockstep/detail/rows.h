@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Constraint rows, wrench and tangent sums, as links and forces write them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Vectors, matrices and quaternions whose components each have a type.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // One column against another: a coupler curve, a phase portrait.
 import uPlot from 'uplot';
 import { pngOf } from './export.js';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Arrows: what links and forces exert, with one scale for forces and one for moments.
 import { ConeGeometry, CylinderGeometry, Group, Mesh, Quaternion, TorusGeometry, Vector3 } from 'three';
 import { material } from './shapes.js';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Badges: signs at links that stand out, drawn over everything: redundant rows, and links that were switched off.
 import { CanvasTexture, Sprite, SpriteMaterial, SRGBColorSpace } from 'three';
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Bodies: their solids; where a scene gives only an inertia, bars between their joints, or the ellipsoid of the inertia.
 import { Group, LineBasicMaterial, LineLoop, Object3D, Quaternion, Vector3 } from 'three';
 import { freedoms } from './freedoms.js';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Clock: the one time of the page, which the scene and the plots share.
 
 import { indexAt } from './motion.js';

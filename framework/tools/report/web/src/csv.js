@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A table from CSV text: quoted cells may hold commas, line ends and doubled quotes.
 
 function cells(text) {

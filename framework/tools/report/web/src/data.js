@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The data of the page: a description as JSON, and numbers as base64.
 
 function bytesOf(text) {

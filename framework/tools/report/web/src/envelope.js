@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Envelope: of a long column the least and the largest value in each pixel, so that drawing stays fast.
 
 // Columns over x, reduced to about `pixels` pairs between from and to; short ones stay as they are. All share one x.

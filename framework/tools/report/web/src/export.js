@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Files that the reader saves.
 import { theme } from './theme.js';
 

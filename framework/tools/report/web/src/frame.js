@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Frame: how the mechanism lies in space: its size, its centre, up, and the plane in which it moves.
 import { Box3, Vector3 } from 'three';
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Freedoms: what the mask of a joint leaves free.
 
 const AXES = ['x', 'y', 'z'];

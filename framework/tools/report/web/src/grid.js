@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Grid: the ground of a mechanism in space, or the sheet behind one in a plane; fades out.
 import { BufferAttribute, Color, LineBasicMaterial, LineSegments, Vector3 } from 'three';
 import { roundDown } from './arrows.js';

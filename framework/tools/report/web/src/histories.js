@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Runs of a sweep that the page keeps: one of them is shown as a run, after "#run=7".
 import { readTable } from './csv.js';
 import { RunPage } from './run.js';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Joints: a symbol for each kind of mask, at the markers of the link, with its axis.
 import {
   Group,

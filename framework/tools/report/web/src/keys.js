@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Keys of the page, beside those of its buttons.
 
 export function addKeys(page) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The page: a run, many runs as points, or modes.
 import { readData } from './data.js';
 import { askedRun, keptRun, showHistory } from './histories.js';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Marks of a scatter plot: dots, cells of a map, lines between them; their colours.
 import { theme } from './theme.js';
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Modes: the mechanism swings about its rest in the shape that is chosen; it takes two seconds, whatever the frequency.
 import { Quaternion, Vector3 } from 'three';
 import { number } from './plots.js';

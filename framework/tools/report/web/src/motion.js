@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Motion: poses and loads at any instant, between the frames by cubic polynomials through poses and velocities.
 
 const BODY = 13,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What lies over the picture as text and lines: names, axes with gravity, the scales of lengths and of arrows.
 import { Vector3 } from 'three';
 import { ROUND, roundDown } from './arrows.js';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The panel beside the picture: the picked body, the list of bodies, the run, the scene.
 import { number } from './plots.js';
 

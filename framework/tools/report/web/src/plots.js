@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Plots: the recorded columns over time, one panel per unit or as the scene asks; their cursor is the page's time.
 import uPlot from 'uplot';
 import { envelope } from './envelope.js';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The page of many runs: each is a point of a plot whose axes and colour are columns of their table.
 import { readTable } from './csv.js';
 import { download, pngOf } from './export.js';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The page of a run: its parts, and what the reader may do with them.
 import { Against } from './against.js';
 import { Clock } from './clock.js';

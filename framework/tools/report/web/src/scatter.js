@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A scatter plot: points by two columns, coloured by group or by a third column.
 import uPlot from 'uplot';
 import { cellOf, colorFor, drawLine, drawMarks, extentOf, varies } from './marks.js';

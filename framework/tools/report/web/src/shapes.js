@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Shapes: geometry made of a few solids, with thin edges that keep forms apart.
 import {
   BoxGeometry,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Slopes of columns at their rows, where the page knows their rates: curves between rows are then cubics through values
 // and rates, as the motion of the picture is, and need not be guessed.
 import uPlot from 'uplot';

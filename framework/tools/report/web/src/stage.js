@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Stage: the picture of the mechanism, drawn when something changed.
 import {
   AmbientLight,

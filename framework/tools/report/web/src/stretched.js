@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What spans two points that move: springs, rods of distance links, ropes, belts.
 import {
   CatmullRomCurve3,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Links that come into force and are released during a run.
 
 export class Switches {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Tabs, with arrow keys as usual.
 
 export function addTabs(list) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Theme: the colours of the PNG charts, and what light and dark need beside them.
 
 // Okabe and Ito, as in the charts; the last one is ink.

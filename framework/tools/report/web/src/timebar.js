@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The bar of time: play, step, scrub, speed, loop; events and impacts as marks.
 import { SPEEDS } from './clock.js';
 import { number } from './plots.js';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The buttons above the picture, and those for the picked body.
 import { download } from './export.js';
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Trails: the ways of points of bodies during the run; the part that lies behind is drawn stronger.
 import { Line, LineBasicMaterial, Vector3 } from 'three';
 

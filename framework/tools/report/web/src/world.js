@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // World: everything that is drawn in space, at one instant.
 import { Group, Vector3 } from 'three';
 import { Arrows } from './arrows.js';
