@@ -34,7 +34,7 @@ Params params_of(Value&&, const std::string&, const std::string&, const Registry
 /// The object of a table under a key of another one.
 Params params_under(const Params& parent, const std::string& key, const std::string& table);
 
-/// The objects under a key of Holds::objects; none when it is absent. Throws when it holds something else.
+/// The list of objects under a key; none when it is absent. Throws when it holds something else.
 const Value::List& objects_of(const Params& parent, const std::string& key);
 
 /// Calls read(object, owner) for each of them.
@@ -44,7 +44,7 @@ void for_each_object(const Params& parent, const std::string& key, F&& read) {
   for (std::size_t i = 0; i < items.size(); ++i) read(items[i], item(part_of(parent.owner(), key), i));
 }
 
-/// The texts under a key of Holds::texts.
+/// The list of texts under a key; none when it is absent.
 std::vector<std::pair<std::string, SourceLocation>> texts_of(const Params& parent, const std::string& key);
 
 /// A number that must be greater than zero.

@@ -28,21 +28,11 @@ std::string choice_words(const Key& key) {
 }
 
 std::string part_words(const Key& key, const Part& part) {
-  const std::string there = ": see `lockstep describe " + part.table + "`";
-  const Holds h = part.holds;
-  if (h == Holds::object) return "object" + there;
-  if (h == Holds::objects) return "list of objects" + there;
-  if (h == Holds::object_or_list) return "object or list of objects" + there;
-  if (h == Holds::choice_or_object) return choice_words(key) + ", or object" + there;
-  if (h == Holds::texts) return "list of texts";
-  if (h == Holds::texts_or_objects) return "list of names or objects" + there;
-  if (h == Holds::text_lists) return "list of lists of texts";
-  if (h == Holds::channels) return "list of channel names: see `lockstep check SCENE --channels`";
-  if (h == Holds::typed) return "name or object: see `lockstep list " + part.table + "`";
-  if (h == Holds::vector_or_object) return "[x, y, z], 3 rows of 3, or object" + there;
-  if (h == Holds::vector_or_word) return "[x, y, z] or " + choice_words(key);
-  if (h == Holds::quantities) return "object of quantities";
-  return h == Holds::named_points ? "object of points" : "object of values by path";
+  std::string words = part.holds;
+  if (!key.choices.empty()) words.replace(words.find("choice"), 6, choice_words(key));
+  return part.table.empty()
+             ? words
+             : words + ": see `lockstep " + (part.names_type() ? "list " : "describe ") + part.table + "`";
 }
 
 std::string default_words(const Key& key) {

@@ -22,8 +22,7 @@ constexpr std::size_t kMostLeaves = 20'000;  // that are searched for a near pat
 /// What the tables know of a value: its key and part, and of an object, what it may hold.
 struct Kind {
   Key key{};
-  Part part{"", Holds::texts};
-  bool has_part = false;
+  Part part{};  // without a key where it has none
   Keys keys{};
   std::vector<Part> parts{};
 };
@@ -38,9 +37,9 @@ void add_type(Kind& kind, const Value& v, const Registry& registry, std::string_
 Kind kind_of(const Value& v, Kind kind, const Registry& registry) {
   if (v.object() == nullptr) return kind;
   const std::string& table = kind.part.table;
-  if (kind.has_part && kind.part.holds == Holds::typed) {
+  if (kind.part.names_type()) {
     add_type(kind, v, registry, table);
-  } else if (kind.has_part && !table.empty()) {
+  } else if (!table.empty()) {
     const SceneTable& t = scene_table(table);
     kind.keys = t.info.keys, kind.parts = t.parts;
     add_type(kind, v, registry, t.shelf);
@@ -56,7 +55,7 @@ Kind under(const Kind& object, const std::string& name) {
   for (const Key& key : object.keys)
     if (key.name == name) kind.key = key;
   for (const Part& part : object.parts)
-    if (part.key == name) kind.part = part, kind.has_part = true;
+    if (part.key == name) kind.part = part;
   return kind;
 }
 
@@ -94,7 +93,7 @@ class Walk {
        UnknownTypes unknown = UnknownTypes::have_known_keys)
       : registry_(registry), unknown_(unknown), root_(root), steps_(std::move(steps)), here_(&root) {
     Kind kind;
-    kind.part = {"", Holds::object, "scene"}, kind.has_part = true;
+    kind.part = {"", "object", "scene"};
     kind_ = kind_of(root, kind, registry_);
   }
 
@@ -107,7 +106,7 @@ class Walk {
   }
   ScenePlace place() const {
     Key key = kind_.key;
-    if (kind_.has_part && kind_.part.holds == Holds::typed)
+    if (kind_.part.names_type())
       key.choices = kind_.part.table == "solvers" ? registry_.solvers.names() : registry_.integrators.names();
     return {here_, path_, "", std::move(key)};
   }
@@ -146,7 +145,7 @@ class Walk {
       if (error != std::errc() || stop != end || index >= items.size()) return false;
     }
     here_ = &items[index];
-    kind_ = kind_of(*here_, {kind_.key, kind_.part, kind_.has_part}, registry_);
+    kind_ = kind_of(*here_, {kind_.key, kind_.part}, registry_);
     path_ += (path_.empty() ? "" : ".") + step_to(*here_, index);
     return true;
   }
@@ -160,7 +159,7 @@ class Walk {
 
   // The value of a key that the scene leaves out: empty at the end of the path, else the default.
   static Value by_default(const Kind& kind, bool last) {
-    if (kind.has_part && kind.part.holds == Holds::object) return Value(Value::Object{});
+    if (kind.part.holds == "object") return Value(Value::Object{});
     const bool several = kind.key.form == Form::vector3 || kind.key.form == Form::numbers;
     if (const Value* v = kind.key.default_value(); v != nullptr && (several || !last)) return *v;
     return {};
@@ -171,7 +170,7 @@ class Walk {
     if (here_->list() != nullptr || here_->object() != nullptr) return true;
     if (!here_->is_null() || inserted_unknown_) return false;
     const Form form = kind_.key.form;
-    if (form == Form::any) return !(kind_.has_part && kind_.part.holds == Holds::typed) && kind_.key.choices.empty();
+    if (form == Form::any) return !kind_.part.names_type() && kind_.key.choices.empty();
     return form >= Form::vector3 && form <= Form::laws && form != Form::law;
   }
 

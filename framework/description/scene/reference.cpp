@@ -32,7 +32,7 @@ std::string default_cell(const Key& key) {
 // Where the objects under a key are described.
 std::string seen_cell(const Key& key, const std::vector<Part>& parts) {
   for (const Part& part : parts)
-    if (part.key == key.name && !part.table.empty() && part.holds != Holds::typed) return " (*" + part.table + "*)";
+    if (part.key == key.name && !part.table.empty() && !part.names_type()) return " (*" + part.table + "*)";
   return "";
 }
 

@@ -52,20 +52,20 @@ Json part_schema(const Key& key, const Part& part) {
   const Json text = {{"type", "string"}}, number = number_schema(Unit::any), vector = exactly(number, 3);
   const Json choice = {{"enum", key.choices}}, object = reference(part.table), formula = reference("formula");
   const auto members = [](const Json& each) { return Json{{"type", "object"}, {"additionalProperties", each}}; };
-  const Holds h = part.holds;
-  if (h == Holds::object || h == Holds::typed) return object;
-  if (h == Holds::objects) return list_of(object);
-  if (h == Holds::object_or_list) return any_of({object, list_of(object)});
-  if (h == Holds::choice_or_object) return any_of({choice, object});
-  if (h == Holds::texts) return list_of(text);
-  if (h == Holds::texts_or_objects) return list_of(any_of({text, object}));
-  if (h == Holds::text_lists) return list_of(list_of(text));
-  if (h == Holds::channels) return list_of(any_of({text, members(text)}));
-  if (h == Holds::vector_or_object) return any_of({vector, formula, exactly(vector, 3), object});
-  if (h == Holds::vector_or_word) return any_of({vector, formula, choice});
-  if (h == Holds::quantities) return members(any_of({number, vector}));
-  if (h == Holds::named_points) return members(any_of({vector, formula}));
-  return members(any_of({number, text, {{"type", "boolean"}}}));  // settings
+  const std::string& h = part.holds;
+  if (h == "object" || part.names_type()) return object;
+  if (h == "list of objects") return list_of(object);
+  if (h == "object or list of objects") return any_of({object, list_of(object)});
+  if (h == "choice, or object") return any_of({choice, object});
+  if (h == "list of texts") return list_of(text);
+  if (h == "list of names or objects") return list_of(any_of({text, object}));
+  if (h == "list of lists of texts") return list_of(list_of(text));
+  if (h.starts_with("list of channel names")) return list_of(any_of({text, members(text)}));
+  if (h == "[x, y, z], 3 rows of 3, or object") return any_of({vector, formula, exactly(vector, 3), object});
+  if (h == "[x, y, z] or choice") return any_of({vector, formula, choice});
+  if (h == "object of quantities") return members(any_of({number, vector}));
+  if (h == "object of points") return members(any_of({vector, formula}));
+  return members(any_of({number, text, {{"type", "boolean"}}}));  // object of values by path
 }
 
 Json key_schema(const Key& key, const std::vector<Part>& parts) {

@@ -11,28 +11,12 @@
 
 namespace lockstep {
 
-/// What a key of Form::any holds.
-enum class Holds {
-  object,            ///< one object of `table`
-  objects,           ///< a list of them
-  object_or_list,    ///< either
-  choice_or_object,  ///< one of the key's choices, or an object of `table`
-  texts,             ///< a list of texts
-  texts_or_objects,  ///< a list of texts and of objects of `table`
-  text_lists,        ///< a list of lists of texts
-  channels,          ///< a list of channel names and of objects {"own name": "channel name"}
-  typed,             ///< a name on the shelf `table`, or {"type": name, and its keys}
-  vector_or_object,  ///< [x, y, z], an object of `table`, or three rows of three
-  vector_or_word,    ///< [x, y, z], or one of the key's choices
-  quantities,        ///< an object of numbers, texts with units, vectors and formulas by name
-  named_points,      ///< an object of vectors and formulas by name
-  settings           ///< an object of numbers, texts, formulas, true and false by path
-};
-
+/// What a key of Form::any holds, in the words of `describe`: "list of objects", "object of quantities", ...; "choice"
+/// stands for the key's choices.
 struct Part {
-  std::string key;
-  Holds holds;
-  std::string table{};
+  std::string key, holds, table{};  ///< the table of its objects, or the shelf of their types
+
+  bool names_type() const { return holds == "name or object"; }  ///< of a shelf, or {"type": name, and its keys}
 };
 
 /// One kind of object: its name, help and keys, and what its keys of Form::any hold. Where `shelf` is given, an object

@@ -18,12 +18,6 @@ namespace {
 
 constexpr int kMostValues = 1'000'000;
 
-std::vector<std::string> words_at(char mark, const std::string& text) {
-  std::vector<std::string> words = split_at(mark, text);
-  for (std::string& word : words) word = std::string(text::trimmed(word));
-  return words;
-}
-
 // The dimension of a text with a unit; nothing for one without a name here.
 std::optional<Unit> unit_of(const std::string& text) {
   for (const Unit unit : units())

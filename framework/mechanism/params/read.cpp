@@ -172,6 +172,12 @@ std::vector<std::string> split_at(char mark, const std::string& text) {
   return parts;
 }
 
+std::vector<std::string> words_at(char mark, const std::string& text) {
+  std::vector<std::string> words = split_at(mark, text);
+  for (std::string& word : words) word = std::string(text::trimmed(word));
+  return words;
+}
+
 std::string shown(const Value& v) {
   if (const std::string* text = v.text()) return "a text (" + quoted(*text) + ")";
   if (const double* x = v.number()) return "a number (" + text::number(*x) + ")";

@@ -23,6 +23,8 @@ LOCKSTEP_API Value read_word(const std::string&);
 
 /// The parts of a text between marks; one where there is no mark.
 LOCKSTEP_API std::vector<std::string> split_at(char mark, const std::string& text);
+/// The same without blanks around them.
+LOCKSTEP_API std::vector<std::string> words_at(char mark, const std::string& text);
 
 /// A value as messages show it: `a text ("fast")`, `a number (2.5)`, "a list of 3".
 LOCKSTEP_API std::string shown(const Value&);
