@@ -24,162 +24,154 @@ class ForceCheck final : public StateCheck {
   }
 
  private:
-  MatX numbers(const TestState&) override;
-  std::string name(Eigen::Index, Eigen::Index k) const override;
   void breakpoints(double t0, double t1, std::vector<double>& out) const override { force_.breakpoints(t0, t1, out); }
-  bool description() override;
-  void at_state() override;
-  void turns() override;
-
-  void balance();
-  bool gradient();
-  void tangent();
 
   Reactions reactions() const { return {rows_, {lambda_.data(), static_cast<std::size_t>(lambda_.size())}}; }
   bool reads() const { return lambda_.size() > 0; }
-  VecX applied(const TestState&) const;  ///< with react(), if it reads reactions
-  double loss(const TestState&) const;   ///< dissipation(), and friction_loss() likewise
+
+  // With react(), if it reads reactions.
+  VecX applied(const TestState& at) const {
+    VecX f = VecX::Zero(6 * n_);
+    WrenchSum sum(at.motions, f);
+    force_.apply(at.in(), sum);
+    if (reads()) force_.reacting()->react(at.in(), reactions(), sum);
+    return f;
+  }
+
+  // dissipation(), and friction_loss() likewise.
+  double loss(const TestState& at) const {
+    return force_.dissipation(at.in()) + (reads() ? force_.reacting()->friction_loss(at.in(), reactions()) : 0.0);
+  }
+
+  MatX numbers(const TestState& at) override {
+    const Inputs in = at.in();
+    const auto n_own = reads() ? 0 : static_cast<Eigen::Index>(quantities_.size());
+    MatX all(1, 6 * n_ + 3 + n_own);
+    all << applied(at).transpose(), force_.potential(in), loss(at), force_.supply(in), Eigen::RowVectorXd::Zero(n_own);
+    for (Eigen::Index k = 0; k < n_own; ++k) all(0, 6 * n_ + 3 + k) = force_.observable()->quantity(k, in);
+    return all;
+  }
+
+  std::string name(Eigen::Index, Eigen::Index column) const override {
+    constexpr const char* kPowers[] = {"potential()", "dissipation()", "supply()"};
+    const auto k = static_cast<int>(column);
+    if (k < 6 * n_) return fmt::format("its {} on body '{}'", k % 6 < 3 ? "force" : "moment", body(k / 6));
+    return k < 6 * n_ + 3 ? kPowers[k - 6 * n_] : "quantity '" + quantities_[k - 6 * n_ - 3].name + "'";
+  }
+
+  bool description() override {
+    if (slots_.empty()) {
+      add("markers", "acts at no marker of a body that moves, so that nothing can be checked", "markers()");
+      return false;
+    }
+    const Reacting* const own = force_.reacting();
+    if (own || force_.observable()) quantities_ = own ? own->quantities() : force_.observable()->quantities();
+    for (const Quantity& q : quantities_)
+      if (q.name.empty()) add("quantities", "tells a quantity without a name", "quantities()");
+    if (own == nullptr) return true;
+    const std::vector<const Lock*> read = own->reads();
+    if (std::ranges::find(read, nullptr) != read.end()) {
+      add("reads", "reads the reactions of a link that is not there", "reads()");
+      return true;
+    }
+    system_.lay_out(std::vector<bool>(system_.links().size(), true), rows_);
+    Draw draw(options_.seed + 5);
+    lambda_.resize(rows_.n_rows);
+    for (double& x : lambda_) x = draw.number(-20, 20);
+    return true;
+  }
+
+  void at_state() override {
+    for (int k = 0; k < n_; ++k)
+      if (std::ranges::find(slots_, k) == slots_.end() && !is_.middleCols<6>(6 * k).isZero(0))
+        add("bodies", fmt::format("pushes body '{}', on which none of its markers() is", body(k)),
+            "markers(): they say on which bodies it acts, to messages, to the tangent and to planar motion");
+    balance();
+    tangent();
+  }
+
+  // f.v + dV/dt + dissipation - supply = 0 along a motion. Where it is not, either the force at rest is not the gradient,
+  // or what goes with the velocities is wrong: D - S = -(f.v + dV/dt).
+  void balance() {
+    const Slope dV = first_derivative(
+        [&](double x) { return VecX::Constant(1, force_.potential(coasted(state_, x).in())); }, std::min(0.05, quiet_));
+    const double D = is_(0, 6 * n_ + 1), S = is_(0, 6 * n_ + 2);
+    double P = 0;
+    for (int k = 0; k < n_; ++k)
+      P += is_.row(0).segment<3>(6 * k).dot(state_.slot(k).v) + is_.row(0).segment<3>(6 * k + 3).dot(state_.slot(k).w);
+    if (D < 0)
+      add("dissipation", fmt::format("dissipation() is {:.6g} W, below zero", D),
+          "dissipation(): what dampers take out; what is put in belongs into supply()");
+    const double size = std::max({std::abs(P), std::abs(dV.value[0]), std::abs(D), std::abs(S)});
+    const double off = std::abs(P + dV.value[0] + D - S);
+    report_.compared(size > 0 ? dV.error[0] / size : 0);
+    if (off <= dV.error[0] + kRounding * size) return;
+    add("balance",
+        fmt::format("gives {:.6g} W to the bodies, and -dV/dt - dissipation() + supply() are {:.6g} W (dissipation "
+                    "{:.6g}, supply {:.6g})",
+                    P, S - D - dV.value[0], D, S),
+        "potential(), dissipation() and supply(); the energy balance of a run rests on them", off);
+    if (gradient()) return;
+    const std::string damper = "dissipation(): minus the force of the damper times the speed it damps";
+    add("damping",
+        fmt::format("its force at rest fits potential() and supply(), so that what goes with the velocities is wrong: "
+                    "dissipation() - supply() is {:.6g} W, and the force asks for {:.6g} W",
+                    D - S, -P - dV.value[0]),
+        S != 0 ? damper + "; or at supply(): the power that laws and motors put in"
+        : -P - dV.value[0] < 0
+            ? "supply(): the power that laws and motors put in; a force that is to damp has the wrong sign"
+            : damper);
+  }
+
+  // Whether the force at rest is not -dV/d(x, turn) + dS/d(v, w).
+  bool gradient() {
+    TestState still = state_;
+    still.stop();
+    const VecX f = applied(still);
+    Slope asked{f, VecX::Zero(6 * n_)};
+    for (const int slot : slots_)
+      for (int k = 0; k < n_freedoms(slot); ++k) {
+        const Slope V = derivative(still, slot, k,
+                                   [&](const TestState& at) { return VecX::Constant(1, force_.potential(at.in())); });
+        const Slope S = derivative(still, slot, k + 6,
+                                   [&](const TestState& at) { return VecX::Constant(1, force_.supply(at.in())); });
+        asked.value[6 * slot + k] = S.value[0] - V.value[0], asked.error[6 * slot + k] = S.error[0] + V.error[0];
+      }
+    return compare(
+        report_,
+        {"gradient", f, VecX::Constant(6 * n_, is_.leftCols(6 * n_).norm()),
+         [&](int k) {
+           return fmt::format("{} along {} {} axis", name(0, k), k % 6 < 3 ? "the world's" : "its", "xyz"[k % 3]);
+         },
+         "at rest, and potential() and supply() say", here(),
+         [](int) {
+           return "potential(), whose gradient is minus the force, or at supply(), if a law or motor makes the force";
+         },
+         1e-7, 3},
+        asked);
+  }
+
+  // K = -df/d(x, turn), D = -df/d(v, w).
+  void tangent() {
+    TangentSum sum;
+    sum.lay_out(n_);
+    force_.tangent(state_.in(), sum);
+    if (reads()) force_.reacting()->react_tangent(state_.in(), reactions(), sum);
+    const auto minus_f = [&](const TestState& at) -> VecX { return -applied(at); };
+    for (const bool damping : {false, true})
+      check_tangent(sum, damping, minus_f, kSlight * is_.leftCols(6 * n_).norm());
+  }
+
+  // Its first body about z of its last marker.
+  void turns() override {
+    turn_about_z(slots_.front(), *force_.markers().back(), 1, fmt::format("body '{}'", body(slots_.front())));
+  }
 
   const Force& force_;
   std::vector<Quantity> quantities_;
   RowTable rows_;  // with multipliers drawn once, for a force that reads reactions
   VecX lambda_;
 };
-
-VecX ForceCheck::applied(const TestState& at) const {
-  VecX f = VecX::Zero(6 * n_);
-  WrenchSum sum(at.motions, f);
-  force_.apply(at.in(), sum);
-  if (reads()) force_.reacting()->react(at.in(), reactions(), sum);
-  return f;
-}
-
-double ForceCheck::loss(const TestState& at) const {
-  return force_.dissipation(at.in()) + (reads() ? force_.reacting()->friction_loss(at.in(), reactions()) : 0.0);
-}
-
-MatX ForceCheck::numbers(const TestState& at) {
-  const Inputs in = at.in();
-  const auto n_own = reads() ? 0 : static_cast<Eigen::Index>(quantities_.size());
-  MatX all(1, 6 * n_ + 3 + n_own);
-  all << applied(at).transpose(), force_.potential(in), loss(at), force_.supply(in), Eigen::RowVectorXd::Zero(n_own);
-  for (Eigen::Index k = 0; k < n_own; ++k) all(0, 6 * n_ + 3 + k) = force_.observable()->quantity(k, in);
-  return all;
-}
-
-std::string ForceCheck::name(Eigen::Index, Eigen::Index column) const {
-  constexpr const char* kPowers[] = {"potential()", "dissipation()", "supply()"};
-  const auto k = static_cast<int>(column);
-  if (k < 6 * n_) return fmt::format("its {} on body '{}'", k % 6 < 3 ? "force" : "moment", body(k / 6));
-  return k < 6 * n_ + 3 ? kPowers[k - 6 * n_] : "quantity '" + quantities_[k - 6 * n_ - 3].name + "'";
-}
-
-bool ForceCheck::description() {
-  if (slots_.empty()) {
-    add("markers", "acts at no marker of a body that moves, so that nothing can be checked", "markers()");
-    return false;
-  }
-  const Reacting* const own = force_.reacting();
-  if (own || force_.observable()) quantities_ = own ? own->quantities() : force_.observable()->quantities();
-  for (const Quantity& q : quantities_)
-    if (q.name.empty()) add("quantities", "tells a quantity without a name", "quantities()");
-  if (own == nullptr) return true;
-  const std::vector<const Lock*> read = own->reads();
-  if (std::ranges::find(read, nullptr) != read.end()) {
-    add("reads", "reads the reactions of a link that is not there", "reads()");
-    return true;
-  }
-  system_.lay_out(std::vector<bool>(system_.links().size(), true), rows_);
-  Draw draw(options_.seed + 5);
-  lambda_.resize(rows_.n_rows);
-  for (double& x : lambda_) x = draw.number(-20, 20);
-  return true;
-}
-
-void ForceCheck::at_state() {
-  for (int k = 0; k < n_; ++k)
-    if (std::ranges::find(slots_, k) == slots_.end() && !is_.middleCols<6>(6 * k).isZero(0))
-      add("bodies", fmt::format("pushes body '{}', on which none of its markers() is", body(k)),
-          "markers(): they say on which bodies it acts, to messages, to the tangent and to planar motion");
-  balance();
-  tangent();
-}
-
-// f.v + dV/dt + dissipation - supply = 0 along a motion. Where it is not, either the force at rest is not the gradient,
-// or what goes with the velocities is wrong: D - S = -(f.v + dV/dt).
-void ForceCheck::balance() {
-  const Slope dV = first_derivative(
-      [&](double x) { return VecX::Constant(1, force_.potential(coasted(state_, x).in())); }, std::min(0.05, quiet_));
-  const double D = is_(0, 6 * n_ + 1), S = is_(0, 6 * n_ + 2);
-  double P = 0;
-  for (int k = 0; k < n_; ++k)
-    P += is_.row(0).segment<3>(6 * k).dot(state_.slot(k).v) + is_.row(0).segment<3>(6 * k + 3).dot(state_.slot(k).w);
-  if (D < 0)
-    add("dissipation", fmt::format("dissipation() is {:.6g} W, below zero", D),
-        "dissipation(): what dampers take out; what is put in belongs into supply()");
-  const double size = std::max({std::abs(P), std::abs(dV.value[0]), std::abs(D), std::abs(S)});
-  const double off = std::abs(P + dV.value[0] + D - S);
-  report_.compared(size > 0 ? dV.error[0] / size : 0);
-  if (off <= dV.error[0] + kRounding * size) return;
-  add("balance",
-      fmt::format("gives {:.6g} W to the bodies, and -dV/dt - dissipation() + supply() are {:.6g} W (dissipation "
-                  "{:.6g}, supply {:.6g})",
-                  P, S - D - dV.value[0], D, S),
-      "potential(), dissipation() and supply(); the energy balance of a run rests on them", off);
-  if (gradient()) return;
-  const std::string damper = "dissipation(): minus the force of the damper times the speed it damps";
-  add("damping",
-      fmt::format("its force at rest fits potential() and supply(), so that what goes with the velocities is wrong: "
-                  "dissipation() - supply() is {:.6g} W, and the force asks for {:.6g} W",
-                  D - S, -P - dV.value[0]),
-      S != 0 ? damper + "; or at supply(): the power that laws and motors put in"
-      : -P - dV.value[0] < 0
-          ? "supply(): the power that laws and motors put in; a force that is to damp has the wrong sign"
-          : damper);
-}
-
-// Whether the force at rest is not -dV/d(x, turn) + dS/d(v, w).
-bool ForceCheck::gradient() {
-  TestState still = state_;
-  still.stop();
-  const VecX f = applied(still);
-  Slope asked{f, VecX::Zero(6 * n_)};
-  for (const int slot : slots_)
-    for (int k = 0; k < n_freedoms(slot); ++k) {
-      const Slope V =
-          derivative(still, slot, k, [&](const TestState& at) { return VecX::Constant(1, force_.potential(at.in())); });
-      const Slope S = derivative(still, slot, k + 6,
-                                 [&](const TestState& at) { return VecX::Constant(1, force_.supply(at.in())); });
-      asked.value[6 * slot + k] = S.value[0] - V.value[0], asked.error[6 * slot + k] = S.error[0] + V.error[0];
-    }
-  return compare(
-      report_,
-      {"gradient", f, VecX::Constant(6 * n_, is_.leftCols(6 * n_).norm()),
-       [&](int k) {
-         return fmt::format("{} along {} {} axis", name(0, k), k % 6 < 3 ? "the world's" : "its", "xyz"[k % 3]);
-       },
-       "at rest, and potential() and supply() say", here(),
-       [](int) {
-         return "potential(), whose gradient is minus the force, or at supply(), if a law or motor makes the force";
-       },
-       1e-7, 3},
-      asked);
-}
-
-// K = -df/d(x, turn), D = -df/d(v, w).
-void ForceCheck::tangent() {
-  TangentSum sum;
-  sum.lay_out(n_);
-  force_.tangent(state_.in(), sum);
-  if (reads()) force_.reacting()->react_tangent(state_.in(), reactions(), sum);
-  const auto minus_f = [&](const TestState& at) -> VecX { return -applied(at); };
-  for (const bool damping : {false, true}) check_tangent(sum, damping, minus_f, kSlight * is_.leftCols(6 * n_).norm());
-}
-
-// Its first body about z of its last marker.
-void ForceCheck::turns() {
-  turn_about_z(slots_.front(), *force_.markers().back(), 1, fmt::format("body '{}'", body(slots_.front())));
-}
 
 }  // namespace
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "framework/tools/check/integrator_orders.h"
+#include "framework/tools/check/closed_motion.h"
 
 #include <spdlog/fmt/fmt.h>
 

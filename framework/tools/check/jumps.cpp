@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include <lockstep/text.h>
 #include "framework/tools/check/compare.h"
@@ -13,6 +14,11 @@ namespace lockstep {
 namespace {
 
 constexpr int kHalvings = 34;
+
+// A component changes by `size` at the instant t, which is known to about 1e-9 of the interval.
+struct Jump {
+  double t, size;
+};
 
 struct Cell {
   double a, b;
@@ -31,8 +37,10 @@ Jump narrow(const Curve& f, Cell w, Eigen::Index c, double size) {
   return {0.5 * (w.a + w.b), smooth ? 0.0 : w.fb[c] - w.fa[c]};
 }
 
-}  // namespace
-
+// Jumps of each component of f inside (t0, t1), in order of time, more than 1e-9 of the interval away from the
+// instants `known`. Each of `cells` cells is bisected, always into the half in which f departs most from the mean of
+// its ends: what does not vanish is a jump. Finds jumps of more than 1e-6 of the component's size (which counts as at
+// least 1e-10 of the largest component's); of several in one cell, the largest.
 std::map<int, std::vector<Jump>> find_jumps(const Curve& f, double t0, double t1, std::vector<double> known,
                                             int cells) {
   const double clear = kNegligible * (t1 - t0);  // kept from the known instants
@@ -59,6 +67,8 @@ std::map<int, std::vector<Jump>> find_jumps(const Curve& f, double t0, double t1
         jumps[c].push_back(found);
   return jumps;
 }
+
+}  // namespace
 
 std::vector<double> told_breakpoints(const TimedNumbers& f, const CheckOptions& options, CheckReport& report) {
   const double before = options.from - 1;
