@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include <lockstep/laws.h>
-#include "framework/mechanism/params/orientation_told.h"
 #include "framework/mechanism/params/read.h"
 #include "motionlaws/built_in.h"
 

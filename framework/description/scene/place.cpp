@@ -2,7 +2,7 @@
 #include "framework/description/scene/place.h"
 
 #include <algorithm>
-#include <charconv>
+#include <boost/algorithm/string/join.hpp>
 #include <optional>
 #include <string_view>
 
@@ -57,12 +57,6 @@ Kind under(const Kind& object, const std::string& name) {
   for (const Part& part : object.parts)
     if (part.key == name) kind.part = part;
   return kind;
-}
-
-std::string joined(const std::vector<std::string>& steps) {
-  std::string path;
-  for (const std::string& step : steps) path += (path.empty() ? "" : ".") + step;
-  return path;
 }
 
 std::string step_to(const Value& item, std::size_t index) {
@@ -139,11 +133,8 @@ class Walk {
     for (std::size_t k = 0; k < items.size() && index == items.size(); ++k)
       if (items[k].find("name") != nullptr && step_to(items[k], k) == steps_[i]) index = k;
     if (index == items.size()) index = component(items, steps_[i]);
-    if (index == items.size()) {
-      const char* end = steps_[i].data() + steps_[i].size();
-      const auto [stop, error] = std::from_chars(steps_[i].data(), end, index);
-      if (error != std::errc() || stop != end || index >= items.size()) return false;
-    }
+    if (index == items.size()) index = number_in<std::size_t>(steps_[i]).value_or(index);
+    if (index >= items.size()) return false;
     here_ = &items[index];
     kind_ = kind_of(*here_, {kind_.key, kind_.part}, registry_);
     path_ += (path_.empty() ? "" : ".") + step_to(*here_, index);
@@ -229,7 +220,7 @@ std::string nearest(const Value& root, const std::string& path, const Registry& 
   for (std::size_t tries = 0; tries <= steps.size(); ++tries) {
     Value copy = root;
     const std::optional<Miss> miss = Walk(copy, steps, registry).go();
-    if (!miss) return joined(steps);
+    if (!miss) return boost::join(steps, ".");
     if (miss->step == steps.size()) break;
     const std::string closest = text::closest_name(steps[miss->step], miss->candidates);
     if (closest.empty() || closest == steps[miss->step]) break;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/scene.h>
 
-#include <charconv>
 #include <cmath>
 #include <optional>
 
@@ -187,9 +186,8 @@ std::vector<Value> read_range(Reader& reader, const std::vector<std::string>& pa
   if (bare_a != bare_b && (bare_a ? a : b) != 0)
     throw ModelError("\"" + path + "\": one of " + parts[0] + " and " + parts[1] +
                      " has a unit, the other has none; give both one");
-  int n = 0;
-  const auto [end, error] = std::from_chars(parts[2].data(), parts[2].data() + parts[2].size(), n);
-  if (error != std::errc() || end != parts[2].data() + parts[2].size() || n < 2 || n > kMostValues)
+  const int n = number_in<int>(parts[2]).value_or(0);
+  if (n < 2 || n > kMostValues)
     throw ModelError("\"" + path + "\": the number of values is \"" + parts[2] +
                      "\"; it must be a whole one from 2 to " + std::to_string(kMostValues));
   std::vector<Value> values;

@@ -9,6 +9,7 @@
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/foundation/support/csv_cells.h"
+#include "framework/mechanism/params/read.h"
 
 namespace lockstep {
 namespace {
@@ -26,12 +27,6 @@ char separator_of(std::string_view line) {
   if (bare.find(';') != std::string::npos) return ';';
   const bool aligned = bare.find(",\t") != std::string::npos || bare.find("\t,") != std::string::npos;
   return bare.find('\t') != std::string::npos && !aligned ? '\t' : ',';
-}
-
-bool parse(std::string_view digits, double& value) {
-  if (!digits.empty() && digits.front() == '+') digits.remove_prefix(1);
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  return error == std::errc{} && end == digits.data() + digits.size();
 }
 
 CsvColumn column_of(const std::string& cell) {
@@ -113,7 +108,9 @@ void CsvReader::refuse_both_signs(const std::vector<std::string>& cells, std::si
 
 bool CsvReader::number(std::string cell, double& value) const {
   if (separator_ != ',' && cell.find('.') == std::string::npos) std::ranges::replace(cell, ',', '.');
-  return parse(cell, value);
+  const auto read = number_in<double>(std::string_view(cell).substr(cell.starts_with('+') ? 1 : 0));
+  value = read.value_or(value);
+  return read.has_value();
 }
 
 void CsvReader::refuse(const std::string& why) const {

@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/locale/utf.hpp>
 #include <cmath>
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/foundation/support/finding_kinds.h"
 #include "framework/mechanism/params/csv_reader.h"
-#include "framework/mechanism/params/orientation_told.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/refusals.h"
 #include "framework/mechanism/params/units.h"
@@ -88,19 +88,9 @@ std::string description(const Key& key) {
 
 // One line of UTF-8 without control characters: it goes to terminals and into JSON as it is.
 bool is_plain(const std::string& text) {
-  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const unsigned c = byte(i), next = byte(i + 1);
-    if (c < 0x20 || c == 0x7f) return false;
-    if (c < 0x80) continue;
-    const std::size_t more = c >= 0xc2 && c < 0xe0 ? 1 : c >= 0xe0 && c < 0xf0 ? 2 : c >= 0xf0 && c < 0xf5 ? 3 : 0;
-    if (more == 0) return false;
-    const bool outside = (c == 0xc2 && next < 0xa0) || (c == 0xe0 && next < 0xa0) || (c == 0xed && next > 0x9f) ||
-                         (c == 0xf0 && next < 0x90) || (c == 0xf4 && next > 0x8f);
-    if (outside) return false;  // control characters, overlong forms, surrogates, beyond U+10FFFF
-    for (std::size_t k = 1; k <= more; ++k)
-      if ((byte(i + k) & 0xc0) != 0x80) return false;
-    i += more;
+  for (auto at = text.begin(); at != text.end();) {
+    const auto c = boost::locale::utf::utf_traits<char>::decode(at, text.end());
+    if (c < 0x20 || (c >= 0x7f && c < 0xa0) || !boost::locale::utf::is_valid_codepoint(c)) return false;
   }
   return true;
 }

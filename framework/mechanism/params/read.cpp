@@ -2,6 +2,7 @@
 #include "framework/mechanism/params/read.h"
 
 #include <algorithm>
+#include <boost/algorithm/string/split.hpp>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -157,19 +158,13 @@ void refuse(const SourceLocation& where, const std::string& context, const std::
 
 Value read_word(const std::string& word) {
   if (word == "true" || word == "false") return word == "true";
-  double x = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), x);
-  return error == std::errc() && end == word.data() + word.size() ? Value(x) : Value(word);
+  const auto x = number_in<double>(word);
+  return x ? Value(*x) : Value(word);
 }
 
 std::vector<std::string> split_at(char mark, const std::string& text) {
-  std::vector<std::string> parts(1);
-  for (const char c : text)
-    if (c == mark)
-      parts.emplace_back();
-    else
-      parts.back() += c;
-  return parts;
+  std::vector<std::string> parts;
+  return boost::split(parts, text, [mark](char c) { return c == mark; });
 }
 
 std::vector<std::string> words_at(char mark, const std::string& text) {

@@ -2,7 +2,9 @@
 // Readers of one Value by its form, with errors that say where it was written. Params and the scene builder use them.
 #pragma once
 
+#include <charconv>
 #include <initializer_list>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,6 +22,14 @@ namespace lockstep {
 
 /// A word of a command line as a value: true, false, a number, or a text.
 LOCKSTEP_API Value read_word(const std::string&);
+
+/// The number that all of a text is; nothing where it is none, or out of range.
+template <class T>
+std::optional<T> number_in(std::string_view text) {
+  T x{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), x);
+  return error == std::errc() && end == text.data() + text.size() ? std::optional(x) : std::nullopt;
+}
 
 /// The parts of a text between marks; one where there is no mark.
 LOCKSTEP_API std::vector<std::string> split_at(char mark, const std::string& text);
@@ -59,5 +69,7 @@ LOCKSTEP_API Vec3 read_axis(const Value&, const std::string& context);
 /// frame as columns); two of {"x": direction, "y": ..., "z": ...}, at right angles to 1e-3: the alphabetically first is
 /// kept, the other made perpendicular to it.
 LOCKSTEP_API Quat read_orientation(const Value&, const std::string& context);
+/// The same, which warns of a quaternion that is off length 1 by more than rounding leaves.
+LOCKSTEP_API Quat read_orientation_told(const Value&, const std::string& context);
 
 }  // namespace lockstep

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include <lockstep/text.h>
+#include "framework/mechanism/params/read.h"
 
 namespace lockstep {
 namespace {
@@ -108,10 +109,8 @@ int take_power(std::string_view& name) {
     if (name.ends_with(mark)) return name.remove_suffix(mark.size()), power;
   const std::size_t hat = name.find('^');
   if (hat == std::string_view::npos) return 1;
-  const std::string_view digits = name.substr(hat + 1);
-  int power = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), power);
-  if (error != std::errc() || end != digits.data() + digits.size() || std::abs(power) > 6) return 0;
+  const int power = number_in<int>(name.substr(hat + 1)).value_or(0);
+  if (std::abs(power) > 6) return 0;
   name = name.substr(0, hat);
   return power;
 }
