@@ -2,13 +2,13 @@
 // Meshes: STL, binary and as text, and OBJ.
 #include <algorithm>
 #include <bit>
+#include <boost/algorithm/string/predicate.hpp>
 #include <boost/container_hash/hash.hpp>
-#include <cctype>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <unordered_map>
@@ -16,7 +16,7 @@
 #include <lockstep/error.h>
 #include <lockstep/solid.h>
 #include <lockstep/text.h>
-#include "framework/description/scene/mesh_words.h"
+#include "framework/mechanism/params/read.h"
 
 namespace lockstep {
 namespace {
@@ -56,10 +56,62 @@ class Gatherer {
 
 // Words as the formats have them: STL's in either case.
 bool same_word(std::string_view word, std::string_view expected) {
-  return std::ranges::equal(word, expected, [](char a, char b) {
-    return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
-  });
+  return boost::iequals(word, expected, std::locale::classic());
 }
+
+// The lines of a text that hold something: words between blanks, without comments.
+class MeshWords {
+ public:
+  // `file`: for messages; `text` must outlive this. `comment`: the character that begins one, 0: none.
+  MeshWords(std::string file, std::string_view text, char comment)
+      : file_(std::move(file)), rest_(text), comment_(comment) {}
+
+  // Goes to the next line that holds a word; a backslash at its end joins the following one to it. False at the end.
+  bool next() {
+    words_.clear();
+    while (!rest_.empty()) {
+      constexpr std::string_view kBlanks = " \t\r\v\f";
+      std::string_view left = text::trimmed(line(), kBlanks);
+      const bool goes_on = !left.empty() && left.back() == '\\';
+      if (goes_on) left.remove_suffix(1);
+      while (!left.empty()) {
+        const std::size_t end = std::min(left.find_first_of(kBlanks), left.size());
+        if (end != 0) words_.push_back(left.substr(0, end));
+        left.remove_prefix(std::min(end + 1, left.size()));
+      }
+      if (!words_.empty() && !goes_on) return true;
+    }
+    return !words_.empty();
+  }
+  const std::vector<std::string_view>& words() const { return words_; }
+  // Word k as a finite number of single precision, read as a double first: a number too small for it is 0.
+  float number(std::size_t k) const {
+    if (k >= words_.size()) refuse("the line ends where a number should stand");
+    const std::string_view word = words_[k];
+    const auto value = number_in<double>(word.substr(word.starts_with('+') ? 1 : 0));
+    if (!value || !(std::abs(*value) <= std::numeric_limits<float>::max()))
+      refuse("\"" + std::string(word.substr(0, 40)) + "\" is no number that a mesh can have");
+    return static_cast<float>(*value);
+  }
+  // Throws FileError with file and line.
+  [[noreturn]] void refuse(const std::string& why) const {
+    throw FileError(file_ + ":" + std::to_string(line_) + ": " + why);
+  }
+
+ private:
+  std::string_view line() {
+    const std::string_view found = rest_.substr(0, rest_.find('\n'));
+    rest_.remove_prefix(std::min(found.size() + 1, rest_.size()));
+    ++line_;
+    return found.substr(0, comment_ == 0 ? found.size() : found.find(comment_));
+  }
+
+  std::string file_;
+  std::string_view rest_;
+  char comment_;
+  long line_ = 0;
+  std::vector<std::string_view> words_;
+};
 
 //   facet normal nx ny nz / outer loop / vertex x y z (three times) / endloop / endfacet
 TriangleMesh read_stl_text(const std::string& file, std::string_view text) {
@@ -143,11 +195,9 @@ TriangleMesh read_stl(const std::string& file, std::string_view bytes) {
 
 // Number of a corner "7", "7/2", "7//3" or "-1": from 1, or from the last point backwards.
 std::uint32_t corner_of(const MeshWords& in, std::string_view word, std::size_t n_points) {
-  long k = 0;
-  const std::string_view digits = word.substr(0, word.find('/'));
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), k);
+  const long k = number_in<long>(word.substr(0, word.find('/'))).value_or(0);
   const auto n = static_cast<long>(n_points);
-  if (error != std::errc{} || end != digits.data() + digits.size() || k == 0 || k > n || k < -n)
+  if (k == 0 || k > n || k < -n)
     in.refuse("the corner \"" + std::string(word.substr(0, 40)) + "\" is none of the " + std::to_string(n) +
               " points before it");
   return static_cast<std::uint32_t>(k > 0 ? k - 1 : n + k);
