@@ -2,6 +2,7 @@
 #include "framework/description/scene/write.h"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include <lockstep/text.h>
@@ -13,33 +14,14 @@ namespace {
 
 constexpr std::size_t kLineWidth = 100;
 
-void write_text(const std::string& s, std::string& out) {
-  constexpr const char* kHex = "0123456789abcdef";
-  out += '"';
-  for (const char c : s) {
-    const auto code = static_cast<unsigned char>(c);
-    if (c == '"' || c == '\\') {
-      out += '\\';
-      out += c;
-    } else if (c == '\n') {
-      out += "\\n";
-    } else if (c == '\t') {
-      out += "\\t";
-    } else if (code < 0x20) {
-      out += "\\u00";
-      out += kHex[code >> 4];
-      out += kHex[code & 15];
-    } else {
-      out += c;
-    }
-  }
-  out += '"';
+std::string quoted(const std::string& text) {
+  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 void write_plain(const Value& v, std::string& out) {
   if (v.is_null()) out += "null";
   if (const bool* b = v.boolean()) out += *b ? "true" : "false";
-  if (const std::string* s = v.text()) write_text(*s, out);
+  if (const std::string* s = v.text()) out += quoted(*s);
   if (const double* x = v.number()) {
     if (!std::isfinite(*x))
       refuse(v.where, "", "the number is " + text::number(*x) + ", which JSON cannot hold; give a finite one");
@@ -73,7 +55,7 @@ void write(const Value& v, const std::string* margin, std::string& out) {
   out += items != nullptr ? '[' : '{';
   for_each_child(v, [&](const Value& each, const std::string& key) {
     out += std::exchange(first, false) ? begin : between;
-    if (items == nullptr) write_text(key, out), out += ": ";
+    if (items == nullptr) out += quoted(key) + ": ";
     write(each, margin != nullptr ? &deeper : nullptr, out);
   });
   if (margin != nullptr && !first) out += "\n" + *margin;
