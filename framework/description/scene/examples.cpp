@@ -75,26 +75,13 @@ const std::map<std::string, const char*>& samples() {
 }
 
 // What a link or force is given beside its own keys.
-Value::Object with_places(const Description& d) {
-  const auto text = [](const char* words) { return Value(std::string(words)); };
-  const Value origin(Value::List{Value(0.0), Value(0.0), Value(0.0)});
-  const int pairs = d.shelf == "links" ? example_pairs(d.info.name) : 1;
-  Value::Object all{{"name", text(d.shelf == "links" ? (pairs > 1 ? "gears" : "C") : "F"), {}},
-                    {"type", Value(d.info.name), {}}};
-  if (d.info.name == "joint_friction") {
-    all.push_back({"link", text("A"), {}});
-  } else if (pairs > 1) {
-    Value::List links;
-    for (int k = 0; k < pairs; ++k) links.push_back(Value(std::string(1, static_cast<char>('A' + k))));
-    all.push_back({"pairs", Value(links), {}});
-  } else {
-    all.push_back({"p", text("arm"), {}});
-    all.push_back({"s", text("ground"), {}});
-    const bool apart = d.info.name == "spring_damper" || d.info.name == "distance";
-    if (apart) all.push_back({"at_p", Value(Value::List{Value(1.0), Value(0.0), Value(0.0)}), {}});
-    all.push_back({apart ? "at_s" : "at", origin, {}});
-  }
-  return all;
+const char* places_of(const Description& d) {
+  const std::string& type = d.info.name;
+  const int pairs = d.shelf == "links" ? example_pairs(type) : 1;
+  if (pairs > 1) return pairs == 2 ? R"({"pairs": ["A", "B"]})" : R"({"pairs": ["A", "B", "C"]})";
+  if (type == "joint_friction") return R"({"link": "A"})";
+  if (type != "spring_damper" && type != "distance") return R"({"p": "arm", "s": "ground", "at": [0, 0, 0]})";
+  return R"({"p": "arm", "s": "ground", "at_p": [1, 0, 0], "at_s": [0, 0, 0]})";
 }
 
 // The keys of a type without a sample. One of a plugin may want one of several keys that each may be left out, as 'drag'
@@ -127,10 +114,14 @@ std::string example_of(const Description& d) {
     return key.required() && key.name != "name" && key.name != "type";
   });
   if (needs && keys == "{}") return "";
-  const Value own = read_json(keys == "{}" ? keys_of_plugin(d) : keys, "example of " + d.info.name);
-  Value::Object all =
-      kind == "link" || kind == "force" ? with_places(d) : Value::Object{{"type", Value(d.info.name), {}}};
-  for (const auto& member : *own.object()) all.push_back(member);
+  const bool placed = kind == "link" || kind == "force";
+  Value::Object all{{"type", Value(d.info.name), {}}};
+  if (placed)
+    all.insert(all.begin(), {"name", kind == "force" ? "F" : example_pairs(d.info.name) > 1 ? "gears" : "C", {}});
+  for (const std::string& part : {std::string(placed ? places_of(d) : "{}"), keys == "{}" ? keys_of_plugin(d) : keys}) {
+    const Value read = read_json(part, "example of " + d.info.name);
+    all.insert(all.end(), read.object()->begin(), read.object()->end());
+  }
   return write_json_line(Value(std::move(all)));
 }
 
