@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "framework/description/scene/read.h"
+#include "framework/description/scene/json.h"
 
 #include <algorithm>
 #include <clocale>

@@ -14,7 +14,7 @@
 #include <lockstep/error.h>
 #include <lockstep/log.h>
 #include <lockstep/scene.h>
-#include "framework/description/scene/read.h"
+#include "framework/description/scene/json.h"
 #include "framework/description/scene/reading.h"
 #include "framework/description/scene/tables.h"
 #include "tests/support/catch.h"

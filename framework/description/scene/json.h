@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Parses JSON text to a Value, in which every key and value has its place in the text. read.h reads files.
+// Parses JSON texts and files to a Value, in which every key and value has its place in the text.
 #pragma once
 
 #include <cstddef>
@@ -17,5 +17,8 @@ inline constexpr std::size_t kMostBytes = 64u * 1024 * 1024;  ///< size of a tex
 /// Columns count characters. Throws SceneError with the place: syntax errors, a key twice in one object (with both
 /// places), NaN and infinity, numbers beyond 1e308, depth beyond kMostDepth, size beyond kMostBytes.
 LOCKSTEP_API Value read_json(const std::string& text, const std::string& file_name);
+
+/// The Value of the file. Throws FileError when the file cannot be read, SceneError for its content.
+LOCKSTEP_API Value read_json_file(const std::string& path);
 
 }  // namespace lockstep

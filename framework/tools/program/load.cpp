@@ -7,7 +7,7 @@
 #include <lockstep/author/loader.h>
 #include <lockstep/author/registry.h>
 #include <lockstep/text.h>
-#include "framework/description/scene/read.h"
+#include "framework/description/scene/json.h"
 #include "framework/description/scene/reading.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/program/files.h"

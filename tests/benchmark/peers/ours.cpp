@@ -8,7 +8,7 @@
 #include <optional>
 
 #include <lockstep/lockstep.h>
-#include "framework/description/scene/read.h"
+#include "framework/description/scene/json.h"
 #include "framework/description/scene/system_of.h"
 #include "tests/benchmark/peers/measure.h"
 #include "tests/benchmark/peers/scenes.h"
