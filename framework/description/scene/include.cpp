@@ -21,20 +21,19 @@ namespace lockstep {
 namespace {
 
 constexpr std::size_t kMostFiles = 16;  // within one another
-const char* const kLists[] = {"bodies", "markers", "links", "forces", "events"};
 
 /// Puts a prefix before the names of an included scene wherever its objects name one another.
 class Renaming {
  public:
   Renaming(Value& scene, std::string prefix) : prefix_(std::move(prefix)) {
-    for (const char* list : kLists)
+    for (const auto& [list, kind] : kThings)
       for (const Value& object : items(scene, list))
         if (const std::string* name = text_under(object, "name")) names_.insert(*name);
   }
 
   void apply(Value& scene) const {
     if (prefix_.empty()) return;
-    for (const char* list : kLists)
+    for (const auto& [list, kind] : kThings)
       for (Value& object : items(scene, list)) {
         for (const char* key : {"name", "body", "p", "s", "link"}) text(member(object, key));
         for (Value& pair : items(object, "pairs")) text(&pair), text(member(pair, "p")), text(member(pair, "s"));
@@ -168,13 +167,6 @@ Value* brought_under(Value& scene, const std::string& key) {
   return v;
 }
 
-// Puts what `inner` holds under the key behind what `all` holds there.
-void append(Value& all, Value& inner, const char* key) {
-  Value* from = brought_under(inner, key);
-  brought_under(all, key);
-  if (from != nullptr) append(all, key, std::move(*from));
-}
-
 }  // namespace
 
 void expand_includes(Value& root, SceneReading& reading, Formulas& formulas) {
@@ -192,18 +184,13 @@ void expand_includes(Value& root, SceneReading& reading, Formulas& formulas) {
     parts.push_back(read_included(p, definitions, reading, formulas));
     definitions.add(parts.back());  // formulas of those behind it read what it brings
   }
-  Value brought(Value::Object{});
-  for (Value& part : parts)
-    for (const char* key : kBrought) append(brought, part, key);
-  root = root.without({"include"});
-  for (const char* key : kBrought) {  // what is brought comes before the scene's own
-    if (member(brought, key) == nullptr) continue;
-    append(brought, root, key);
-    Value all = std::move(*member(brought, key));
-    if (Value* own = member(root, key))
-      *own = std::move(all);
-    else
-      append(root, key, std::move(all));
+  parts.push_back(root.without({"include"}));  // what is brought comes before the scene's own
+  root = parts.back();
+  for (const char* key : kBrought) {
+    Value brought(Value::Object{});
+    for (Value& part : parts)
+      if (Value* v = brought_under(part, key)) append(brought, key, std::move(*v));
+    if (Value* all = member(brought, key)) made_under(root, key, {}) = std::move(*all);
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/description/scene/parts.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <string>
@@ -26,29 +27,27 @@ class Mover {
   Mover(Value& scene, const Pose& by) : scene_(scene), by_(by), turns_(by.q.w != 1), turn_(rotation(by.q)) {}
 
   void move() {
-    if (Value* points = member(scene_, "points"); points != nullptr && points->object() != nullptr)
-      for (const Value::Member& m : Value::Object(*points->object())) point(*points, m.key, "scene, points");
-    each("bodies", "body", [&](Value& v, const std::string&) {
+    for (const Value::Member& m : members(scene_, "points")) point(*member(scene_, "points"), m.key, "scene, points");
+    each("bodies", [&](Value& v, const std::string&) {
       if (is_free_particle(v)) particles_.insert(text_of(v, "name"));
     });
-    each("markers", "marker", [&](Value& v, const std::string& owner) {
+    each("markers", [&](Value& v, const std::string& owner) {
       markers_.insert(text_of(v, "name"));
       if (is_on_particle(v)) on_particles_.insert(text_of(v, "name"));
       marker(v, owner);
     });
-    each("bodies", "body", [&](Value& v, const std::string& owner) { body(v, owner); });
-    each("links", "link", [&](Value& v, const std::string& owner) { attached(v, owner); });
-    each("forces", "force", [&](Value& v, const std::string& owner) { force(v, owner); });
+    each("bodies", [&](Value& v, const std::string& owner) { body(v, owner); });
+    each("links", [&](Value& v, const std::string& owner) { attached(v, owner); });
+    each("forces", [&](Value& v, const std::string& owner) { force(v, owner); });
   }
 
  private:
   template <class Move>
-  void each(const char* list, const char* kind, Move&& move) {
-    Value* all = member(scene_, list);
-    if (all == nullptr || all->list() == nullptr) return;
-    for (std::size_t i = 0; i < all->list()->size(); ++i) {
-      Value& object = (*all->list())[i];
-      if (object.object() != nullptr) move(object, owner_of(kind, object, list, i));
+  void each(const std::string& list, Move&& move) {
+    const auto* kind = std::ranges::find(kThings, list, [](const auto& t) { return t.first; })->second;
+    for (std::size_t i = 0; Value & object : items(scene_, list)) {
+      const std::string owner = owner_of(kind, object, list, i++);
+      if (object.object() != nullptr) move(object, owner);
     }
   }
 

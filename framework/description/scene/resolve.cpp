@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <map>
 #include <optional>
 #include <set>
 #include <sstream>
@@ -102,15 +101,12 @@ class Resolver {
   }
 
   void list(Value::Member& m) {
-    static const std::map<std::string, std::string> kKinds = {
-        {"bodies", "body"}, {"markers", "marker"}, {"links", "link"}, {"forces", "force"}, {"events", "event"}};
-    const auto kind = kKinds.find(m.key);
-    if (kind == kKinds.end() || m.value.list() == nullptr)
+    const auto things = std::ranges::find(kThings, m.key, [](const auto& t) { return t.first; });
+    if (things == std::end(kThings) || m.value.list() == nullptr)
       return walk(m.value, m.key == "run" ? "run" : part_of("scene", m.key));
-    for (std::size_t i = 0; i < m.value.list()->size(); ++i) {
-      Value& object = (*m.value.list())[i];
-      const std::string owner = owner_of(kind->second, object, m.key, i);
-      if (object.object() != nullptr) named_points(kind->second, object, owner);
+    for (std::size_t i = 0; Value & object : *m.value.list()) {
+      const std::string owner = owner_of(things->second, object, m.key, i++);
+      if (object.object() != nullptr) named_points(things->second, object, owner);
       walk(object, owner);
     }
   }

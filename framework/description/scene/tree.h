@@ -46,6 +46,10 @@ void for_each_child(V& v, F&& visit) {
     for (auto& m : *members) visit(m.value, m.key);
 }
 
+/// Lists of things of a scene, and what messages call one of each.
+constexpr std::pair<const char*, const char*> kThings[] = {
+    {"bodies", "body"}, {"markers", "marker"}, {"links", "link"}, {"forces", "force"}, {"events", "event"}};
+
 /// Calls visit(object, owner) for what places markers: a link or force itself, and the pairs of a coupling.
 template <class F>
 void for_each_placing(Value& object, const std::string& owner, F&& visit) {
