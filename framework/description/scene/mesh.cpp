@@ -36,20 +36,21 @@ std::string too_many_triangles() {
 // Triangles by their corners, each of which is kept once.
 class Gatherer {
  public:
+  // One without an area is left out.
+  void add(const Corner& a, const Corner& b, const Corner& c) {
+    if (a != b && b != c && c != a) mesh_.triangles.push_back({number(a), number(b), number(c)});
+  }
+  std::size_t n_triangles() const { return mesh_.triangles.size(); }
+  TriangleMesh take() { return std::move(mesh_); }
+
+ private:
   std::uint32_t number(Corner c) {
     for (float& x : c) x += 0.0F;  // no -0
     const auto [at, added] = numbers_.try_emplace(c, static_cast<std::uint32_t>(mesh_.points.size()));
     if (added) mesh_.points.push_back(c);
     return at->second;
   }
-  // One without an area is left out.
-  void add(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-    if (a != b && b != c && c != a) mesh_.triangles.push_back({a, b, c});
-  }
-  std::size_t n_triangles() const { return mesh_.triangles.size(); }
-  TriangleMesh take() { return std::move(mesh_); }
 
- private:
   TriangleMesh mesh_;
   std::unordered_map<Corner, std::uint32_t, boost::hash<Corner>> numbers_;
 };
@@ -135,11 +136,11 @@ TriangleMesh read_stl_text(const std::string& file, std::string_view text) {
     } else if (same_word(word, "facet") && in_solid) {
       if (mesh.n_triangles() == kMostTriangles) in.refuse(too_many_triangles());
       expect({"outer", "loop"});
-      std::array<std::uint32_t, 3> corners{};
-      for (std::uint32_t& corner : corners) {
+      std::array<Corner, 3> corners{};
+      for (Corner& corner : corners) {
         expect({"vertex"});
         if (in.words().size() != 4) in.refuse("a vertex has three numbers");
-        corner = mesh.number({in.number(1), in.number(2), in.number(3)});
+        corner = {in.number(1), in.number(2), in.number(3)};
       }
       expect({"endloop"}), expect({"endfacet"});
       mesh.add(corners[0], corners[1], corners[2]);
@@ -170,14 +171,11 @@ TriangleMesh read_stl_binary(const std::string& file, std::string_view bytes) {
   for (std::uint32_t k = 0; k < n; ++k) {
     std::array<Corner, 3> corners;
     std::memcpy(corners.data(), bytes.data() + kStlHead + kStlTriangle * k + 12, sizeof corners);
-    std::array<std::uint32_t, 3> numbers{};
-    for (std::size_t c = 0; c < 3; ++c) {
-      if (!std::ranges::all_of(corners[c], [](float x) { return std::isfinite(x); }))
+    for (const Corner& corner : corners)
+      if (!std::ranges::all_of(corner, [](float x) { return std::isfinite(x); }))
         throw FileError(file + ": triangle " + std::to_string(k + 1) + " of " + std::to_string(n) +
                         " has a corner that is no number");
-      numbers[c] = mesh.number(corners[c]);
-    }
-    mesh.add(numbers[0], numbers[1], numbers[2]);
+    mesh.add(corners[0], corners[1], corners[2]);
   }
   return mesh.take();
 }
@@ -209,19 +207,19 @@ TriangleMesh read_obj(const std::string& file, std::string_view text) {
                                                               "p",  "mg", "usemtl", "mtllib", "usemap", "lod"};
   MeshWords in(file, text, '#');
   Gatherer mesh;
-  std::vector<std::uint32_t> points;  // of the file, as numbers of the mesh
+  std::vector<Corner> points;  // of the file
   while (in.next()) {
     const std::vector<std::string_view>& words = in.words();
     if (words[0] == "v") {
       if (words.size() < 4) in.refuse("a point has three numbers");
-      points.push_back(mesh.number({in.number(1), in.number(2), in.number(3)}));
+      points.push_back({in.number(1), in.number(2), in.number(3)});
     } else if (words[0] == "f") {
       if (words.size() < 4) in.refuse("a polygon has at least three corners");
-      const std::uint32_t first = points[corner_of(in, words[1], points.size())];
-      std::uint32_t last = points[corner_of(in, words[2], points.size())];
+      const Corner first = points[corner_of(in, words[1], points.size())];
+      Corner last = points[corner_of(in, words[2], points.size())];
       for (std::size_t k = 3; k < words.size(); ++k) {
         if (mesh.n_triangles() == kMostTriangles) in.refuse(too_many_triangles());
-        const std::uint32_t next = points[corner_of(in, words[k], points.size())];
+        const Corner next = points[corner_of(in, words[k], points.size())];
         mesh.add(first, last, next);
         last = next;
       }
@@ -246,23 +244,6 @@ std::string bytes_of_mesh(const std::string& file) {
   return bytes;
 }
 
-// Points that no triangle has make the picture larger than the body.
-TriangleMesh without_loose_points(TriangleMesh mesh) {
-  constexpr std::uint32_t kLoose = 0xffffffff;
-  std::vector<std::uint32_t> number(mesh.points.size(), kLoose);
-  std::vector<std::array<float, 3>> points;
-  for (auto& triangle : mesh.triangles)
-    for (std::uint32_t& corner : triangle) {
-      if (number[corner] == kLoose) {
-        number[corner] = static_cast<std::uint32_t>(points.size());
-        points.push_back(mesh.points[corner]);
-      }
-      corner = number[corner];
-    }
-  mesh.points = std::move(points);
-  return mesh;
-}
-
 }  // namespace
 
 TriangleMesh read_mesh(const std::string& file) {
@@ -272,7 +253,7 @@ TriangleMesh read_mesh(const std::string& file) {
   const std::string bytes = bytes_of_mesh(file);
   TriangleMesh mesh = same_word(ending, ".stl") ? read_stl(file, bytes) : read_obj(file, bytes);
   if (mesh.triangles.empty()) throw FileError(file + ": it has no triangle with an area");
-  return without_loose_points(std::move(mesh));
+  return mesh;
 }
 
 struct MeshFiles::Shared {
