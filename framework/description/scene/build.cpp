@@ -113,11 +113,14 @@ bool Builder::is_taken(const std::string& kind, const std::string& name) const {
   return found != taken.end() && found->second.first == kind;
 }
 
-std::vector<std::string> Builder::names(const std::string& kind) const {
+std::vector<std::string> Builder::names(std::initializer_list<std::string> kinds) const {
   std::vector<std::string> all;
-  for (const auto& [name, by] : taken_[kind == "event"])
-    if (by.first == kind) all.push_back(name);
-  std::ranges::sort(all);
+  for (const std::string& kind : kinds) {
+    const auto first = static_cast<std::ptrdiff_t>(all.size());
+    for (const auto& [name, by] : taken_[kind == "event"])
+      if (by.first == kind) all.push_back(name);
+    std::ranges::sort(all.begin() + first, all.end());
+  }
   return all;
 }
 

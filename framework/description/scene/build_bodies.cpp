@@ -347,7 +347,7 @@ void Builder::marker(const Value& object, const std::string& owner) {
   const std::string name = claim(p.value("name"), "marker");
   const std::string carrier = p.text("body");
   if (carrier != "ground" && !is_taken("body", carrier)) {
-    std::vector<std::string> known = names("body");
+    std::vector<std::string> known = names({"body"});
     known.push_back("ground");
     p.refuse("body", "unknown body \"" + carrier + "\"" + text::suggestion(carrier, known));
   }

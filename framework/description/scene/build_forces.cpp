@@ -26,7 +26,7 @@ void Builder::force(const Value& object, const std::string& owner) {
   if (parts.common.has("link")) {
     const std::string link = parts.common.text("link");
     if (!is_taken("link", link))
-      parts.common.refuse("link", "unknown link \"" + link + "\"" + text::suggestion(link, names("link")));
+      parts.common.refuse("link", "unknown link \"" + link + "\"" + text::suggestion(link, names({"link"})));
     where.link = &system_.link(link);
     if (entry->origin == "built in" && parts.type != "joint_friction" && !on_coordinate)
       parts.common.refuse("link", "a " + parts.type + " does not act in a link; name \"p\" and \"s\"");
@@ -49,10 +49,8 @@ std::vector<std::string> Builder::switched_by(const Params& event, const std::st
       Force& force = system_.force(name);
       force.set_switched(force.acts_at_start());
     } else if (!is_taken("link", name)) {
-      std::vector<std::string> known = names("link");
-      for (std::string& force : names("force")) known.push_back(std::move(force));
       refuse(where, part_of(event.owner(), key),
-             "unknown link or force \"" + name + "\"" + text::suggestion(name, known));
+             "unknown link or force \"" + name + "\"" + text::suggestion(name, names({"link", "force"})));
     }
     things.push_back(name);
   }

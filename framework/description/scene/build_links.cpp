@@ -66,8 +66,7 @@ void warn_of_held_turns(const Params& p, const std::string& type, const System& 
 void Builder::check_side(const Value& word, const std::string& context) const {
   const std::string& name = *word.text();
   if (name == "ground" || is_taken("marker", name) || is_taken("body", name)) return;
-  std::vector<std::string> known = names("marker");
-  for (std::string& body : names("body")) known.push_back(std::move(body));
+  std::vector<std::string> known = names({"marker", "body"});
   known.push_back("ground");
   refuse(word.where, context, "unknown marker or body \"" + name + "\"" + text::suggestion(name, known));
 }
@@ -143,7 +142,7 @@ Attachment Builder::pairs(const Params& p, const std::string& name) {
     const std::string place = part_of(p.owner(), "pairs[" + std::to_string(i) + "]");
     if (const std::string* word = item.text()) {
       if (*word == name || !is_taken("link", *word)) {  // its own name is taken, but the link does not exist yet
-        std::vector<std::string> known = names("link");
+        std::vector<std::string> known = names({"link"});
         std::erase(known, name);
         refuse(
             item.where, place,

@@ -159,7 +159,7 @@ class Builder {
   void check_name(const std::string& name, const SourceLocation&, const std::string& kind) const;
   std::string unnamed();  // a name for what cannot have its own
   bool is_taken(const std::string& kind, const std::string& name) const;
-  std::vector<std::string> names(const std::string& kind) const;  // all; for words of a refusal
+  std::vector<std::string> names(std::initializer_list<std::string> kinds) const;  // for words of a refusal
 
   const Scene& scene_;
   const Registry& registry_;

@@ -72,8 +72,6 @@ bool has_unknown_type(const Value& object, const Registry& r) {
   return !known;
 }
 
-enum class UnknownTypes { have_known_keys, have_any_key };
-
 /// Where a path fails.
 struct Miss {
   std::size_t step = 0;  // the first that leads nowhere; the number of steps: the path leads to several values
@@ -83,9 +81,8 @@ struct Miss {
 
 class Walk {
  public:
-  Walk(Value& root, std::vector<std::string> steps, const Registry& registry,
-       UnknownTypes unknown = UnknownTypes::have_known_keys)
-      : registry_(registry), unknown_(unknown), root_(root), steps_(std::move(steps)), here_(&root) {
+  Walk(Value& root, std::vector<std::string> steps, const Registry& registry, bool before_plugins = false)
+      : registry_(registry), before_plugins_(before_plugins), root_(root), steps_(std::move(steps)), here_(&root) {
     Kind kind;
     kind.part = {"", "object", "scene"};
     kind_ = kind_of(root, kind, registry_);
@@ -113,8 +110,7 @@ class Walk {
     auto member = std::find_if(members.begin(), members.end(), [&](const auto& m) { return m.key == name; });
     if (member == members.end()) {
       const bool last = i + 1 == steps_.size();
-      inserted_unknown_ = kind.key.name.empty() && last && unknown_ == UnknownTypes::have_any_key &&
-                          has_unknown_type(*here_, registry_);
+      inserted_unknown_ = kind.key.name.empty() && last && before_plugins_ && has_unknown_type(*here_, registry_);
       if (!inserted_unknown_ && (kind.key.name.empty() || kind.key.required())) return false;
       Value fresh = by_default(kind, last);
       fresh.where = here_->where;
@@ -184,8 +180,7 @@ class Walk {
                   "\"; vary what it is made of, or set all of it";
     else if (here_->text() != nullptr && is_point(*here_->text()))
       m.problem = owner + " is point \"" + *here_->text() + "\"; vary that, or what it is made of";
-    else if (unknown_ == UnknownTypes::have_any_key && here_->object() != nullptr &&
-             has_unknown_type(*here_, registry_))
+    else if (before_plugins_ && here_->object() != nullptr && has_unknown_type(*here_, registry_))
       m.problem = owner + " is of a plugin's type and leaves \"" + steps_[i] + "\" to its default; write \"" +
                   steps_[i] + "\" where the object is defined";
     else
@@ -199,7 +194,7 @@ class Walk {
   }
 
   const Registry& registry_;
-  const UnknownTypes unknown_;
+  const bool before_plugins_;
   const Value& root_;
   std::vector<std::string> steps_;
   Value* here_;
@@ -237,19 +232,6 @@ std::string known(std::vector<std::string> names) {
   return "; known: " + text::join(names, ", ") + (cut ? ", ..." : "");
 }
 
-ScenePlace place_at(Value& root, const std::string& path, const Registry& registry, UnknownTypes unknown) {
-  Walk walk(root, split_at('.', path), registry, unknown);
-  const std::optional<Miss> miss = walk.go();
-  if (!miss) {
-    ScenePlace place = walk.place();
-    if (place.value->is_null()) place.near = closest_number(root, place.path);
-    return place;
-  }
-  const std::string near = nearest(root, path, registry);
-  throw ModelError("\"" + path + "\": " + miss->problem +
-                   (near.empty() ? known(miss->candidates) : "; did you mean \"" + near + "\"?"));
-}
-
 }  // namespace
 
 void for_each_leaf(const Value& v, const LeafVisit& visit, const std::string& path, const std::string& key) {
@@ -271,12 +253,17 @@ std::vector<NumberAt> numbers_in(const Value& root) {
   return numbers;
 }
 
-ScenePlace find_place(Value& root, const std::string& path, const Registry& registry) {
-  return place_at(root, path, registry, UnknownTypes::have_known_keys);
-}
-
-ScenePlace find_place_before_plugins(Value& root, const std::string& path, const Registry& built_in) {
-  return place_at(root, path, built_in, UnknownTypes::have_any_key);
+ScenePlace find_place(Value& root, const std::string& path, const Registry& registry, bool before_plugins) {
+  Walk walk(root, split_at('.', path), registry, before_plugins);
+  const std::optional<Miss> miss = walk.go();
+  if (!miss) {
+    ScenePlace place = walk.place();
+    if (place.value->is_null()) place.near = closest_number(root, place.path);
+    return place;
+  }
+  const std::string near = nearest(root, path, registry);
+  throw ModelError("\"" + path + "\": " + miss->problem +
+                   (near.empty() ? known(miss->candidates) : "; did you mean \"" + near + "\"?"));
 }
 
 }  // namespace lockstep

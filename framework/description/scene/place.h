@@ -19,14 +19,11 @@ struct ScenePlace {
   Key key;  ///< its key in the tables; for a list's item, the list's key; without a name if there is none
 };
 
-/// The steps of a path are keys of objects, names or numbers (from 0) of list items, and x, y, z of vectors. A key that the tables know and
-/// the scene leaves out is inserted, empty. Throws ModelError with the nearest valid path if there is no such value, or
-/// if it is not a plain one.
-LOCKSTEP_API ScenePlace find_place(Value& root, const std::string& path, const Registry&);
-
-/// The same while plugins are not loaded: an object whose "type" the registry does not know may have any key, which is
-/// inserted, empty, at the end of the path.
-ScenePlace find_place_before_plugins(Value& root, const std::string& path, const Registry& built_in);
+/// The steps of a path are keys of objects, names or numbers (from 0) of list items, and x, y, z of vectors. A key that
+/// the tables know and the scene leaves out is inserted, empty. Before plugins are loaded an object whose "type" the
+/// registry does not know may have any key, which is inserted at the end of the path. Throws ModelError with the nearest
+/// valid path if there is no such value, or if it is not a plain one.
+LOCKSTEP_API ScenePlace find_place(Value& root, const std::string& path, const Registry&, bool before_plugins = false);
 
 /// Calls visit(path, key, value) for all plain values of a scene, with paths as in ScenePlace, and their innermost keys.
 using LeafVisit = std::function<void(const std::string& path, const std::string& key, const Value&)>;

@@ -225,7 +225,7 @@ void set_by_path(Value& root, const Value::Object& given) {
       refuse(m.where, "scene.set",
              "\"" + m.key + "\" is set to " + shown(m.value) +
                  "; a path leads to one value: a number, a text, true or false");
-    placed(m.where, "scene.set", [&] { *find_place_before_plugins(root, m.key, built_in_types()).value = m.value; });
+    placed(m.where, "scene.set", [&] { *find_place(root, m.key, built_in_types(), true).value = m.value; });
   }
 }
 
