@@ -21,9 +21,8 @@ std::string field_text(const char (&s)[N]) {
 }
 
 std::string flags(const lockstep_abi_record& r) {
-  std::string all = field_text(r.flags);
-  while (!all.empty() && all.back() == ' ') all.pop_back();
-  return all.empty() ? "none" : all;
+  const std::string all = field_text(r.flags);
+  return all.find_first_not_of(' ') == std::string::npos ? "none" : all.substr(0, all.find_last_not_of(' ') + 1);
 }
 
 // Magic, size and number are at the same place in the record of every version, so that an old plugin is recognised.

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 
-#include "framework/description/registry/builtins.h"
 #include "framework/description/registry/shelves.h"
+#include "framework/description/registry/survey.h"
 #include "framework/dynamics/solvers/register.h"
 #include "framework/mechanism/forces/register.h"
 #include "framework/mechanism/links/register.h"

@@ -16,6 +16,9 @@ struct CheckedFile {
   std::optional<std::string> data;  ///< of the symbol; nothing when it exports no such data
 };
 
+/// Size and checksum of a file, whatever it holds. Throws PluginError when it is not a regular file or cannot be read.
+PluginStamp stamp_of(const std::string& file);
+
 /// The bytes of a data symbol that a shared library exports, without opening it. A file that is cut, is no shared library or is
 /// made for another machine is refused: PluginError with the file, what is wrong, its value and the limit. Other damage is not looked
 /// for, as in any library that the system loads.

@@ -122,11 +122,8 @@ std::string plugin_name(const std::string& path) {
 }
 
 bool is_bare_name(const std::string& name) {
-  const auto good = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
-           c == '+' || c == '.';
-  };
-  return !name.empty() && name.front() != '.' && std::all_of(name.begin(), name.end(), good);
+  constexpr const char* kGood = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+.";
+  return !name.empty() && name.front() != '.' && name.find_first_not_of(kGood) == std::string::npos;
 }
 
 std::string find_plugin(const std::string& name, std::vector<std::string> folders) {
@@ -146,8 +143,8 @@ std::string find_plugin(const std::string& name, std::vector<std::string> folder
                     "; give its path, or name its folder in LOCKSTEP_PLUGIN_PATH");
 }
 
-std::vector<FoundFile> files_in(const std::vector<std::string>& folders) {
-  std::vector<FoundFile> found;
+std::vector<PluginCandidate> files_in(const std::vector<std::string>& folders) {
+  std::vector<PluginCandidate> found;
   for (const std::string& folder : folders) {
     std::error_code error;
     std::vector<fs::path> paths;
@@ -159,8 +156,9 @@ std::vector<FoundFile> files_in(const std::vector<std::string>& folders) {
     });
     for (const fs::path& path : paths) {
       const fs::path file = fs::weakly_canonical(path, error);
-      found.push_back(
-          {folder, path.string(), error ? path.string() : file.string(), problem_of(path, folder, folders)});
+      PluginCandidate& c = found.emplace_back();
+      c.name = plugin_name(path.string()), c.folder = folder, c.path = path.string();
+      c.file = error ? c.path : file.string(), c.why = problem_of(path, folder, folders);
     }
   }
   return found;

@@ -6,8 +6,7 @@
 #include <lockstep/author/loader.h>
 #include <lockstep/error.h>
 #include <lockstep/log.h>
-#include "framework/description/registry/builtins.h"
-#include "framework/description/registry/elf_image.h"
+#include "framework/description/registry/plugin_file.h"
 #include "framework/description/registry/shelves.h"
 #include "framework/foundation/support/thrown.h"
 
@@ -50,23 +49,17 @@ void ask_plugin(PluginCandidate& c, const Registry& base) {
 
 std::vector<PluginCandidate> survey_plugins(const std::vector<std::string>& folders,
                                             const std::function<void(PluginCandidate&)>& ask) {
-  std::vector<PluginCandidate> all;
+  std::vector<PluginCandidate> all = files_in(folders);
   std::map<std::string, std::string> first;  // of each name: the file that is used
-  for (const FoundFile& found : files_in(folders)) {
-    PluginCandidate c;
-    c.name = plugin_name(found.path);
-    c.folder = found.folder, c.path = found.path, c.file = found.file;
-    const auto [taken, is_first] = first.emplace(c.name, found.path);
+  for (PluginCandidate& c : all) {
+    const auto [taken, is_first] = first.emplace(c.name, c.path);
     if (!is_first) {
       c.state = PluginCandidate::State::hidden;
       c.why = taken->second + " comes before it and is used";
-    } else if (!found.problem.empty()) {
-      c.why = found.problem;
-    } else {
+    } else if (c.why.empty()) {
       read_head(c);
       ask(c);
     }
-    all.push_back(std::move(c));
   }
   return all;
 }

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -11,15 +12,8 @@
 
 namespace lockstep {
 
-/// A file of a folder with the ending of a plugin.
-struct FoundFile {
-  std::string folder,   ///< the folder that was searched
-      path;             ///< the file in it
-  std::string file;     ///< the same with symbolic links followed
-  std::string problem;  ///< why find_plugin() would refuse it; "" when it would not
-};
-/// All files in these folders with the ending of a plugin, in the order in which find_plugin() considers them.
-std::vector<FoundFile> files_in(const std::vector<std::string>& folders);
+/// Whether the library loads the plugin of this name for its own laws or integrators (LOCKSTEP_BUILTINS=OFF).
+bool is_part_of_library(std::string_view plugin);
 
 /// One file of the search path.
 struct PluginCandidate {
@@ -33,6 +27,10 @@ struct PluginCandidate {
   std::string build;                                        ///< what it was built with, as far as it can be read
   std::vector<std::pair<std::string, std::string>> brings;  ///< kind and name: {"link", "cam_follower"}
 };
+
+/// All files in these folders with the ending of a plugin, in the order in which find_plugin() considers them; `why`: why
+/// it would refuse them, "" when it would not.
+std::vector<PluginCandidate> files_in(const std::vector<std::string>& folders);
 
 /// Loads the file of a candidate on top of `base` alone, and fills in what follows from it; an error becomes its `why`.
 /// Code of a damaged file may end the process.
