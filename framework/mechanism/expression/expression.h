@@ -130,11 +130,7 @@ LOCKSTEP_API std::vector<std::string> names_in(const Expression&);
 /// Otherwise `problem` says why not.
 LOCKSTEP_API bool is_name(std::string_view word, std::string& problem);
 
-/// "sin", "cos", ..., then "pi": for messages.
-LOCKSTEP_API std::vector<std::string> names_of_functions();
 /// Whether it is true or false.
 constexpr bool is_condition(Operation o) { return o >= Operation::negation && o <= Operation::disjunction; }
-/// How a message speaks of an operation: "+".
-LOCKSTEP_API std::string_view sign_of(Operation);
 
 }  // namespace lockstep::expression

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/mechanism/expression/function.h"
-#include "framework/foundation/support/finding_kinds.h"
 
 #include <algorithm>
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/mechanism/expression/evaluate.h"
-#include "framework/mechanism/expression/switches.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/units.h"
 
@@ -152,41 +150,8 @@ FormulaFunction::FormulaFunction(const std::string& text, const std::vector<std:
 bool FormulaFunction::is_constant() const { return terms_.size() == 1 && terms_[0].operation == Operation::number; }
 
 bool FormulaFunction::reads(int variable) const {
-  return std::any_of(terms_.begin(), terms_.end(),
-                     [&](const Term& t) { return t.operation == Operation::name && t.variable == variable; });
-}
-
-void FormulaFunction::breakpoints(int time, double t0, double t1, std::vector<double>& out) const {
-  if (!has_switches_ || !(t0 < t1) || !std::isfinite(t0) || !std::isfinite(t1)) return;
-  // Of each term: whether it reads the time, and whether it reads another variable.
-  std::vector<char> timed(terms_.size()), other(terms_.size());
-  for (std::size_t i = 0; i < terms_.size(); ++i) {
-    const Term& t = terms_[i];
-    if (t.operation == Operation::name) (t.variable == time ? timed : other)[i] = 1;
-    for (int k = 0; k < t.n_parts; ++k) {
-      const auto part = static_cast<std::size_t>(t.parts[k]);
-      timed[i] |= timed[part], other[i] |= other[part];
-    }
-  }
-  const std::size_t first = out.size();
-  bool all = true;
-  for (std::size_t i = 0; i < terms_.size(); ++i) {
-    if (!terms_[i].decides || !timed[i] || other[i]) continue;
-    const Found found = find_switches(terms_, static_cast<int>(i), time, t0, t1, out);
-    if (found == Found::too_many || out.size() - first > kMostSwitches)
-      throw ModelError("formula \"" + text_ + "\" switches more than " + std::to_string(kMostSwitches) +
-                       " times between t = " + text::brief(t0) + " and " + text::brief(t1) +
-                       " s; let it switch less often, or run a shorter time");
-    all = all && found == Found::all;
-  }
-  if (!all && warned_ && !warned_->exchange(true))
-    report_finding({&finding::switches_unresolved, "formula \"" + text_ + "\"",
-                    "switches of formula \"" + text_ + "\" could not all be found between t = " + text::brief(t0) +
-                        " and " + text::brief(t1) + " s: over a span, what it compares cannot be told apart",
-                    "write it with fewer comparisons, min and max"});
-  const auto begin = out.begin() + static_cast<std::ptrdiff_t>(first);
-  std::sort(begin, out.end());
-  out.erase(std::unique(begin, out.end()), out.end());
+  return std::ranges::any_of(terms_,
+                             [&](const Term& t) { return t.operation == Operation::name && t.variable == variable; });
 }
 
 template double FormulaFunction::operator()(std::span<const double>) const;

@@ -47,6 +47,14 @@ const Signature* signature(std::string_view name) {
   return nullptr;
 }
 
+// "sin", "cos", ..., then "pi".
+std::vector<std::string> names_of_functions() {
+  std::vector<std::string> names;
+  for (const Signature& s : kFunctions) names.emplace_back(s.name);
+  names.emplace_back("pi");
+  return names;
+}
+
 struct Binary {
   std::string_view sign;
   Operation operation;
@@ -72,6 +80,12 @@ bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool begins_name(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || static_cast<unsigned char>(c) >= 0x80;
+}
+bool in_name(char c) { return begins_name(c) || is_digit(c); }
+// Where the name that begins at `from` ends.
+std::size_t end_of_name(std::string_view text, std::size_t from) {
+  while (from < text.size() && in_name(text[from])) ++from;
+  return from;
 }
 
 }  // namespace
@@ -198,7 +212,7 @@ class ExpressionParser {
     while (at_ + 1 < text_.size() && text_[at_] == '.') {
       const std::size_t at = at_;
       const std::size_t k = std::string_view("xyz").find(text_[at_ + 1]);
-      const bool longer = at_ + 2 < text_.size() && (begins_name(text_[at_ + 2]) || is_digit(text_[at_ + 2]));
+      const bool longer = at_ + 2 < text_.size() && in_name(text_[at_ + 2]);
       if (k == std::string_view::npos || longer)
         fail(at, "expected \".x\", \".y\" or \".z\", a component of a point" +
                      std::string(e_.node(of).operation == Operation::name ? "; or \".at\", \".from\", \".to\" of a body"
@@ -215,7 +229,7 @@ class ExpressionParser {
     for (const std::string_view place : kPlacesOfBodies) {
       const std::size_t end = at_ + 1 + place.size();
       if (at_ >= text_.size() || text_[at_] != '.' || text_.compare(at_ + 1, place.size(), place) != 0) continue;
-      if (end < text_.size() && (begins_name(text_[end]) || is_digit(text_[end]))) continue;
+      if (end < text_.size() && in_name(text_[end])) continue;
       last().name += text_.substr(at_, end - at_);
       at_ = end;
       return true;
@@ -254,11 +268,7 @@ class ExpressionParser {
     return items;
   }
 
-  std::string_view word() {
-    std::size_t end = at_;
-    while (end < text_.size() && (begins_name(text_[end]) || is_digit(text_[end]))) ++end;
-    return std::string_view(text_).substr(at_, end - at_);
-  }
+  std::string_view word() { return std::string_view(text_).substr(at_, end_of_name(text_, at_) - at_); }
 
   int name() {
     const std::size_t at = at_;
@@ -301,8 +311,7 @@ class ExpressionParser {
         break;
       }
       if (begin == rest.size() || !begins_name(rest[begin])) break;
-      end = begin;
-      while (end < rest.size() && (begins_name(rest[end]) || is_digit(rest[end]))) ++end;
+      end = end_of_name(rest, begin);
       if (is_variable(rest.substr(begin, end - begin))) break;
       const bool power =
           end + 1 < rest.size() && rest[end] == '^' &&
@@ -389,26 +398,12 @@ std::vector<std::string> names_in(const Expression& e) {
 
 bool is_name(std::string_view word, std::string& problem) {
   problem.clear();
-  const bool plain = !word.empty() && begins_name(word.front()) &&
-                     std::all_of(word.begin(), word.end(), [](char c) { return begins_name(c) || is_digit(c); });
+  const bool plain = !word.empty() && begins_name(word.front()) && end_of_name(word, 0) == word.size();
   if (!plain) problem = "a name is made of letters, digits and '_', and begins with no digit";
   if (signature(word) != nullptr || word == "pi") problem = "it is a function or constant of formulas";
   return problem.empty();
 }
 
-std::vector<std::string> names_of_functions() {
-  std::vector<std::string> names;
-  for (const Signature& s : kFunctions) names.emplace_back(s.name);
-  names.emplace_back("pi");
-  return names;
-}
-
 const Signature& signature_of(Function f) { return kFunctions[static_cast<std::size_t>(f)]; }
-
-std::string_view sign_of(Operation o) {
-  for (const Binary& b : kBinary)
-    if (b.operation == o) return b.sign;
-  return o == Operation::choose ? "?" : o == Operation::power ? "^" : o == Operation::negate ? "-" : "";
-}
 
 }  // namespace lockstep::expression

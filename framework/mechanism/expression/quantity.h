@@ -5,10 +5,9 @@
 #include <functional>
 #include <string>
 
-#include <lockstep/detail/export.h>
-#include <lockstep/math.h>
 #include <lockstep/author/params.h>
 #include <lockstep/detail/export.h>
+#include <lockstep/math.h>
 #include "framework/mechanism/expression/expression.h"
 
 namespace lockstep::expression {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Intervals rule out the spans of time in which nothing is decided anew; the rest is halved until single instants remain.
-#include "framework/mechanism/expression/switches.h"
+// Where the comparisons of a formula switch. Intervals rule out the spans of time in which nothing is decided anew; the
+// rest is halved until single instants remain.
 
 #include <algorithm>
 #include <cmath>
@@ -8,12 +8,19 @@
 #include <numeric>
 #include <utility>
 
+#include <lockstep/error.h>
+#include <lockstep/text.h>
+#include "framework/foundation/support/finding_kinds.h"
 #include "framework/mechanism/expression/evaluate.h"
 #include "framework/mechanism/expression/interval.h"
 
 namespace lockstep::expression {
-
 namespace {
+
+constexpr std::size_t kMostSwitches = 1'000'000;  // more are not looked for
+
+// What a search for switches has found; `some`: a term is not told from zero over a span, where more may hide.
+enum class Found { all, some, too_many };
 
 /// Intervals as values of terms, on a span of the time: whether all that one of the terms decides is decided there.
 class Span {
@@ -105,6 +112,8 @@ class SwitchSearch {
         variables_(static_cast<std::size_t>(time) + 1),
         span_(terms, target, time) {}
 
+  // Appends the instants in (t0, t1), in any order, from which on what the term itself decides in the formula, which is
+  // the last of the terms, is another than just before; the term reads no variable but the time.
   // All spans are halved before any is halved again, so that what stays undecided does not hide the rest.
   Found find(double t0, double t1, std::vector<double>& out) {
     constexpr std::size_t kMostInVain = 16'384;  // undecided spans of one size whose ends agree
@@ -185,9 +194,37 @@ class SwitchSearch {
 
 }  // namespace
 
-Found find_switches(const std::vector<Term>& terms, int term, int time, double t0, double t1,
-                    std::vector<double>& out) {
-  return SwitchSearch(terms, term, time).find(t0, t1, out);
+void FormulaFunction::breakpoints(int time, double t0, double t1, std::vector<double>& out) const {
+  if (!has_switches_ || !(t0 < t1) || !std::isfinite(t0) || !std::isfinite(t1)) return;
+  // Of each term: whether it reads the time, and whether it reads another variable.
+  std::vector<char> timed(terms_.size()), other(terms_.size());
+  for (std::size_t i = 0; i < terms_.size(); ++i) {
+    const Term& t = terms_[i];
+    if (t.operation == Operation::name) (t.variable == time ? timed : other)[i] = 1;
+    for (int k = 0; k < t.n_parts; ++k) {
+      const auto part = static_cast<std::size_t>(t.parts[k]);
+      timed[i] |= timed[part], other[i] |= other[part];
+    }
+  }
+  const std::size_t first = out.size();
+  bool all = true;
+  for (std::size_t i = 0; i < terms_.size(); ++i) {
+    if (!terms_[i].decides || !timed[i] || other[i]) continue;
+    const Found found = SwitchSearch(terms_, static_cast<int>(i), time).find(t0, t1, out);
+    if (found == Found::too_many || out.size() - first > kMostSwitches)
+      throw ModelError("formula \"" + text_ + "\" switches more than " + std::to_string(kMostSwitches) +
+                       " times between t = " + text::brief(t0) + " and " + text::brief(t1) +
+                       " s; let it switch less often, or run a shorter time");
+    all = all && found == Found::all;
+  }
+  if (!all && warned_ && !warned_->exchange(true))
+    report_finding({&finding::switches_unresolved, "formula \"" + text_ + "\"",
+                    "switches of formula \"" + text_ + "\" could not all be found between t = " + text::brief(t0) +
+                        " and " + text::brief(t1) + " s: over a span, what it compares cannot be told apart",
+                    "write it with fewer comparisons, min and max"});
+  const auto begin = out.begin() + static_cast<std::ptrdiff_t>(first);
+  std::sort(begin, out.end());
+  out.erase(std::unique(begin, out.end()), out.end());
 }
 
 }  // namespace lockstep::expression

@@ -166,9 +166,9 @@ double to_si(double x, const UnitFactor& f) {
 
 // A dimension per second to a power, for which there may be no name: "a force per second".
 std::string wanted_rate(const UnitWords& w, int per_second) {
-  return std::string(w.article) + " " + w.name + (per_second == 1 ? " per second" : " per second^") +
-         (per_second == 1 ? "" : std::to_string(per_second)) + " is expected (a number in " + w.si +
-         (per_second == 1 ? "/s" : "/s^") + (per_second == 1 ? "" : std::to_string(per_second)) + ")";
+  const std::string power = per_second == 1 ? "" : "^" + std::to_string(per_second);
+  return std::string(w.article) + " " + w.name + " per second" + power + " is expected (a number in " + w.si + "/s" +
+         power + ")";
 }
 
 std::string wanted(const UnitWords& w) {
