@@ -35,20 +35,18 @@ Params params_under(const Params& parent, const std::string& key, const std::str
   return params_of(parent.value(key), table, part_of(parent.owner(), key), nullptr);
 }
 
-const Value::List& objects_of(const Params& parent, const std::string& key) {
+const Value::List& items_of(const Params& parent, const std::string& key, const std::string& expected) {
   static const Value::List kNone;
   if (!parent.has(key)) return kNone;
   const Value& v = parent.value(key);
-  if (v.list() == nullptr) parent.refuse(key, "expected a list of objects, got " + shown(v));
+  if (v.list() == nullptr) parent.refuse(key, "expected " + expected + ", got " + shown(v));
   return *v.list();
 }
 
 std::vector<std::pair<std::string, SourceLocation>> texts_of(const Params& parent, const std::string& key) {
   std::vector<std::pair<std::string, SourceLocation>> texts;
-  if (!parent.has(key)) return texts;
-  const Value& v = parent.value(key);
-  if (v.list() == nullptr) parent.refuse(key, "expected a list of texts, got " + shown(v));
-  for (const Value& item : *v.list()) texts.emplace_back(read_text(item, part_of(parent.owner(), key)), item.where);
+  for (const Value& item : items_of(parent, key, "a list of texts"))
+    texts.emplace_back(read_text(item, part_of(parent.owner(), key)), item.where);
   return texts;
 }
 
@@ -152,7 +150,7 @@ void Builder::check_name(const std::string& name, const SourceLocation& where, c
 
 void Builder::all(const Params& root, const std::string& list, const std::string& kind, Act make, Act failed) {
   errors_.attempt(root.value(list), [&] {
-    const Value::List& things = objects_of(root, list);
+    const Value::List& things = items_of(root, list);
     for (std::size_t i = 0; i < things.size() && !errors_.full(); ++i)
       errors_.attempt(things[i], [&] {
         const std::string owner = owner_of(kind, things[i], list, i);

@@ -182,7 +182,7 @@ MassProperties read_part(const Value& v, const std::string& owner, Solids& solid
 MassProperties read_compound(const Params& body, Solids& solids) {
   refuse_beside(body, "\"compound\" defines mass and inertia",
                 {"mass", "inertia", "inertia_at", "inertia_axes", "center"});
-  if (objects_of(body, "compound").empty()) body.refuse("compound", "the list is empty; give at least one part");
+  if (items_of(body, "compound").empty()) body.refuse("compound", "the list is empty; give at least one part");
   std::vector<MassProperties> parts;
   for_each_object(body, "compound",
                   [&](const Value& v, const std::string& owner) { parts.push_back(read_part(v, owner, solids)); });

@@ -34,14 +34,15 @@ Params params_of(Value&&, const std::string&, const std::string&, const Registry
 /// The object of a table under a key of another one.
 Params params_under(const Params& parent, const std::string& key, const std::string& table);
 
-/// The list of objects under a key; none when it is absent. Throws when it holds something else.
-const Value::List& objects_of(const Params& parent, const std::string& key);
+/// The items of a list under a key; none when it is absent. Throws when it holds no list: `expected`, for the message.
+const Value::List& items_of(const Params& parent, const std::string& key,
+                            const std::string& expected = "a list of objects");
 
 /// Calls read(object, owner) for each of them.
 template <class F>
 void for_each_object(const Params& parent, const std::string& key, F&& read) {
-  const Value::List& items = objects_of(parent, key);
-  for (std::size_t i = 0; i < items.size(); ++i) read(items[i], item(part_of(parent.owner(), key), i));
+  for (std::size_t i = 0; const Value& each : items_of(parent, key))
+    read(each, item(part_of(parent.owner(), key), i++));
 }
 
 /// The list of texts under a key; none when it is absent.

@@ -86,11 +86,8 @@ void add_request(std::vector<ChannelRequest>& all, ChannelRequest request) {
 
 std::vector<ChannelRequest> read_record(const Params& run) {
   std::vector<ChannelRequest> all;
-  if (!run.has("record")) return all;
-  const Value::List* items = run.value("record").list();
-  if (items == nullptr) run.refuse("record", "expected a list of channels, got " + shown(run.value("record")));
   Refusals wrong;
-  for (const Value& item : *items) {
+  for (const Value& item : items_of(run, "record", "a list of channels")) {
     if (item.text() != nullptr)
       wrong.attempt([&] { add_request(all, {*item.text(), "", item.where}); });
     else if (item.object() != nullptr)
@@ -127,14 +124,11 @@ std::vector<std::string> read_panel(const Value& panel, const std::vector<std::s
 
 std::vector<std::vector<std::string>> read_draw(const Params& run, const std::vector<ChannelRequest>& record) {
   std::vector<std::vector<std::string>> panels;
-  if (!run.has("draw")) return panels;
   std::vector<std::string> known;
   for (const ChannelRequest& r : record) known.push_back(r.column());
-  const Value::List* lists = run.value("draw").list();
-  if (lists == nullptr)
-    run.refuse("draw", "expected a list of panels, each a list of recorded names, got " + shown(run.value("draw")));
   Refusals wrong;
-  for (const Value& panel : *lists) wrong.attempt([&] { panels.push_back(read_panel(panel, known)); });
+  for (const Value& panel : items_of(run, "draw", "a list of panels, each a list of recorded names"))
+    wrong.attempt([&] { panels.push_back(read_panel(panel, known)); });
   wrong.raise();
   return panels;
 }
@@ -214,16 +208,14 @@ RunOutputs read_outputs(const Value& run, const std::vector<ChannelRequest>& rec
   RunOutputs out;
   const Params p = params_of(run, "run", "run", nullptr);
   out.units = p.text("headers") == "units";
-  const Value::List& pictures = objects_of(p, "pictures");
+  const Value::List& pictures = items_of(p, "pictures");
   Refusals wrong;
   for (std::size_t i = 0; i < pictures.size(); ++i)
     wrong.attempt([&] {
       const Params picture = params_of(pictures[i], "picture", item("run.pictures", i), nullptr);
-      Refusals here;
-      out.pictures.emplace_back();
-      here.attempt([&] { out.pictures.back().x = recorded_name(picture, "x", record); });
-      here.attempt([&] { out.pictures.back().y = recorded_name(picture, "y", record); });
-      here.raise();
+      PictureRequest& to = out.pictures.emplace_back();
+      wrong.attempt([&] { to.x = recorded_name(picture, "x", record); });
+      wrong.attempt([&] { to.y = recorded_name(picture, "y", record); });
     });
   wrong.raise();
   return out;

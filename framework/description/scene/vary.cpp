@@ -57,17 +57,12 @@ const Value* parameter_at(const std::string& place, const Scene& scene) {
 // Things that included and repeated parts bring are not in the scene as written: their values are set in its "set".
 const std::string kSet = "set.";
 
-// The value of "set" for a path, made where there is none.
-Value& value_in_set(Value& root, const std::string& path) {
+// A place as in Variable::place; one in "set" is made where there is none.
+Value& value_at(Value& root, const std::string& place, const Registry& registry) {
+  if (!place.starts_with(kSet)) return *find_place(root, place, registry).value;
   Value& set = made_under(root, "set", Value::Object{});
   if (set.object() == nullptr) throw ModelError("\"set\" of the scene is no object of values by path");
-  return made_under(set, path, {});
-}
-
-// A place as in Variable::place.
-Value& value_at(Value& root, const std::string& place, const Registry& registry) {
-  return place.starts_with(kSet) ? value_in_set(root, place.substr(kSet.size()))
-                                 : *find_place(root, place, registry).value;
+  return made_under(set, place.substr(kSet.size()), {});
 }
 
 // Whether a path that leads nowhere in the scene as written may lead to a thing of a part; a name alone does not.
