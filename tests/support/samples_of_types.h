@@ -6,7 +6,7 @@
 #include <string>
 
 #include <lockstep/author/params.h>
-#include "framework/description/scene/examples.h"
+#include "framework/description/scene/describe.h"
 #include "framework/description/scene/json.h"
 
 namespace lockstep {

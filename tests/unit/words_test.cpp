@@ -8,7 +8,6 @@
 #include <lockstep/author/registry.h>
 #include <lockstep/scene.h>
 #include "framework/description/scene/describe.h"
-#include "framework/description/scene/examples.h"
 #include "tests/support/catch.h"
 
 namespace words_test {

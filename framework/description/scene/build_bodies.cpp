@@ -10,8 +10,6 @@
 namespace lockstep {
 namespace {
 
-const std::vector<std::string> kShapes = {"rod", "box", "cylinder", "sphere"};
-
 // Those of the keys that are given.
 std::vector<std::string> given(const Params& p, const std::vector<std::string>& keys) {
   std::vector<std::string> found;
@@ -168,9 +166,7 @@ std::string the_kind(const Params& body, std::vector<std::string> kinds) {
 
 MassProperties read_part(const Value& v, const std::string& owner, Solids& solids) {
   const Params part = params_of(v, "part", owner, nullptr);
-  std::vector<std::string> kinds = kShapes;
-  kinds.push_back("mass");
-  const std::string kind = the_kind(part, kinds);
+  const std::string kind = the_kind(part, {"rod", "box", "cylinder", "sphere", "mass"});
   const std::size_t n_before = solids.size();
   const Shape shape = read_matter(part, kind, solids, true);
   if (kind == "rod") refuse_beside(part, "\"rod\" itself places the part", {"position", "orientation"});
@@ -231,9 +227,7 @@ Solid read_mesh_solid(const Params& shape, const MeshFiles& meshes) {
 // A shape in the frame of its body.
 Solid read_visual_shape(const Value& v, const std::string& owner, const MeshFiles& meshes) {
   const Params shape = params_of(v, "visual_shape", owner, nullptr);
-  std::vector<std::string> kinds = kShapes;
-  kinds.push_back("mesh");
-  const std::vector<std::string> found = given(shape, kinds);
+  const std::vector<std::string> found = given(shape, {"rod", "box", "cylinder", "sphere", "mesh"});
   if (found.size() != 1)
     refuse(v.where, owner,
            (found.empty() ? "it is no shape" : "\"" + found[0] + "\" and \"" + found[1] + "\" are two shapes") +

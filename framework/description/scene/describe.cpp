@@ -7,7 +7,6 @@
 
 #include <lockstep/text.h>
 #include "framework/description/registry/shelves.h"
-#include "framework/description/scene/examples.h"
 #include "framework/description/scene/split.h"
 #include "framework/description/scene/write.h"
 #include "framework/mechanism/params/read.h"

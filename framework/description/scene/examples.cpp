@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "framework/description/scene/examples.h"
+#include "framework/description/scene/describe.h"
 
 #include <algorithm>
 #include <map>

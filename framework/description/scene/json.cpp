@@ -179,7 +179,43 @@ class TreeBuilder {
     }
   }
   // Describes what the parser found at `byte`, after the last good token.
-  std::string syntax_problem(std::size_t byte, const ParseError&) const;
+  std::string syntax_problem(std::size_t byte, const ParseError& error) const {
+    const std::string_view rest = std::string_view(text_).substr(byte);
+    if (error.id == kOutOfRange)
+      return "the number " +
+             text_.substr(byte, std::min<std::size_t>(40, text_.find_first_of(" \t\r\n,]}", byte) - byte)) +
+             " is beyond the range of numbers (1e308); write a smaller one";
+    if (rest.empty()) {
+      if (open_.empty()) return "the text is empty; a JSON object is expected";
+      const Value& v = open_.back().value;
+      return std::string("the text ends inside the ") + (v.object() ? "object" : "list") + " that begins at " +
+             v.where.text() + "; a closing " + (v.object() ? "}" : "]") + " is missing";
+    }
+    if (begins_with_word(rest, "nan") || begins_with_word(rest, "inf"))
+      return "NaN and infinity are not JSON numbers, and no quantity here may be one; write a finite number";
+    if (rest.front() == '/' || rest.front() == '#') return "a comment is \"// ...\" or \"/* ... */\"";
+    if (rest.front() == '\'') return "texts need double quotes; write \"...\"";
+    if (rest.front() == '+' || rest.front() == '.')
+      return "a number begins with a digit or with a minus sign; write 0.5 for .5, and no plus sign";
+    const std::size_t mark = behind_spaces(end_);  // perhaps a comma or a colon
+    const bool comma = mark < byte && text_[mark] == ',', colon = mark < byte && text_[mark] == ':';
+    if (comma && (rest.front() == '}' || rest.front() == ']'))
+      return std::string("there is a comma before the closing ") + rest.front() + "; remove it";
+    if (open_.empty() && last_ != Last::nothing) return "there is text after the end of the description; remove it";
+    if (!open_.empty()) {
+      const bool object = open_.back().value.object() != nullptr;
+      if (last_ == Last::key && !colon) return "a colon is missing between the key and its value";
+      if (last_ == Last::value && !comma) return "a comma is missing before this, or a closing bracket";
+      const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+      if (object && last_ == Last::value && comma && end_ > 0 && is_digit(text_[end_ - 1]) && is_digit(rest.front()))
+        return "the decimal separator of a number is a point, not a comma; write 0.6 for 0,6";
+      if (object && last_ != Last::key) return "expected a key in double quotes";
+    }
+    const std::string_view what =
+        error.what();  // "[...] parse error at line 1, column 2: ...", of which the place is dropped
+    const std::size_t words = what.find(": ");
+    return "invalid JSON: " + std::string(words == std::string_view::npos ? what : what.substr(words + 2));
+  }
 
   const std::string& text_;
   std::shared_ptr<const std::string> file_;
@@ -190,44 +226,6 @@ class TreeBuilder {
   std::vector<Level> open_;
   Value root_;
 };
-
-std::string TreeBuilder::syntax_problem(std::size_t byte, const ParseError& error) const {
-  const std::string_view rest = std::string_view(text_).substr(byte);
-  if (error.id == kOutOfRange)
-    return "the number " +
-           text_.substr(byte, std::min<std::size_t>(40, text_.find_first_of(" \t\r\n,]}", byte) - byte)) +
-           " is beyond the range of numbers (1e308); write a smaller one";
-  if (rest.empty()) {
-    if (open_.empty()) return "the text is empty; a JSON object is expected";
-    const Value& v = open_.back().value;
-    return std::string("the text ends inside the ") + (v.object() ? "object" : "list") + " that begins at " +
-           v.where.text() + "; a closing " + (v.object() ? "}" : "]") + " is missing";
-  }
-  if (begins_with_word(rest, "nan") || begins_with_word(rest, "inf"))
-    return "NaN and infinity are not JSON numbers, and no quantity here may be one; write a finite number";
-  if (rest.front() == '/' || rest.front() == '#') return "a comment is \"// ...\" or \"/* ... */\"";
-  if (rest.front() == '\'') return "texts need double quotes; write \"...\"";
-  if (rest.front() == '+' || rest.front() == '.')
-    return "a number begins with a digit or with a minus sign; write 0.5 for .5, and no plus sign";
-  const std::size_t mark = behind_spaces(end_);  // perhaps a comma or a colon
-  const bool comma = mark < byte && text_[mark] == ',', colon = mark < byte && text_[mark] == ':';
-  if (comma && (rest.front() == '}' || rest.front() == ']'))
-    return std::string("there is a comma before the closing ") + rest.front() + "; remove it";
-  if (open_.empty() && last_ != Last::nothing) return "there is text after the end of the description; remove it";
-  if (!open_.empty()) {
-    const bool object = open_.back().value.object() != nullptr;
-    if (last_ == Last::key && !colon) return "a colon is missing between the key and its value";
-    if (last_ == Last::value && !comma) return "a comma is missing before this, or a closing bracket";
-    const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
-    if (object && last_ == Last::value && comma && end_ > 0 && is_digit(text_[end_ - 1]) && is_digit(rest.front()))
-      return "the decimal separator of a number is a point, not a comma; write 0.6 for 0,6";
-    if (object && last_ != Last::key) return "expected a key in double quotes";
-  }
-  const std::string_view what =
-      error.what();  // "[...] parse error at line 1, column 2: ...", of which the place is dropped
-  const std::size_t words = what.find(": ");
-  return "invalid JSON: " + std::string(words == std::string_view::npos ? what : what.substr(words + 2));
-}
 
 }  // namespace
 

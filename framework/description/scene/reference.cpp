@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <sstream>
 
-#include "framework/description/scene/examples.h"
 #include "framework/description/scene/write.h"
 #include "framework/mechanism/params/units.h"
 

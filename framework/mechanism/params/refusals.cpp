@@ -5,13 +5,11 @@
 #include <string_view>
 
 namespace lockstep {
-namespace {
 
-constexpr std::size_t kMostLines = 20;  // lines
-
-}  // namespace
-
-bool Refusals::full() const { return lines_.size() >= kMostLines; }
+bool Refusals::full() const {
+  constexpr std::size_t kMostLines = 20;
+  return lines_.size() >= kMostLines;
+}
 
 void Refusals::add(const SceneError& error) {
   if (empty()) first_ = static_cast<const ErrorData&>(error);

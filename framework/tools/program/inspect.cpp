@@ -7,7 +7,6 @@
 
 #include <lockstep/text.h>
 #include "framework/description/scene/describe.h"
-#include "framework/description/scene/examples.h"
 #include "framework/description/scene/write.h"
 #include "framework/tools/program/commands.h"
 #include "framework/tools/program/describe_scene.h"
