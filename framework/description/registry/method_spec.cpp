@@ -24,19 +24,16 @@ auto make(const S& shelf, const char* kind, const MethodSpec& spec, const Regist
 MethodSpec read_method_spec(const std::string& text, const std::vector<TypeInfo>& types) {
   const std::vector<std::string> parts = split_at(':', text);
   std::vector<std::string> names, keys;
-  const TypeInfo* type = nullptr;
-  for (const TypeInfo& t : types) {
-    names.push_back(t.name);
-    if (t.name == parts.front()) type = &t;
-  }
-  if (type == nullptr)
+  for (const TypeInfo& t : types) names.push_back(t.name);
+  const auto type = std::ranges::find(types, parts.front(), &TypeInfo::name);
+  if (type == types.end())
     throw ModelError("unknown name \"" + parts.front() + "\"" + text::suggestion(parts.front(), names));
   for (const Key& key : type->keys) keys.push_back(key.name);
   Value::Object members;
   for (std::size_t i = 1; i < parts.size(); ++i) {
     const std::size_t equal = parts[i].find('=');
     const std::string key = parts[i].substr(0, equal);
-    if (equal == std::string::npos || std::find(keys.begin(), keys.end(), key) == keys.end())
+    if (equal == std::string::npos || key_in({&type->keys}, key) == nullptr)
       throw ModelError("\"" + parts[i] + "\" in \"" + text + "\" sets no key of " + type->name +
                        (keys.empty() ? ", which has none" : text::suggestion(key, keys)) + "; write " + type->name +
                        ":key=value, see `lockstep describe " + type->name + "`");

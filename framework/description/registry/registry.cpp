@@ -101,9 +101,7 @@ Product Shelf<Product, Args...>::make_checked(const std::string& name, Args... a
     try {
       return entry->make(args..., params);
     } catch (const ParameterError& error) {  // what it builds on may have keys that this type lacks
-      const Keys& keys = entry->info.keys;
-      const bool its_own = std::any_of(keys.begin(), keys.end(), [&](const Key& key) { return key.name == error.key; });
-      if (its_own) params.refuse(error.key, error.problem);
+      if (key_in({&entry->info.keys}, error.key) != nullptr) params.refuse(error.key, error.problem);
       throw;
     }
   });

@@ -52,8 +52,7 @@ Kind kind_of(const Value& v, Kind kind, const Registry& registry) {
 Kind under(const Kind& object, const std::string& name) {
   Kind kind;
   kind.key.form = Form::any, kind.key.unit = Unit::any;
-  for (const Key& key : object.keys)
-    if (key.name == name) kind.key = key;
+  if (const Key* key = key_in({&object.keys}, name)) kind.key = *key;
   for (const Part& part : object.parts)
     if (part.key == name) kind.part = part;
   return kind;

@@ -20,15 +20,11 @@ struct Split {
   Params own, common;
 };
 
-inline bool contains_key(const Keys& keys, const std::string& name) {
-  return std::any_of(keys.begin(), keys.end(), [&](const Key& key) { return key.name == name; });
-}
-
 /// The keys of the kind, then those of the type; where both have a key of one name, the type's.
 inline Keys keys_together(const Keys& common, const Keys& own) {
   Keys keys;
   for (const Key& key : common)
-    if (!contains_key(own, key.name)) keys.push_back(key);
+    if (key_in({&own}, key.name) == nullptr) keys.push_back(key);
   keys.insert(keys.end(), own.begin(), own.end());
   return keys;
 }
@@ -38,7 +34,7 @@ inline Value without_own(Value object, const Keys& common) {
   const std::string type[] = {"type"};
   if (object.object() != nullptr)
     std::erase_if(*object.object(), [&](const Value::Member& m) {
-      return !contains_key(common, m.key) && text::closest_name(m.key, type).empty();
+      return key_in({&common}, m.key) == nullptr && text::closest_name(m.key, type).empty();
     });
   return object;
 }
@@ -74,7 +70,7 @@ Split split(const Value& object, const SceneTable& table, const Shelf& shelf, co
     Value members(Value::Object{});
     members.where = object.where;
     for (const Value::Member& m : *object.object())
-      if (contains_key(*own_keys, m.key) == own) members.object()->push_back(m);
+      if ((key_in({own_keys.get()}, m.key) != nullptr) == own) members.object()->push_back(m);
     return with_laws(Params::part(std::make_shared<const Value>(std::move(members)), std::move(keys), owner), &laws);
   };
   return {*type->text(), part(true, own_keys), part(false, table.keys())};

@@ -100,14 +100,6 @@ void check_plain(const std::string& text, const std::string& what) {
     throw ModelError(what + " is not a plain line of text: it has control characters, or is not UTF-8; rewrite it");
 }
 
-// Of several tables the first that lists the name.
-const Key* key_in(KeyTables tables, std::string_view name) {
-  for (const Keys* keys : tables)
-    for (const Key& key : *keys)
-      if (key.name == name) return &key;
-  return nullptr;
-}
-
 void check_known(const Value::Object& members, KeyTables tables, const std::string& owner) {
   Refusals wrong;
   for (auto member = members.begin(); member != members.end() && !wrong.full(); ++member) {
@@ -128,6 +120,13 @@ void check_known(const Value::Object& members, KeyTables tables, const std::stri
 }
 
 }  // namespace
+
+const Key* key_in(KeyTables tables, std::string_view name) {
+  for (const Keys* keys : tables)
+    for (const Key& key : *keys)
+      if (key.name == name) return &key;
+  return nullptr;
+}
 
 void check_members(const Value& object, const std::string& type, KeyTables tables, const std::string& owner) {
   const Value::Object none, *members = object.is_null() ? &none : object.object();
@@ -220,8 +219,7 @@ Params Params::checked(const TypeInfo& info, std::string owner) const {
 }
 
 const Key& Params::key_of(std::string_view name) const {
-  for (const Key& key : keys())
-    if (key.name == name) return key;
+  if (const Key* key = key_in({keys_.get()}, name)) return *key;
   lockstep::refuse(object_->where, owner_,
                    "its maker asks for key \"" + std::string(name) + "\", which " +
                        (keys().empty() ? "has not been checked yet; call checked() first"

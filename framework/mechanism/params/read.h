@@ -44,6 +44,8 @@ inline std::string item(const std::string& context, std::size_t i) { return cont
 
 /// Tables of keys; of two keys of one name the first counts.
 using KeyTables = std::initializer_list<const Keys*>;
+/// The first key of this name; nullptr where there is none.
+LOCKSTEP_API const Key* key_in(KeyTables, std::string_view name);
 /// Checks an object of this type against its keys, as Params does.
 LOCKSTEP_API void check_members(const Value& object, const std::string& type, KeyTables, const std::string& owner);
 
