@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/description/scene/describe.h"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <string_view>
 #include <utility>
@@ -14,11 +16,6 @@
 
 namespace lockstep {
 namespace {
-
-std::string padded(std::string text, std::size_t width) {
-  text.resize(std::max(width, text.size()), ' ');
-  return text;
-}
 
 std::string choice_words(const Key& key) {
   std::vector<std::string> words;
@@ -113,8 +110,8 @@ std::string describe(const Description& d) {
   text += "keys:\n";
   for (const Key& key : d.info.keys) {
     const auto [words, where] = split_form(key, d.parts);
-    std::string line = "  " + padded(key.name, name) + "  " + padded(words, form) + "  " +
-                       padded(default_words(key), fallback) + "  " + key.help;
+    std::string line =
+        fmt::format("  {:{}}  {:{}}  {:{}}  {}", key.name, name, words, form, default_words(key), fallback, key.help);
     if (key.help.find(where) == std::string::npos) line += "; see " + where;
     text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
   }

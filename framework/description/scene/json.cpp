@@ -2,6 +2,7 @@
 #include "framework/description/scene/json.h"
 
 #include <algorithm>
+#include <boost/algorithm/string/predicate.hpp>
 #include <cerrno>
 #include <charconv>
 #include <filesystem>
@@ -40,11 +41,8 @@ struct Counting {
 };
 
 bool begins_with_word(std::string_view text, std::string_view word) {
-  if (!text.empty() && (text.front() == '-' || text.front() == '+')) text.remove_prefix(1);
-  if (text.size() < word.size()) return false;
-  for (std::size_t i = 0; i < word.size(); ++i)
-    if ((text[i] | 0x20) != word[i]) return false;
-  return true;
+  const bool sign = text.starts_with('-') || text.starts_with('+');
+  return boost::istarts_with(text.substr(sign ? 1 : 0), word, std::locale::classic());
 }
 
 // Builds the tree from nlohmann's events. Each event is one token that ends where the parser has read to; the next one

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/description/scene/describe.h"
 
-#include <algorithm>
+#include <boost/algorithm/string/replace.hpp>
 #include <sstream>
 
 #include "framework/description/scene/write.h"
@@ -11,11 +11,7 @@ namespace lockstep {
 namespace {
 
 // In a cell of a table a bar would end it.
-std::string cell(const std::string& text) {
-  std::string out;
-  for (const char c : text) out += c == '|' ? std::string("\\|") : std::string(1, c);
-  return out;
-}
+std::string cell(const std::string& text) { return boost::replace_all_copy(text, "|", "\\|"); }
 
 std::string form_cell(const Key& key, const std::vector<Part>& parts) {
   const std::string words = form_words(key, parts);

@@ -20,8 +20,8 @@ constexpr int kFormat = 1;
 // A plugin is named; where it may come from is given outside of the scene.
 void check_plugin(std::string name, const SourceLocation& where) {
   if (is_bare_name(name)) return;
-  std::replace_if(
-      name.begin(), name.end(), [](char c) { return c >= 0 && c < ' '; }, '?');
+  std::ranges::replace_if(
+      name, [](char c) { return c >= 0 && c < ' '; }, '?');
   refuse(where, "scene, requires",
          "\"" + name +
              "\" is not a bare name; a scene names plugins, as in \"cam_follower\", and where they may come from is "
