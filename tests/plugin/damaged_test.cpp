@@ -76,7 +76,8 @@ TEST_CASE("a plugin that ends the process that opens it is listed with what happ
   CHECK(listed(folder)["deadly"]["brings"][0]["name"] == "deadly_law");
   const Called why = call("plugins list --why", "LOCKSTEP_TEST_DEADLY=segv LOCKSTEP_PLUGIN_PATH='" + folder + "'");
   INFO(why.text);
-  CHECK(contains(why.text, "deadly: refused\n  file    " + file));
+  CHECK(contains(why.text, "deadly           refused"));
+  CHECK(contains(why.text, file));
   CHECK(contains(why.text, "SIGSEGV"));
 }
 

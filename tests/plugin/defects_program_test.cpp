@@ -53,7 +53,7 @@ TEST_CASE("every verb with --json writes one document to standard output and not
   for (const char* verb : {"check", "mobility", "assemble", "statics", "matrices"}) json(verb + (" " + door));
   json("explain " + door + " A");
   json("sweep " + door + " --vary bodies.door.mass=1,2 --record not_unique_sweep.csv");
-  CHECK(contains(call("run " + door).text, "not unique A.force_on_p_world_x"));
+  CHECK(contains(call("run " + door).text, "reactions-not-unique: A.force_on_p_world_x"));
   CHECK_FALSE(contains(call("run " + door + " --quiet").text, "not unique"));
 }
 
@@ -94,8 +94,8 @@ TEST_CASE("an event that never happens is in the summary, with the nearest value
   const Called said = call("run " + scene);
   INFO(said.text);
   CHECK(said.exit == 0);
-  CHECK(contains(said.text, "never      event 'catch': rod.angle_z did not cross -15 rad; nearest -3.14"));
-  CHECK(contains(said.text, "never      event 'late': its instant, 7 s, did not come"));
+  CHECK(contains(said.text, "event-missed: event 'catch': rod.angle_z did not cross -15 rad; nearest -3.14"));
+  CHECK(contains(said.text, "event-missed: event 'late': its instant, 7 s, did not come"));
   const Json result = Json::parse(call("run " + scene + " --json 2>/dev/null").text);
   const Json& missed = result["missed_events"];
   REQUIRE(missed.size() == 2);
@@ -109,7 +109,7 @@ TEST_CASE("an event that never happens is in the summary, with the nearest value
   CHECK(missed[1]["at"] == 7);
   // One that happens is not mentioned.
   const Called met = call("run " + scene + " --set events.catch.when.crosses=-1.5707963267948966");
-  CHECK_FALSE(contains(met.text, "never      event 'catch'"));
+  CHECK_FALSE(contains(met.text, "event-missed: event 'catch'"));
   // One that is passed the other way: rz'^2 = 3 g/L sin(-rz), so that -1 rad is met at 0.375 s.
   const std::string other = " --set events.catch.when.crosses=-1 --set events.catch.when.direction=rising --until 0.9";
   CHECK(contains(call("run " + scene + other).text,

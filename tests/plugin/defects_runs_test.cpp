@@ -228,7 +228,7 @@ TEST_CASE("copies in lanes pass singular positions in as many steps as alone", "
   const Called lanes = call(sweep + "--record lanes.csv"), alone = call(sweep + "--lanes off --record alone.csv");
   INFO(lanes.text << alone.text);
   REQUIRE((lanes.exit == 0 && alone.exit == 0));
-  CHECK(contains(lanes.text, "in vector lanes"));
+  CHECK(contains(lanes.text, "in lanes  16"));
   const auto most = [](const std::string& csv) {
     std::ifstream file(kRunnerFolder + "/" + csv);
     std::string header, row;

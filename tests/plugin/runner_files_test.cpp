@@ -58,7 +58,7 @@ TEST_CASE("run, report, sweep and chart write pages", "[runner]") {
   CHECK(contains(bar["text"]["scene"], "\"axial_inertia\": 1e-4"));  // as its author wrote it
   CHECK(bar["table"]["rows"] == 11);
   bool conserved = false;
-  for (const nlohmann::json& fact : bar["text"]["facts"]) conserved = conserved || fact[0] == "conserved";
+  for (const nlohmann::json& fact : bar["text"]["facts"]) conserved = conserved || contains(fact[1], "conserved");
   CHECK(conserved);
 
   const Called report = call("report '" + kFourBar + "' --until 0.1 --record short.csv --quiet");
@@ -257,8 +257,9 @@ TEST_CASE("a picture that fails hides neither summary nor table", "[runner]") {
   const Called broken = call("run '" + kFourBar + "' --record inkless.csv", "PATH='" + kFolder + "/broken':\"$PATH\"");
   INFO(broken.text);
   CHECK(broken.exit == 0);
-  CHECK(contains(broken.text, "inkless.csv (71 rows)"));
-  CHECK(broken.text.find("inkless.csv (71 rows)") < broken.text.find("no picture: gnuplot could not draw"));
+  CHECK(contains(broken.text, "inkless.csv"));
+  CHECK(contains(broken.text, "rows         71"));
+  CHECK(contains(broken.text, "no picture: gnuplot could not draw"));
   CHECK(contains(broken.text, "out of ink"));
   const Called none = call("run '" + kFourBar + "' --record bare.csv", "PATH=/nowhere");
   CHECK(none.exit == 0);
@@ -267,7 +268,7 @@ TEST_CASE("a picture that fails hides neither summary nor table", "[runner]") {
   INFO(torn.text);
   CHECK(torn.exit == 8);
   CHECK(contains(torn.text, "file '/dev/full' cannot be written: No space left on device"));
-  CHECK(contains(torn.text, "energy balance"));
+  CHECK(contains(torn.text, "conserved"));
   CHECK(fs::is_character_file("/dev/full"));  // a device is written to, and never replaced
 }
 

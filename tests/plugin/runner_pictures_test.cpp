@@ -119,7 +119,7 @@ TEST_CASE("a path of a long run goes through rows of one instant each", "[runner
   const Called r = call("run '" + scene + "' --picture b.x:b.y");
   INFO(r.text);
   CHECK(r.exit == 0);
-  CHECK(contains(r.text, "(17001 rows)"));
+  CHECK(contains(r.text, "rows         17001"));
   testing::require_gnuplot();
   CHECK(contains(r.text, "paths join one row in 2"));
   CHECK_FALSE(contains(r.text, "curves join the ends of steps"));  // no rows within steps were asked for

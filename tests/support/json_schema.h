@@ -18,7 +18,10 @@ class JsonSchema {
  private:
   using Json = nlohmann::json;
 
-  static bool is_of(const Json& v, const std::string& type) {
+  static bool is_of(const Json& v, const Json& types) {
+    if (types.is_array())
+      return std::any_of(types.begin(), types.end(), [&](const Json& each) { return is_of(v, each); });
+    const std::string type = types;
     if (type == "integer") return v.is_number_integer() || (v.is_number() && v.get<double>() == int(v.get<double>()));
     if (type == "number") return v.is_number();
     return type == v.type_name();

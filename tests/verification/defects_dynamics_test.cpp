@@ -185,7 +185,7 @@ TEST_CASE("not_conserved: energy that is lost is wrong, whatever the method", "[
     const Called r = call("run " + file + " --no-picture --step 0.01 --integrator " + method);
     INFO(r.text);
     CHECK(r.exit == (wrong ? 9 : 0));
-    CHECK(contains(r.text, "NOT CONSERVED") == wrong);
+    CHECK(contains(r.text, "energy-not-conserved: ") == wrong);
   }
 }
 

@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The verb advise: the cheapest method and setting that met a wanted error on the user's own scene.
+// The command advise: the cheapest method and setting that met a wanted error on the user's own scene.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 
 #include <lockstep/text.h>
 #include "framework/description/scene/write.h"
 #include "framework/tools/commands/benchmark.h"
-#include "framework/tools/commands/benchmark_json.h"
-#include "framework/tools/commands/tool_verbs.h"
+#include "framework/tools/commands/benchmark_fields.h"
+#include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/precision/pareto.h"
 #include "framework/tools/precision/work_precision_chart.h"
-#include "framework/tools/program/document.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/method_specs.h"
 #include "framework/tools/program/run_report.h"
@@ -63,37 +62,15 @@ std::string run_block(const RunSettings& run, const WorkPrecisionRun& r, double 
   return write_json(Value(std::move(members)));
 }
 
-std::string indented(const std::string& text) {
-  std::istringstream lines(text);
-  std::string out;
-  for (std::string line; std::getline(lines, line);) out += "  " + line + "\n";
-  return out;
-}
-
-void print_choice(const char* what, const CostAtError& c, ErrorKind kind) {
-  fmt::print("{:<11}{}\n", what, label(*c.run));
-  fmt::print("           {} error {:.1e} {}, {} CPU, {} evaluations, {} steps{}\n", to_string(kind),
-             c.run->error.of(kind), unit_of(kind), cost_text(c.run->cpu, c.upper_bound), c.run->evaluations,
-             c.run->steps, c.upper_bound ? "; no coarser setting was tried" : "");
-}
-
 // "dopri5" of "dopri5:stages=manifold".
 std::string type_of(const std::string& integrator) { return integrator.substr(0, integrator.find(':')); }
 
-// How close the best run came, if none met the error.
-void print_nearest(const WorkPrecision& result, ErrorKind kind, double error) {
+// The run that came closest.
+const WorkPrecisionRun* nearest_of(const WorkPrecision& result, ErrorKind kind) {
   const WorkPrecisionRun* best = nullptr;
   for (const WorkPrecisionRun& run : result.runs)
     if (counts(result, run, kind) && (best == nullptr || run.error.of(kind) < best->error.of(kind))) best = &run;
-  fmt::print("no run met a {} error of {:.2g} {}", to_string(kind), error, unit_of(kind));
-  if (best == nullptr)
-    fmt::print("; none ended at all\n");
-  else
-    fmt::print("; the best came to {:.1e} {} in {:.2g} s: {}\n", best->error.of(kind), unit_of(kind), best->cpu,
-               label(*best));
-  if (result.agreement.of(kind) > error)
-    fmt::print("the references themselves agree to {:.1e} {} only\n", result.agreement.of(kind), unit_of(kind));
-  fmt::print("give more time (--budget), or take a wider error\n");
+  return best;
 }
 
 /// The answer: null where nothing met the error, or nothing else did.
@@ -129,39 +106,36 @@ struct Question {
   }
 };
 
-void print_advice(const Question& q, const WorkPrecision& result, const Advice& advice) {
-  fmt::print("{} runs over {:g} s; truth by {} and {}, which agree to {:.1e} {}\n", result.runs.size(),
-             q.benchmark.trajectory.length, result.reference, result.second, result.agreement.of(q.kind),
-             unit_of(q.kind));
-  if (advice.best == nullptr) return print_nearest(result, q.kind, q.error);
-  print_choice("cheapest", *advice.best, q.kind);
-  if (advice.second != nullptr)
-    print_choice("runner-up", *advice.second, q.kind);
-  else
-    fmt::print("runner-up  none: no other combination met it in the time\n");
-  if (!advice.best->confirmed) fmt::print("not confirmed by a finer run; give more time with --budget\n");
-  fmt::print("\n  {}\n\nor in the scene's \"run\" (without any other of these keys):\n{}",
-             command_line(q.args, *advice.best->run), indented(q.block(*advice.best->run)));
+/// A run, and how to repeat it.
+struct Choice {
+  CostAtError cost;
+  std::string command, block;
+};
+struct Advised {
+  double error;
+  std::string kind;
+  std::optional<Choice> cheapest, second;
+  std::optional<WorkPrecisionRun> nearest;  // if none met the error
+  const WorkPrecision* measured;
+};
+const Fields<Advised>& advise_fields() {
+  static const Fields<Choice> kChoice =
+      Fields<Choice>{}
+          .with(&Choice::cost, cost_fields())
+          .with(std::identity(), Fields<Choice>{{"command", "", "command", &Choice::command},
+                                                {"run", "", "or in the scene's \"run\"",
+                                                 [](const Choice& c) { return Json::parse(c.block); },
+                                                 [](const Json& block) { return "\n" + block.dump(2); }}});
+  static const Fields<Advised> kFields = Fields<Advised>{
+      {"error", "", "error", &Advised::error},
+      {"of", "", "of", &Advised::kind},
+      {"cheapest", "cheapest", &Advised::cheapest, kChoice},
+      {"runner_up", "runner-up", &Advised::second,
+       kChoice}}.with([](const Advised& a) -> const WorkPrecision& { return *a.measured; }, measurement_fields());
+  return kFields;
 }
 
-void print_json(const Question& q, const WorkPrecision& result, const Advice& advice) {
-  using nlohmann::ordered_json;
-  const auto choice = [&](const CostAtError* c) {
-    if (c == nullptr) return ordered_json(nullptr);
-    ordered_json j = json_of(*c);
-    j["command"] = command_line(q.args, *c->run), j["run"] = ordered_json::parse(q.block(*c->run));
-    return j;
-  };
-  ordered_json j = {
-      {"scene", q.loaded.scene.file}, {"title", q.benchmark.title},      {"error", q.error},
-      {"of", to_string(q.kind)},      {"cheapest", choice(advice.best)}, {"runner_up", choice(advice.second)}};
-  j.update(json_of(result));
-  print_result(j);
-}
-
-}  // namespace
-
-int advise_command(const Arguments& args) {
+Result advise(const Arguments& args) {
   Loaded loaded = load(args);
   loaded.scene = in_space(std::move(loaded.scene));  // where all formulations compute it
   const double error = args["--error"].empty() ? kError : positive_number("--error", args["--error"], Unit::none);
@@ -170,7 +144,6 @@ int advise_command(const Arguments& args) {
   const Interrupt interrupt;
   SceneBenchmark benchmark = benchmark_of(loaded, args, interrupt);
   benchmark.options.target = error, benchmark.options.target_kind = kind;
-  if (!args.has("--json")) fmt::print("{}\n", benchmark.title);
   const std::unique_ptr<WorkPrecision> result = measure(benchmark, args, interrupt);
   if (!result) return kExitInterrupted;
   if (!report.empty())
@@ -179,12 +152,35 @@ int advise_command(const Arguments& args) {
   const std::vector<CostAtError> all = costs_at_error(*result, error, kind);
   const Question question{args, loaded, benchmark, kind, error};
   const Advice advice = advice_of(all);
-  if (args.has("--json"))
-    print_json(question, *result, advice);
-  else
-    print_advice(question, *result, advice);
-  if (interrupt.asked()) return kExitInterrupted;
-  return advice.best != nullptr ? kExitOk : kExitFailure;
+  const WorkPrecisionRun* nearest = nearest_of(*result, kind);
+  const auto choice = [&](const CostAtError* c) {
+    return c == nullptr ? std::nullopt
+                        : std::optional(Choice{*c, command_line(args, *c->run), question.block(*c->run)});
+  };
+  Result out(
+      loaded, advise_fields(),
+      Advised{error, to_string(kind), choice(advice.best), choice(advice.second),
+              advice.best == nullptr && nearest != nullptr ? std::optional(*nearest) : std::nullopt, result.get()});
+  out.even_if_quiet = true;
+  if (!report.empty()) out.files = {report};
+  out.code = interrupt.asked() ? kExitInterrupted : advice.best != nullptr ? kExitOk : kExitFailure;
+  return out;
+}
+
+}  // namespace
+
+Command advise_command() {
+  return {"advise",
+          "",
+          "",
+          join({measuring_options(),
+                {{"--error", "E", "largest error allowed over the whole run, SI units; default 1e-6"},
+                 Option{"--of", "WHAT", "kind of error: position (m), velocity (m/s), energy (J), reaction (N)"}.among(
+                     "position,velocity,energy,reaction")}}),
+          advise,
+          "Measured like `lockstep chart`, only as far as the answer needs. Ends with 1 if nothing met the error.\n\n"
+          "Example:\n  lockstep advise samples/scenes/double_pendulum.json --error 1e-6 --until 2",
+          {&advise_fields().schema()}};
 }
 
 }  // namespace lockstep

@@ -1,46 +1,60 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The verb assemble.
+// The command assemble.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <cstdio>
-#include <nlohmann/json.hpp>
+#include <limits>
 
 #include <lockstep/assembly.h>
 #include "framework/foundation/support/finding_kinds.h"
-#include "framework/tools/commands/tool_verbs.h"
-#include "framework/tools/program/document.h"
+#include "framework/tools/commands/pose_columns.h"
+#include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/program/findings.h"
 #include "framework/tools/program/method_specs.h"
+#include "framework/tools/program/terminal.h"
 #include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {
+namespace {
 
-int assemble_command(const Arguments& args) {
-  if (!args["--branches"].empty()) return branches_command(args);
+struct Assembled {
+  AssemblyReport report;
+  NamedPoses poses;
+};
+
+const Fields<Assembled>& assemble_fields() {
+  using Report = AssemblyReport;
+  static const Fields<Report> kReport{{"before", "m", "violated before", &Report::before},
+                                      {"after", "m", "  after", &Report::after},
+                                      {"before_v", "m/s", "in velocity before", &Report::before_v},
+                                      {"after_v", "m/s", "  after", &Report::after_v},
+                                      {"iterations", "", "iterations", &Report::iterations},
+                                      {"largest_move", "m", "largest move", &Report::largest_move},
+                                      {"moved_most", "", "  of", &Report::moved_most},
+                                      {"largest_turn", "rad", "largest turn", &Report::largest_turn},
+                                      {"turned_most", "", "  of", &Report::turned_most}};
+  static const Fields<Assembled> kFields =
+      Fields<Assembled>{}
+          .with(&Assembled::report, kReport)
+          .with(std::identity(), Fields<Assembled>{{"bodies", "bodies", &Assembled::poses, pose_fields()}});
+  return kFields;
+}
+
+Result assemble_scene(const Arguments& args) {
+  if (!args["--branches"].empty()) return find_all_branches(args);
   const Loaded loaded = load(args);
   Mechanism m = build_mechanism(loaded.scene, loaded.registry);
   Dynamics dynamics = make_dynamics(m, loaded.registry);
   State state = m.system.start();
   const AssemblyReport r = assemble(dynamics, state, m.start_speeds, m.assembly);
-  nlohmann::ordered_json bodies = nlohmann::ordered_json::object();
-  if (!args.has("--json")) fmt::print("{}\n  assembled  {}\n", loaded.title(), r.text());
-  for (const Body& body : m.system.bodies()) {
-    if (body.fixed) continue;
-    const Pose at = body_pose(body, state);
-    bodies[body.name] = {{"position", {at.x[0], at.x[1], at.x[2]}}, {"orientation", {at.q.w, at.q.x, at.q.y, at.q.z}}};
-    if (!args.has("--json"))
-      fmt::print("  {:<14} at [{}, {}, {}] m, orientation [{}, {}, {}, {}]\n", body.name, at.x[0], at.x[1], at.x[2],
-                 at.q.w, at.q.x, at.q.y, at.q.z);
+  Result result(loaded, assemble_fields(), Assembled{r, poses_of(m.system, state)});
+  if (!args.has("--within")) {
+    result.code = r.findings.empty() ? kExitOk : kExitDoubtful;
+    return result;
   }
-  const nlohmann::ordered_json report = {{"before", r.before},           {"after", r.after},
-                                         {"before_v", r.before_v},       {"after_v", r.after_v},
-                                         {"iterations", r.iterations},   {"largest_move", r.largest_move},
-                                         {"moved_most", r.moved_most},   {"largest_turn", r.largest_turn},
-                                         {"turned_most", r.turned_most}, {"bodies", bodies}};
+  const double within = positive_number("--within", args["--within"], Unit::length, "0.1m");
   const double far = std::max(r.largest_move, m.system.length() * r.largest_turn);
-  const double within = args.has("--within") ? positive_number("--within", args["--within"], Unit::length, "0.1m")
-                                             : std::numeric_limits<double>::infinity();
+  if (far <= within) return result;
   const Finding found{
       &finding::start_far,
       "body '" + r.moved_most + "'",
@@ -51,12 +65,28 @@ int assemble_command(const Arguments& args) {
       far,
       within,
       "m"};
-  if (far > within) CommandFindings::add(found);
-  if (args.has("--json")) print_result(report);
-  if (!args.has("--within")) return r.findings.empty() ? kExitOk : kExitDoubtful;
-  if (far <= within) return kExitOk;
-  fmt::print(stderr, "lockstep: --within: {}\n", found.text());
-  return kExitDoubtful;
+  CommandFindings::add(found);
+  tell(fmt::format("lockstep: --within: {}\n", found.text()));
+  result.code = kExitDoubtful;
+  return result;
+}
+
+}  // namespace
+
+Command assemble_command() {
+  return {"assemble",
+          "",
+          "",
+          join({scene_options(),
+                {kJson,
+                 {"--branches", "N", "look from N random starts for all ways in which a driven scene fits together"},
+                 Option{"--within", "D",
+                        "end with 11 where a body is moved farther than D from where the scene puts it, turns times "
+                        "the length of the mechanism; default: if assembly warns of the start"}
+                     .without("--branches")}}),
+          assemble_scene,
+          "Example:\n  lockstep assemble samples/scenes/four_bar.json",
+          {&assemble_fields().schema(), &branch_schema()}};
 }
 
 }  // namespace lockstep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The verb atlas: over any two numbers of a scene, where each method works, is inaccurate and fails.
+// The command atlas: over any two numbers of a scene, where each method works, is inaccurate and fails.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -13,8 +13,6 @@
 #include <numeric>
 #include <thread>
 
-#include <nlohmann/json.hpp>
-
 #include <lockstep/analysis.h>
 #include <lockstep/error.h>
 #include <lockstep/log.h>
@@ -25,8 +23,7 @@
 #include "framework/tools/commands/atlas_tables.h"
 #include "framework/tools/commands/run_queue.h"
 #include "framework/tools/commands/threads.h"
-#include "framework/tools/commands/tool_verbs.h"
-#include "framework/tools/program/document.h"
+#include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/progress.h"
 #include "framework/tools/sweep/step_limit.h"
@@ -195,9 +192,26 @@ class Atlas {
   long done_ = 0;
 };
 
-}  // namespace
+/// What was drawn.
+struct Drawn {
+  long runs;
+  std::string reference, missing;
+  double agreement;
+  bool out_of_time;  // before every run was tried
+  const AtlasPlan* plan;
+};
+const Fields<Drawn>& drawn_fields() {
+  static const Fields<Drawn> kFields = Fields<Drawn>{
+      {"runs", "", "runs", &Drawn::runs},
+      {"reference", "", "reference", &Drawn::reference},
+      {"agreement", "m", "  good to", &Drawn::agreement},
+      {"missing", "", "no reference for some values", &Drawn::missing},
+      {"out_of_time", "", "stopped by --budget before every run",
+       &Drawn::out_of_time}}.with([](const Drawn& d) -> const AtlasPlan& { return *d.plan; }, atlas_fields());
+  return kFields;
+}
 
-int atlas_command(const Arguments& args) {
+Result draw_atlas(const Arguments& args) {
   const std::string of = args.has("--of") ? args["--of"] : "status";
   AtlasPlan plan = make_atlas_plan(args);
   const std::string csv = csv_path(
@@ -221,29 +235,55 @@ int atlas_command(const Arguments& args) {
     write_map_grid(base, atlas_picture(plan, atlas.methods(), of));
     files.push_back(base + ".png"), files.push_back(base + ".svg");
   }
-  if (args.has("--json")) {
-    nlohmann::ordered_json j = {{"scene", plan.loaded.scene.file},
-                                {"reference", atlas.methods()},
-                                {"agreement", atlas.agreement()},
-                                {"files", files}};
-    j.update(atlas_json(plan));
-    print_result(j);
-  } else {
-    fmt::print("{}\n  runs       {} of {} methods, each {} x {}\n  reference  {}, good to {:.1e} m\n",
-               plan.loaded.title(), n, plan.panels.size(), plan.variables[0].values.size(),
-               plan.variables[1].values.size(), atlas.methods(), atlas.agreement());
-    print_atlas_panels(plan);
-    if (!atlas.missing().empty()) fmt::print("  no reference for some values: {}\n", atlas.missing());
-    if (atlas.out_of_time()) fmt::print("  the time was spent before every run was tried; give more with --budget\n");
-    for (std::size_t k = 0; k < files.size(); ++k)
-      fmt::print("{}{}\n", k == 0 ? "  files      " : "             ", files[k]);
-  }
+  Result result(plan.loaded, drawn_fields(),
+                Drawn{n, atlas.methods(), atlas.missing(), atlas.agreement(), atlas.out_of_time(), &plan});
+  result.files = files, result.even_if_quiet = true;
   if (interrupt.asked()) {
     fmt::print(stderr, "lockstep: interrupted; the runs up to there are written\n");
-    return kExitInterrupted;
+    result.code = kExitInterrupted;
+  } else if (!any) {
+    throw UsageError("no method can run this scene: " + plan.panels.front().unsuited);
   }
-  if (!any) throw UsageError("no method can run this scene: " + plan.panels.front().unsuited);
-  return kExitOk;
+  return result;
+}
+
+}  // namespace
+
+Command atlas_command() {
+  return {
+      "atlas",
+      "",
+      "",
+      join({scene_options(),
+            {Option{"--vary", "NAME=...", "NAME=a:b:n, NAME=a:b:n:log or NAME=v1,v2,...; twice: x axis, y axis"}
+                 .needed()
+                 .repeated(),
+             Option{"--of", "WHAT", "what is drawn: status (default), error (m), energy (imbalance, relative)"}.among(
+                 "status,error,energy"),
+             kIntegrators,
+             Option{"--stabilizations,--stabilisations", "A,B",
+                    "these: project, baumgarte, none; default: the scene's, or baumgarte where its gains vary"}
+                 .among(kStabilizations),
+             Option{"--formulation", "F", "unknowns, as in `lockstep run --help`"}.among(kFormulations),
+             {"--step", "H", "fixed step, or the largest step of an adaptive integrator, s"},
+             kUntil,
+             {"--error", "E", "largest error that works, relative to the largest displacement; default 0.01"},
+             kBudget,
+             kJobs,
+             kFolder,
+             kJson,
+             {"--quiet", "", "no progress"}}}),
+      draw_atlas,
+      R"(NAME is any number of the scene, as in `lockstep sweep --help`: run.step, run.tolerance, run.stabilization.alpha,
+forces.spring.stiffness, a parameter. NAME=a:b:n are n values evenly, NAME=a:b:n:log evenly in the logarithm. The first
+--vary is the x axis. Each method has a map. A run works, is inaccurate, is wrong (and its energy balance, its drift, a
+turn of more than 1 rad in a step or singular positions passed with plain stages say so, or nothing does), or stops with
+an error. Runs are compared with a tight run of the same mechanism; settings of the run make no difference to that. A black line is the largest stable step of a method with fixed steps, by linear
+theory at the start. The CSV file has a row for every run, with the reason where it stopped.
+
+Example:
+  lockstep atlas samples/scenes/mass_spring_damper.json --vary run.step=1e-3:3:30:log --vary forces.spring_a.stiffness=1:1e4:20:log --integrators rk4,semi_implicit_euler,radau5)",
+      {&drawn_fields().schema()}};
 }
 
 }  // namespace lockstep

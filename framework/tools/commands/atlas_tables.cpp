@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include <lockstep/text.h>
 #include "framework/foundation/support/csv_cells.h"
@@ -51,49 +52,63 @@ void write_atlas_cells(const std::string& file, const AtlasPlan& plan) {
   csv.commit();
 }
 
-nlohmann::ordered_json atlas_json(const AtlasPlan& plan) {
-  nlohmann::ordered_json j;
-  j["axes"] = j["maps"] = nlohmann::ordered_json::array();
-  for (const Variable& v : plan.variables)
-    j["axes"].push_back({{"name", v.path}, {"unit", v.unit}, {"values", axis_numbers(v)}});
-  for (const AtlasPanel& panel : plan.panels) {
-    nlohmann::ordered_json p = {{"integrator", to_word(panel.integrator)},
-                                {"stabilization", to_string(panel.stabilization)}};
-    if (!panel.unsuited.empty()) {
-      p["left_out"] = panel.unsuited;
-    } else {
-      for (const auto& [outcome, n] : counts_of(panel)) p["counts"][words_of(outcome)] = n;
-      nlohmann::ordered_json outcomes = nlohmann::ordered_json::array(), passed = nlohmann::ordered_json::array();
-      const std::size_t n_y = plan.variables[1].values.size();
-      for (std::size_t i = 0; i < panel.cells.size(); ++i) {
-        if (i % n_y == 0) outcomes.push_back(nlohmann::ordered_json::array()), passed.push_back(outcomes.back());
-        outcomes.back().push_back(words_of(panel.cells[i].outcome));
-        passed.back().push_back(panel.cells[i].passed);
-      }
-      p["outcomes"] = std::move(outcomes), p["passed_singular_positions"] = std::move(passed);
-      bool drawn = false;  // a method that is stable at every step has no line
-      for (std::size_t k = 0; k < panel.limit_x.size(); ++k)
-        drawn = drawn || (std::isfinite(panel.limit_x[k]) && std::isfinite(panel.limit_y[k]));
-      if (drawn) p["limit"] = {{"x", panel.limit_x}, {"y", panel.limit_y}};
-    }
-    j["maps"].push_back(std::move(p));
-  }
-  return j;
-}
-
-void print_atlas_panels(const AtlasPlan& plan) {
-  for (const AtlasPanel& panel : plan.panels) {
-    if (!panel.unsuited.empty()) {
-      fmt::print("  {:<34} left out: {}\n", panel.name(), panel.unsuited);
-      continue;
-    }
-    std::string line;
-    for (const auto& [outcome, n] : counts_of(panel))
-      line += fmt::format("{}{} {}", line.empty() ? "" : ", ", n, words_of(outcome));
-    if (const long n = n_passed(panel); n > 0)
-      line += fmt::format("; {} passed singular positions with plain stages", n);
-    fmt::print("  {:<34} {}\n", panel.name(), line);
-  }
+const Fields<AtlasPlan>& atlas_fields() {
+  static const Fields<Variable> kAxis{
+      {"name", "", "", &Variable::path}, {"unit", "", "", &Variable::unit}, {"values", "", "", axis_numbers}};
+  using Panel = std::pair<const AtlasPlan*, const AtlasPanel*>;
+  const auto of_cells = [](auto read) {
+    return [read](const Panel& p) {
+      std::vector<std::vector<std::remove_cvref_t<decltype(read(p.second->cells.front()))>>> rows;
+      const std::size_t n_y = p.first->variables[1].values.size();
+      if (p.second->unsuited.empty())
+        for (std::size_t i = 0; i < p.second->cells.size(); ++i) {
+          if (i % n_y == 0) rows.emplace_back();
+          rows.back().push_back(read(p.second->cells[i]));
+        }
+      return rows;
+    };
+  };
+  static const Fields<AtlasPanel> kLimit{{"x", "", "", &AtlasPanel::limit_x}, {"y", "", "", &AtlasPanel::limit_y}};
+  const auto counts = [](const Panel& p) {
+    Json all = Json::object();
+    if (p.second->unsuited.empty())
+      for (const auto& [outcome, n] : counts_of(*p.second)) all[words_of(outcome)] = n;
+    return all;
+  };
+  constexpr auto counts_text = +[](const Json& all) {
+    std::string text;
+    for (const auto& [outcome, n] : all.items()) text += (text.empty() ? "" : ", ") + n.dump() + " " + outcome;
+    return text;
+  };
+  static const Fields<Panel> kPanel{
+      {"integrator", "", "integrator", [](const Panel& p) { return to_word(p.second->integrator); }},
+      {"stabilization", "", "stabilisation", [](const Panel& p) { return to_string(p.second->stabilization); }},
+      Field<Panel>("left_out", "", "left out", [](const Panel& p) { return p.second->unsuited; }).optional(),
+      Field<Panel>("counts", "", "runs", counts, counts_text).optional(),
+      {"passed", "", "passed singular positions", [](const Panel& p) { return n_passed(*p.second); }},
+      Field<Panel>("outcomes", "", "", of_cells([](const AtlasCell& c) { return std::string(words_of(c.outcome)); }))
+          .optional(),
+      Field<Panel>("passed_singular_positions", "", "", of_cells([](const AtlasCell& c) { return c.passed; }))
+          .optional(),
+      Field<Panel>(
+          "limit", "",
+          [](const Panel& p) {
+            bool drawn = false;  // a method that is stable at every step has no line
+            for (std::size_t k = 0; k < p.second->limit_x.size(); ++k)
+              drawn = drawn || (std::isfinite(p.second->limit_x[k]) && std::isfinite(p.second->limit_y[k]));
+            return drawn ? std::optional(*p.second) : std::nullopt;
+          },
+          kLimit)
+          .optional()};
+  static const Fields<AtlasPlan> kFields{{"axes", "", &AtlasPlan::variables, kAxis},
+                                         {"maps", "methods",
+                                          [](const AtlasPlan& plan) {
+                                            std::vector<Panel> all;
+                                            for (const AtlasPanel& panel : plan.panels) all.emplace_back(&plan, &panel);
+                                            return all;
+                                          },
+                                          kPanel}};
+  return kFields;
 }
 
 }  // namespace lockstep

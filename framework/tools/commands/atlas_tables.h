@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "framework/tools/commands/atlas_plan.h"
+#include "framework/tools/program/result.h"
 
 namespace lockstep {
 
@@ -15,9 +16,6 @@ namespace lockstep {
 void write_atlas_cells(const std::string& file, const AtlasPlan&);
 
 /// "axes", and "maps": for each method its outcomes by the numbers of the axes, or why it is left out.
-nlohmann::ordered_json atlas_json(const AtlasPlan&);
-
-/// Prints a line for each method: how many of its runs had which outcome.
-void print_atlas_panels(const AtlasPlan&);
+const Fields<AtlasPlan>& atlas_fields();
 
 }  // namespace lockstep

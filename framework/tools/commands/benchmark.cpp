@@ -16,7 +16,7 @@
 namespace lockstep {
 namespace {
 
-constexpr double kBudget = 60;  // s
+constexpr double kDefaultBudget = 60;  // s
 
 /// Ends the present run, and with it the benchmark, when the user asks for it.
 class Ender final : public Observer {
@@ -173,6 +173,27 @@ std::string run_line(const WorkPrecisionRun& r) {
 
 }  // namespace
 
+Options measuring_options() {
+  return join(
+      {scene_options(),
+       {kIntegrators,
+        Option{"--formulations", "A,B",
+               "only these: omega, quaternion, joint, auto; default: all of these that the mechanism allows"}
+            .among(kFormulations),
+        Option{"--stabilizations,--stabilisations", "A,B", "only these: project, baumgarte, none; default: all"}.among(
+            kStabilizations),
+        {"--solvers", "A,B", "only these; default: all of `lockstep list solvers`"},
+        {"--separately", "",
+         "vary one of the four at a time, the others as in the scene: faster than every combination"},
+        {"--tolerances", "COARSE:FINE", "range for adaptive integrators; default 1:1e-12"},
+        {"--steps", "COARSE:FINE", "range for fixed steps, s; default: a hundredth of the run and 2^14 times less"},
+        kUntil,
+        kBudget,
+        {"--report", "FILE.html", "one HTML file that shows each run as a point, by any two columns"},
+        {"--quiet", "", "do not print each run"},
+        kJson}});
+}
+
 std::vector<MethodChoice> references_of(const RunSettings& run, const Registry& registry, bool implicit) {
   struct Candidate {
     MethodChoice method;
@@ -200,7 +221,7 @@ std::vector<MethodChoice> references_of(const RunSettings& run, const Registry& 
 }
 
 double budget_of(const Arguments& args) {
-  if (args["--budget"].empty()) return kBudget;
+  if (args["--budget"].empty()) return kDefaultBudget;
   const double budget = positive_number("--budget", args["--budget"], Unit::time, "60");
   if (budget < 1) throw UsageError("--budget: the value is " + args["--budget"] + "; it must be 1 s at least");
   return budget;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/commands/certify.h"
-#include "framework/tools/commands/tool_verbs.h"
+#include "framework/tools/commands/tool_commands.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -99,7 +99,7 @@ bool add(std::vector<Repeat>& repeats, const Loaded& loaded, const RunSettings& 
   } catch (const Error& error) {
     failure = error.what();
   }
-  text += fmt::format("             {} at {}: {}\n", repeat.name, repeat.setting, failure);
+  text += fmt::format("{} at {}: {}\n", repeat.name, repeat.setting, failure);
   return false;
 }
 
@@ -110,7 +110,7 @@ std::string verdict(const Certificate& c, const std::vector<Repeat>& repeats) {
     n_zero += channel.zero ? 1 : 0;
     if (!channel.zero && (worst == nullptr || channel.worst().digits < worst->worst().digits)) worst = &channel;
   }
-  std::string text = fmt::format("  {} instants compared", c.n_rows);
+  std::string text = fmt::format("{} instants compared", c.n_rows);
   if (c.cut) text += " (the runs ended at different instants)";
   if (worst != nullptr) text += fmt::format("; fewest digits: {:.1f}, of {}", worst->worst().digits, worst->name);
   if (n_zero > 0)
@@ -144,13 +144,13 @@ CertifiedRun certificate_of(const Loaded& loaded, const Arguments& args, const R
   options.output_times.erase(std::unique(options.output_times.begin(), options.output_times.end()),
                              options.output_times.end());
   const double limit = 0.5 * budget_of(args);
-  std::string text = "  certificate\n";
+  std::string text;
   std::vector<Repeat> repeats;
   add(repeats, loaded, run, tighter_of(loaded, run, own.adaptive, options), limit, text);
   for (const Repeat& other : others_of(loaded, run, own, options))
     if (add(repeats, loaded, run, other, limit, text)) break;
   if (repeats.empty())
-    return {text + "             no repeat came to an end: nothing is certified\n",
+    return {text + "no repeat came to an end: nothing is certified\n",
             "no repeat came to an end: nothing is certified"};
   std::vector<const Table*> tables;
   std::vector<std::string> names, against;
@@ -160,11 +160,19 @@ CertifiedRun certificate_of(const Loaded& loaded, const Arguments& args, const R
     against.push_back(fmt::format("{} ({})", repeat.name, repeat.setting));
   }
   const Certificate c = certify(table, tables);
-  return {text + fmt::format("  digits of each column that agree with {}: log10(largest / difference)\n{}{}",
+  return {text + fmt::format("digits of each column that agree with {}: log10(largest / difference)\n{}{}",
                              lockstep::text::join(against), certificate_text(c, names), verdict(c, repeats)),
           doubt_of(c)};
 }
 
-int certified_run_command(const Arguments& args) { return run_and_certify(args, certificate_of); }
+Command certify_command() {
+  return {"run",
+          "",
+          "Compute the motion of a scene, and certify it",
+          run_options(),
+          [](const Arguments& args) { return run_and_certify(args, certificate_of); },
+          "",
+          run_results()};
+}
 
 }  // namespace lockstep

@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The verb chart: what accuracy costs on this scene, measured on this machine.
+// The command chart: what accuracy costs on this scene, measured on this machine.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
 #include "framework/tools/charts/gnuplot.h"
 #include "framework/tools/commands/benchmark.h"
-#include "framework/tools/commands/benchmark_json.h"
-#include "framework/tools/commands/tool_verbs.h"
+#include "framework/tools/commands/benchmark_fields.h"
+#include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/precision/work_precision_chart.h"
-#include "framework/tools/program/document.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/run_report.h"
 #include "framework/tools/report/machine.h"
@@ -22,52 +20,30 @@ namespace {
 constexpr double kLimits[] = {1e-3, 1e-6, 1e-9};  // m
 constexpr std::size_t kMostRows = 3;              // integrators that a picture of forms shows
 
-void print_cheapest(const WorkPrecision& result) {
-  fmt::print("cheapest run with a position error of at most\n");
-  for (const double limit : kLimits) {
-    const std::vector<CostAtError> costs = costs_at_error(result, limit);
-    if (costs.empty())
-      fmt::print("  {:.0e} m   none reached it\n", limit);
-    else
-      fmt::print("  {:.0e} m   {:>12} CPU  {:7} evaluations  {}  (error {:.1e} m)\n", limit,
-                 cost_text(costs.front().run->cpu, costs.front().upper_bound), costs.front().run->evaluations,
-                 label(*costs.front().run), costs.front().run->error.position);
-  }
-}
-
-// For each value of a dimension the best that it took part in: which of them wins.
-void print_winners(const WorkPrecision& result, ChartBy by) {
-  if (values_of(result, by).size() < 2) return;
-  fmt::print("{:<26}", "best with each " + to_string(by));
-  for (const double limit : kLimits) fmt::print("{:>14}", fmt::format("{:.0e} m", limit));
-  fmt::print("\n");
-  for (const std::string& value : values_of(result, by)) {
-    fmt::print("  {:<24}", value);
-    for (const double limit : kLimits) {
-      const std::vector<CostAtError> costs = costs_at_error(result, limit);
-      const auto best =
-          std::find_if(costs.begin(), costs.end(), [&](const CostAtError& c) { return value_of(*c.run, by) == value; });
+// For each value of a dimension the best that it took part in, below each limit: which of them wins.
+struct Winner {
+  std::string by, value;
+  std::vector<std::string> cost;
+};
+std::vector<Winner> winners_of(const WorkPrecision& result) {
+  std::vector<Winner> all;
+  for (const ChartBy by : {ChartBy::integrator, ChartBy::formulation, ChartBy::stabilization, ChartBy::solver}) {
+    const std::vector<std::string> values = values_of(result, by);
+    for (const std::string& value : values) {
+      if (values.size() < 2) break;
+      Winner& winner = all.emplace_back(to_string(by), value);
       const auto has = [&](const WorkPrecisionRun& run) { return value_of(run, by) == value; };
-      const bool open = std::ranges::any_of(result.open, has) || std::ranges::any_of(result.falling, has);
-      fmt::print("{:>14}", best != costs.end() ? cost_text(best->run->cpu, best->upper_bound)
-                           : open              ? "not tried"
-                                               : "never");
+      for (const double limit : kLimits) {
+        const std::vector<CostAtError> costs = costs_at_error(result, limit);
+        const auto best = std::ranges::find_if(costs, [&](const CostAtError& c) { return has(*c.run); });
+        const bool open = std::ranges::any_of(result.open, has) || std::ranges::any_of(result.falling, has);
+        winner.cost.push_back(best != costs.end() ? cost_text(best->run->cpu, best->upper_bound)
+                              : open              ? "not tried"
+                                                  : "never");
+      }
     }
-    fmt::print("\n");
   }
-}
-
-void print_failures(const WorkPrecision& result, const SceneBenchmark& benchmark) {
-  std::size_t n = 0;
-  for (const WorkPrecisionRun& run : result.runs) n += run.done() || run.given_up ? 0 : 1;
-  if (n > 0) fmt::print("{} runs failed (crosses in the pictures); the reasons stand in the CSV file\n", n);
-  for (const std::string& remark : benchmark.remarks) fmt::print("left out: {}\n", remark);
-  for (const std::string& line : unsuited_lines(result)) fmt::print("left out: {}\n", line);
-  if (!result.left_out.empty())
-    fmt::print(
-        "{} combinations were still climbing when the time was up (\"not tried\" is no \"never\"); give more with "
-        "--budget\n",
-        result.left_out.size());
+  return all;
 }
 
 // The scene's own integrator and those that were cheapest at some error.
@@ -104,22 +80,6 @@ std::vector<std::string> draw_all(const std::string& base, const WorkPrecision& 
   return files;
 }
 
-// What was measured, and which method and form is the cheapest at which error.
-void print_all(const WorkPrecision& result, const SceneBenchmark& benchmark) {
-  fmt::print("{} runs over {:g} s; truth by {} and {}, which agree to {:.1e} m, {:.1e} m/s, {:.1e} J, {:.1e} N\n",
-             result.runs.size(), benchmark.trajectory.length, result.reference, result.second,
-             result.agreement.position, result.agreement.velocity, result.agreement.energy, result.agreement.reaction);
-  if (benchmark.imposed)
-    fmt::print(
-        "no freedom is left to integrate: laws impose the whole motion, so that projection gives it exactly at any "
-        "step;\n"
-        "the integrators' pictures compare them without stabilisation\n");
-  print_cheapest(result);
-  for (const ChartBy by : {ChartBy::integrator, ChartBy::formulation, ChartBy::stabilization, ChartBy::solver})
-    print_winners(result, by);
-  print_failures(result, benchmark);
-}
-
 /// The files of a chart, and why there are no pictures.
 struct ChartFiles {
   std::string table;
@@ -140,31 +100,45 @@ ChartFiles write_files(const std::string& base, const WorkPrecision& result, con
   return files;
 }
 
-void print_files(const ChartFiles& files) {
-  fmt::print("files: {}\n", files.table);
-  if (!files.no_pictures.empty()) fmt::print("       no pictures: {}\n", files.no_pictures);
-  for (const std::string& file : files.pictures) fmt::print("       {}, and as .svg\n", file);
-}
-
-void print_json(const Loaded& loaded, const WorkPrecision& result, const SceneBenchmark& benchmark,
-                const ChartFiles& files) {
-  nlohmann::ordered_json j = {{"scene", loaded.scene.file}, {"title", benchmark.title}};
-  j.update(json_of(result));
-  j["cheapest"] = nlohmann::ordered_json::array();
+struct Cheapest {
+  double limit;
+  CostAtError cost;
+};
+std::vector<Cheapest> cheapest_of(const WorkPrecision& result) {
+  std::vector<Cheapest> all;
   for (const double limit : kLimits)
-    if (const std::vector<CostAtError> costs = costs_at_error(result, limit); !costs.empty()) {
-      nlohmann::ordered_json cheapest = {{"limit", limit}};
-      cheapest.update(json_of(costs.front()));
-      j["cheapest"].push_back(std::move(cheapest));
-    }
-  j["files"] = files.pictures;
-  j["files"].insert(j["files"].begin(), files.table);
-  print_result(j);
+    if (const std::vector<CostAtError> costs = costs_at_error(result, limit); !costs.empty())
+      all.push_back({limit, costs.front()});
+  return all;
+}
+struct Charted {
+  const WorkPrecision& result;
+  const SceneBenchmark& benchmark;
+  std::string no_pictures;
+};
+const Fields<Charted>& chart_fields() {
+  static const Fields<Cheapest> kCheapest =
+      Fields<Cheapest>{{"limit", "m", "error below", &Cheapest::limit}}.with(&Cheapest::cost, cost_fields());
+  static const Fields<Winner> kWinner{{"by", "", "by", &Winner::by},
+                                      {"value", "", "value", &Winner::value},
+                                      {"below_1e-3", "", "below 1e-3 m", [](const Winner& w) { return w.cost[0]; }},
+                                      {"below_1e-6", "", "below 1e-6 m", [](const Winner& w) { return w.cost[1]; }},
+                                      {"below_1e-9", "", "below 1e-9 m", [](const Winner& w) { return w.cost[2]; }}};
+  static const Fields<Charted> kFields =
+      Fields<Charted>{{"length", "s", "runs over", [](const Charted& c) { return c.benchmark.trajectory.length; }},
+                      // no freedom is left: projection gives the motion at any step, and pictures are without it
+                      {"imposed", "", "moved by laws alone", [](const Charted& c) { return c.benchmark.imposed; }}}
+          .with([](const Charted& c) -> const WorkPrecision& { return c.result; }, measurement_fields())
+          .with(std::identity(),
+                Fields<Charted>{
+                    {"cheapest", "cheapest", [](const Charted& c) { return cheapest_of(c.result); }, kCheapest},
+                    {"best", "best CPU with each", [](const Charted& c) { return winners_of(c.result); }, kWinner},
+                    {"remarks", "", "left out", [](const Charted& c) { return c.benchmark.remarks; }},
+                    {"no_pictures", "", "no pictures", &Charted::no_pictures}});
+  return kFields;
 }
 
-}  // namespace
-
-int chart_command(const Arguments& args) {
+Result chart_scene(const Arguments& args) {
   Loaded loaded = load(args);
   loaded.scene = in_space(std::move(loaded.scene));  // where all formulations compute it
   const std::string csv = csv_path(
@@ -176,24 +150,44 @@ int chart_command(const Arguments& args) {
 
   const Interrupt interrupt;
   SceneBenchmark benchmark = benchmark_of(loaded, args, interrupt);
-  if (!args.has("--json")) fmt::print("{}\n", benchmark.title);
   const std::unique_ptr<WorkPrecision> result = measure(benchmark, args, interrupt);
   if (!result) return kExitInterrupted;
 
   const ChartFiles files =
       write_files(base, *result, benchmark, args.has("--caption") ? args["--caption"] : report::measured_words());
-  if (args.has("--json")) {
-    print_json(loaded, *result, benchmark, files);
-  } else {
-    print_all(*result, benchmark);
-    print_files(files);
-  }
+  Result out(loaded, chart_fields(), Charted{*result, benchmark, files.no_pictures});
+  out.files = files.pictures, out.even_if_quiet = true;
+  out.files.insert(out.files.begin(), files.table);
   if (!report.empty()) {
     write_runs_report(report, text_of(args, loaded), runs_text(*result), "cpu [s]", "position error [m]", true);
-    if (!args.has("--json")) fmt::print("       {}\n", report);
+    out.files.push_back(report);
   }
   if (interrupt.asked()) fmt::print(stderr, "lockstep: interrupted; the runs up to there are written\n");
-  return interrupt.asked() ? kExitInterrupted : kExitOk;
+  out.code = interrupt.asked() ? kExitInterrupted : kExitOk;
+  return out;
+}
+
+}  // namespace
+
+Command chart_command() {
+  return {
+      "chart",
+      "",
+      "",
+      join({measuring_options(),
+            {kFolder,
+             {"--caption", "TEXT", "the last line of the pictures; default: version, date and machine; '': none"}}}),
+      chart_scene,
+      R"(Each combination goes from coarse to fine settings, cheapest next run first, until its error stops falling, it
+costs a hundred times what another needs for the same error, or the time is spent. Errors are the largest over the
+history at 101 instants, against the tightest run of one method; a second method shows how good that reference is.
+Every integrator, in the form of the scene, comes to an error of a thousandth before finer runs and other forms have their
+turn, as far as half of the time allows. A run counts only if all finer runs of its combination stay within twice its error. "<=": no coarser run missed.
+
+Example:
+  lockstep chart samples/scenes/four_bar.json --budget 60s --out charts
+  lockstep chart samples/scenes/chain_10.json --integrators dopri5,dop853 --formulations omega)",
+      {&chart_fields().schema()}};
 }
 
 }  // namespace lockstep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The verb import: a robot in URDF becomes a scene.
+// The command import: a robot in URDF becomes a scene.
 #include <spdlog/fmt/fmt.h>
 
 #include <filesystem>
@@ -9,7 +9,7 @@
 #include <lockstep/error.h>
 #include <lockstep/solid.h>
 #include "framework/description/scene/write.h"
-#include "framework/tools/commands/tool_verbs.h"
+#include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/import/urdf.h"
 #include "framework/tools/program/files.h"
 
@@ -68,9 +68,7 @@ class MeshFinder {
   bool outside_ = false;
 };
 
-}  // namespace
-
-int import_command(const Arguments& args) {
+Result import_robot(const Arguments& args) {
   namespace fs = std::filesystem;
   const std::string file = args["file"] == "-" ? "standard input" : args["file"];
   MeshFinder meshes(args);
@@ -100,6 +98,22 @@ int import_command(const Arguments& args) {
   if (!out)
     throw FileError("file '" + args["--out"] + "' cannot be written; check the folder, or name another (--out)");
   return kExitOk;
+}
+
+}  // namespace
+
+Command import_command() {
+  return {
+      "import",
+      "",
+      "",
+      {Option{"file", "FILE.urdf", "the robot; -: from standard input, as in `xacro robot.xacro | lockstep import -`"}
+           .needed(),
+       {"--out", "FILE.json", "the scene; default: standard output"},
+       {"--floating", "", "the first link is not held; without it, it is fixed in the world"}},
+      import_robot,
+      "Limits become stops, damping becomes forces; what is left out (mimicry, friction) is named.\n\n"
+      "Example:\n  lockstep import robot.urdf --out robot.json"};
 }
 
 }  // namespace lockstep

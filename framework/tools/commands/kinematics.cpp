@@ -1,19 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The verbs kinematics and inverse: a fully driven scene from instant to instant, without integration.
+// The commands kinematics and inverse: a fully driven scene from instant to instant, without integration.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include <lockstep/author/lock.h>
 #include <lockstep/kinematics.h>
 #include <lockstep/log.h>
 #include <lockstep/text.h>
 #include "framework/mechanism/params/read.h"
-#include "framework/tools/commands/tool_verbs.h"
-#include "framework/tools/program/document.h"
+#include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/findings.h"
 #include "framework/tools/program/growing_file.h"
@@ -23,8 +21,6 @@
 
 namespace lockstep {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr int kDefaultPoses = 100;  // where the scene names no interval of outputs
 
@@ -149,34 +145,42 @@ class PoseTimes {
   long n_ = 0;
 };
 
-/// Peak of a column: its largest size and when.
+/// A column, and its largest value.
 struct Peak {
+  Column column;
   double value = 0, t = 0;
 };
-Peak peak_of(const Table& table, const Column& column) {
-  Peak peak;
-  for (std::size_t i = 0; i < column.values.size(); ++i)
-    if (std::abs(column.values[i]) > std::abs(peak.value)) peak = {column.values[i], table.columns().front().values[i]};
-  return peak;
-}
-
-void print_end(const Table& table, const std::string& csv, long steps, double seconds, bool inverse) {
-  fmt::print("  poses      {} by {} solutions, {:.3g} s\n", table.n_rows(), steps, seconds);
-  if (inverse)
-    for (const Column& c : table.columns())
-      if (c.name.find(".drive") != std::string::npos)
-        fmt::print("  {:<36} peak {:.6g} {} at t = {:.6g} s\n", c.name, peak_of(table, c).value, c.unit,
-                   peak_of(table, c).t);
-  fmt::print("  files      {} ({} rows)\n", csv, table.n_rows());
-}
-
-Json table_json(const Table& table) {
-  Json all = Json::object();
-  for (const Column& c : table.columns()) all[column_title(c)] = c.values;
+struct Motion {
+  std::size_t poses = 0;
+  long solutions = 0;
+  double seconds = 0;
+  std::vector<Peak> peaks;
+};
+std::vector<Peak> peaks_of(const Table& table) {
+  std::vector<Peak> all;
+  for (const Column& column : table.columns()) {
+    Peak& peak = all.emplace_back(column);
+    for (std::size_t i = 0; i < column.values.size(); ++i)
+      if (std::abs(column.values[i]) > std::abs(peak.value))
+        peak.value = column.values[i], peak.t = table.columns().front().values[i];
+  }
   return all;
 }
 
-int follow(const Arguments& args, bool inverse) {
+const Fields<Motion>& kinematics_fields() {
+  static const Fields<Peak> kPeak{{"name", "", "column", [](const Peak& p) { return p.column.name; }},
+                                  {"unit", "", "unit", [](const Peak& p) { return p.column.unit; }},
+                                  {"peak", "", "peak", &Peak::value},
+                                  {"t", "s", "at t", &Peak::t},
+                                  {"values", "", "", [](const Peak& p) { return p.column.values; }}};
+  static const Fields<Motion> kFields{{"poses", "", "poses", &Motion::poses},
+                                      {"solutions", "", "solutions", &Motion::solutions},
+                                      {"seconds", "s", "computed in", &Motion::seconds},
+                                      {"columns", "columns", &Motion::peaks, kPeak}};
+  return kFields;
+}
+
+Result follow(const Arguments& args, bool inverse) {
   if (args.has("--quiet")) set_logger(nullptr);
   Loaded loaded = load(args);
   const std::vector<std::string> without = inverse ? std::vector<std::string>{} : fill_masses(loaded.scene);
@@ -205,7 +209,6 @@ int follow(const Arguments& args, bool inverse) {
   Dynamics dynamics = make_dynamics(m, loaded.registry);
   State start = decided_start(dynamics, m);
   assemble(dynamics, start, m.start_speeds, m.assembly);
-  if (!args.has("--quiet") && !args.has("--json")) fmt::print("{}\n", loaded.title());
   for (const EventRequest& e : m.events)
     fmt::print(stderr, "lockstep: event '{}' does not act: nothing runs here\n", e.event.name);
 
@@ -235,20 +238,44 @@ int follow(const Arguments& args, bool inverse) {
     std::rethrow_exception(failed);
   }
   file.commit();
-  for (const Finding& f : doubts.findings(motion.steps(), motion.state().t)) {
-    CommandFindings::add(f);
-    fmt::print(stderr, "lockstep: {}\n", f.text());
-  }
-  if (args.has("--json"))
-    print_document(table_json(recorder->table()));
-  else if (!args.has("--quiet"))
-    print_end(recorder->table(), csv, motion.steps(), seconds, inverse);
-  return kExitOk;
+  CommandFindings::add(doubts.findings(motion.steps(), motion.state().t));
+  Result result(loaded, kinematics_fields(),
+                Motion{recorder->table().n_rows(), motion.steps(), seconds, peaks_of(recorder->table())});
+  result.files = {csv};
+  return result;
+}
+
+// What both take.
+Options driven() {
+  return join({scene_options(),
+               {kJson,
+                {"--until", "T", "the last instant, s; default: that of the scene's run"},
+                {"--output", "H", "interval of the poses, s; default: the scene's, or a hundredth of the whole"},
+                {"--record", "FILE.csv", "the CSV file; default: <scene>.csv in LOCKSTEP_OUTPUT or here"},
+                {"--quiet", "", "print errors only"}}});
 }
 
 }  // namespace
 
-int kinematics_command(const Arguments& args) { return follow(args, false); }
-int inverse_command(const Arguments& args) { return follow(args, true); }
+Command kinematics_command() {
+  return {"kinematics",
+          "",
+          "",
+          driven(),
+          [](const Arguments& args) { return follow(args, false); },
+          "Masses are not needed. A scene with too few or too many drives is refused, with the coordinates to drive or "
+          "the drives to release.\n\nExample:\n  lockstep kinematics samples/scenes/four_bar.json --until 0.2",
+          {&kinematics_fields().schema()}};
+}
+Command inverse_command() {
+  return {"inverse",
+          "",
+          "",
+          driven(),
+          [](const Arguments& args) { return follow(args, true); },
+          "Columns: those of the scene, then every drive and every reaction.\n\n"
+          "Example:\n  lockstep inverse samples/scenes/four_bar.json --until 0.2",
+          {&kinematics_fields().schema()}};
+}
 
 }  // namespace lockstep

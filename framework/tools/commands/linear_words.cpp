@@ -1,14 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/commands/linear_words.h"
 
-#include <spdlog/fmt/fmt.h>
-
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/tools/commands/state_at.h"
-#include "framework/tools/program/findings.h"
+#include "framework/tools/commands/tool_commands.h"
 
 namespace lockstep {
+
+Options motion_command_options() {
+  return join({scene_options(),
+               {kAt,
+                kJson,
+                {"--spin", "X,Y,Z",
+                 "angular velocity of the axes in which a steady rotation rests, rad/s; default: found from the state"},
+                {"--frozen", "", "take the coefficients of an instant that is neither an equilibrium nor steady"}}});
+}
 
 LinearMotionOptions motion_options(const Arguments& args) {
   LinearMotionOptions options;
@@ -17,34 +24,18 @@ LinearMotionOptions motion_options(const Arguments& args) {
   return options;
 }
 
-std::string state_words(double t, const Vec3& spin, const Unrest& unrest, const std::vector<Finding>& notes) {
-  std::string words = fmt::format("  state      t = {:.6g} s; ", t);
-  const bool still = unrest.is_still();
-  if (spin.isZero(0))
-    words += still ? "at rest" : "neither at rest nor steady";
-  else
-    words += fmt::format("{} with [{:.6g}, {:.6g}, {:.6g}] rad/s, seen from axes that turn with it",
-                         still ? "in steady rotation" : "not steady, turning", spin[0], spin[1], spin[2]);
-  words += "\n  unrest     " +
-           (unrest.accelerates.empty() ? "no acceleration"
-                                       : fmt::format("{:.2g} m/s^2 of '{}' (limit {:.2g})", unrest.acceleration,
-                                                     unrest.accelerates, unrest.acceleration_limit)) +
-           (unrest.moves.empty() ? "" : fmt::format(", {:.2g} m/s of '{}'", unrest.speed, unrest.moves)) + "\n";
-  for (const Finding& note : notes) words += "  note       " + note.text() + "\n";
-  return words;
-}
-
-nlohmann::ordered_json state_json(const Vec3& spin, const Unrest& unrest, const std::vector<Finding>& notes) {
-  CommandFindings::add(notes);
-  return {{"spin", {spin[0], spin[1], spin[2]}},
-          {"still", unrest.is_still()},
-          {"acceleration", unrest.acceleration},
-          {"acceleration_limit", unrest.acceleration_limit},
-          {"accelerates", unrest.accelerates},
-          {"speed", unrest.speed},
-          {"speed_limit", unrest.speed_limit},
-          {"moves", unrest.moves},
-          {"notes", texts_of(notes)}};
+const Fields<StateFound>& state_fields() {
+  static const Fields<StateFound> kState{
+      {"spin", "rad/s", "axes turn with", [](const StateFound& s) { return s.spin; }},
+      {"still", "", "at rest there", [](const StateFound& s) { return s.unrest.is_still(); }},
+      {"acceleration", "m/s^2", "acceleration", [](const StateFound& s) { return s.unrest.acceleration; }},
+      {"acceleration_limit", "m/s^2", "  limit", [](const StateFound& s) { return s.unrest.acceleration_limit; }},
+      {"accelerates", "", "  of", [](const StateFound& s) { return s.unrest.accelerates; }},
+      {"speed", "m/s", "speed", [](const StateFound& s) { return s.unrest.speed; }},
+      {"speed_limit", "m/s", "  limit", [](const StateFound& s) { return s.unrest.speed_limit; }},
+      {"moves", "", "  of", [](const StateFound& s) { return s.unrest.moves; }}};
+  static const Fields<StateFound> kFields{{"t", "s", "t", &StateFound::t}, {"state", "state", std::identity(), kState}};
+  return kFields;
 }
 
 void rethrow_with_options(const ModelError& error) {

@@ -1,23 +1,28 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the verbs modes, linearize and matrices share: their options, and words on the state.
+// What the commands modes and linearize share: their options, and the state.
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include <lockstep/linearization.h>
-#include "framework/tools/program/commands.h"
+#include "framework/tools/program/options.h"
 
 namespace lockstep {
 
+/// What both take.
+Options motion_command_options();
 /// --spin and --frozen. Throws UsageError.
 LinearMotionOptions motion_options(const Arguments&);
 
-/// Lines on the instant, the axes, the unrest, and what was held.
-std::string state_words(double t, const Vec3& spin, const Unrest&, const std::vector<Finding>& notes);
-/// The same as data.
-nlohmann::ordered_json state_json(const Vec3& spin, const Unrest&, const std::vector<Finding>& notes);
+/// The state of an analysis.
+struct StateFound {
+  double t;
+  Vec3 spin;
+  Unrest unrest;
+};
+/// t, and "state": spin, unrest.
+const Fields<StateFound>& state_fields();
 
 /// Adds to a ModelError which options of the program are the next move.
 [[noreturn]] void rethrow_with_options(const ModelError&);

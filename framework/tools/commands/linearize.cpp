@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The verb linearize: A, B, C, D with named inputs and outputs.
+// The command linearize: A, B, C, D with named inputs and outputs.
 #include <spdlog/fmt/fmt.h>
-
-#include <nlohmann/json.hpp>
 
 #include <lockstep/error.h>
 #include <lockstep/linearization.h>
@@ -12,30 +10,14 @@
 #include "framework/tools/commands/linear_words.h"
 #include "framework/tools/commands/matrix_files.h"
 #include "framework/tools/commands/state_at.h"
-#include "framework/tools/commands/tool_verbs.h"
-#include "framework/tools/program/document.h"
+#include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/program/files.h"
+#include "framework/tools/program/findings.h"
 
 namespace lockstep {
 namespace {
 
 std::string with_unit(const Signal& s) { return s.unit.empty() ? s.name : s.name + " [" + s.unit + "]"; }
-
-nlohmann::ordered_json signals_json(const std::vector<Signal>& signals) {
-  auto all = nlohmann::ordered_json::array();
-  for (const Signal& s : signals) all.push_back({{"name", s.name}, {"unit", s.unit}});
-  return all;
-}
-
-nlohmann::ordered_json matrix_json(const MatX& A) {
-  auto rows = nlohmann::ordered_json::array();
-  for (Eigen::Index i = 0; i < A.rows(); ++i) {
-    auto row = nlohmann::ordered_json::array();
-    for (Eigen::Index j = 0; j < A.cols(); ++j) row.push_back(A(i, j));
-    rows.push_back(std::move(row));
-  }
-  return rows;
-}
 
 // One table: rows are x' and y, columns x and u.
 void write_table(const std::string& file, const StateSpace& s) {
@@ -54,28 +36,41 @@ void write_table(const std::string& file, const StateSpace& s) {
   write_lines(file, lines);
 }
 
-void print_matrix(const char* name, const MatX& A) {
-  constexpr Eigen::Index kMost = 12;
-  fmt::print("  {}  {} x {}\n", name, A.rows(), A.cols());
-  if (A.rows() > kMost || A.cols() > kMost) return;
-  for (Eigen::Index i = 0; i < A.rows(); ++i) {
-    std::string line = "    ";
-    for (Eigen::Index j = 0; j < A.cols(); ++j) line += fmt::format(" {:>13.6g}", A(i, j));
-    fmt::print("{}\n", line);
+struct Linearized {
+  StateFound state;
+  StateSpace space;
+};
+
+std::string small_matrix(const Json& A) {
+  constexpr std::size_t kMost = 12;
+  const std::size_t columns = A.empty() ? 0 : A[0].size();
+  std::string text = fmt::format("{} x {}", A.size(), columns);
+  if (A.size() > kMost || columns > kMost) return text;
+  for (const Json& row : A) {
+    text += "\n ";
+    for (const Json& x : row)
+      text += x.is_null() ? fmt::format(" {:>13}", "-") : fmt::format(" {:>13.6g}", x.get<double>());
   }
+  return text;
 }
 
-std::string names_of_signals(const std::vector<Signal>& signals) {
-  std::vector<std::string> names;
-  for (const Signal& s : signals) names.push_back(with_unit(s));
-  return names.empty() ? "none" : text::join(names, ", ");
+const Fields<Linearized>& linearize_fields() {
+  static const Fields<Signal> kSignal{{"name", "", "name", &Signal::name}, {"unit", "", "unit", &Signal::unit}};
+  static const Fields<StateSpace> kSpace{{"states", "x", &StateSpace::states, kSignal},
+                                         {"inputs", "u", &StateSpace::inputs, kSignal},
+                                         {"outputs", "y", &StateSpace::outputs, kSignal},
+                                         {"A", "", "A", &StateSpace::A, small_matrix},
+                                         {"B", "", "B", &StateSpace::B, small_matrix},
+                                         {"C", "", "C", &StateSpace::C, small_matrix},
+                                         {"D", "", "D", &StateSpace::D, small_matrix},
+                                         // two steps of a central difference of sixth order
+                                         {"accuracy", "", "accuracy of B, C, D", &StateSpace::accuracy}};
+  static const Fields<Linearized> kFields =
+      Fields<Linearized>{}.with(&Linearized::state, state_fields()).with(&Linearized::space, kSpace);
+  return kFields;
 }
 
-}  // namespace
-
-int linearize_command(const Arguments& args) {
-  if (args.has("--json") && !args["--csv"].empty())
-    throw UsageError("--json and --csv: the numbers are printed or written, not both; give one of the two");
+Result linearize_scene(const Arguments& args) {
   const Loaded loaded = load(args);
   if (!args["--csv"].empty()) check_overwrites(args["--csv"], loaded.scene);
   MechanismWithInputs built = build_with_inputs(loaded.scene, loaded.registry, args.all("--inputs"));
@@ -85,29 +80,31 @@ int linearize_command(const Arguments& args) {
   const MechanismAt at = state_at(std::move(built.mechanism), loaded.registry, instant_of(args));
   const StateSpace s = with_words_of_program(
       [&] { return linearize(*at.dynamics, at.state, built.inputs, outputs, motion_options(args)); });
-  if (!args["--csv"].empty()) write_table(args["--csv"], s);
-  if (args.has("--json")) {
-    nlohmann::ordered_json j = {{"scene", loaded.scene.file},
-                                {"t", at.state.t},
-                                {"states", signals_json(s.states)},
-                                {"inputs", signals_json(s.inputs)},
-                                {"outputs", signals_json(s.outputs)},
-                                {"A", matrix_json(s.A)},
-                                {"B", matrix_json(s.B)},
-                                {"C", matrix_json(s.C)},
-                                {"D", matrix_json(s.D)},
-                                {"accuracy", s.accuracy},
-                                {"state", state_json(s.spin, s.unrest, s.notes)}};
-    print_result(j);
-    return kExitOk;
-  }
-  fmt::print("{}\n{}", loaded.title(), state_words(at.state.t, s.spin, s.unrest, s.notes));
-  fmt::print("  x          {}\n  u          {}\n  y          {}\n", names_of_signals(s.states),
-             names_of_signals(s.inputs), names_of_signals(s.outputs));
-  fmt::print("  accuracy   {:.1g} of B, C and D (two steps of a central difference of sixth order)\n", s.accuracy);
-  print_matrix("A", s.A), print_matrix("B", s.B), print_matrix("C", s.C), print_matrix("D", s.D);
-  if (!args["--csv"].empty()) fmt::print("  written    {}\n", args["--csv"]);
-  return kExitOk;
+  CommandFindings::add(s.notes);
+  Result result(loaded, linearize_fields(), Linearized{{at.state.t, s.spin, s.unrest}, s});
+  if (!args["--csv"].empty()) write_table(args["--csv"], s), result.files = {args["--csv"]};
+  return result;
+}
+
+}  // namespace
+
+Command linearize_command() {
+  return {
+      "linearize",
+      "",
+      "",
+      join({motion_command_options(),
+            {Option{"--inputs", "A,B",
+                    "driven links (A, or A.rz of several drives: value, rate and second rate), forces (motor, "
+                    "pad.x), laws (rope.length, table.translation.x)"},
+             Option{"--outputs", "A,B", "channels, as `lockstep check SCENE --channels` lists them"},
+             {"--csv", "FILE.csv", "one table: rows x' and y, columns x and u"}}}),
+      linearize_scene,
+      R"(x' = A x + B u, y = C x + D u. The states are displacements of bodies from the state, one for each freedom, then their rates.
+
+Example:
+  lockstep linearize samples/scenes/mass_spring_damper_fast.json --set bodies.mass_c.velocity.0=0 --set bodies.mass_c.position.0=0 --inputs push_c --outputs mass_c.x,mass_c.ax)",
+      {&linearize_fields().schema()}};
 }
 
 }  // namespace lockstep

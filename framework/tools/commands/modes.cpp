@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The verb modes: frequencies, damping ratios and shapes.
+// The command modes: frequencies, damping ratios and shapes.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include <lockstep/modes.h>
 #include <lockstep/text.h>
 #include "framework/tools/commands/linear_words.h"
 #include "framework/tools/commands/state_at.h"
-#include "framework/tools/commands/tool_verbs.h"
-#include "framework/tools/program/document.h"
+#include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/program/files.h"
+#include "framework/tools/program/findings.h"
 #include "framework/tools/program/growing_file.h"
 #include "framework/tools/program/run_report.h"
 #include "framework/tools/report/modes_page.h"
@@ -61,8 +60,9 @@ std::string amplitude(std::complex<double> z, const char* unit) {
 
 constexpr double kShown = 1e-3;  // of the largest amplitude
 
-// "rod turns 1 about z, moves -0.5 m along x": what moves most, at most `most` bodies.
-std::string shape_words(const Mode& mode, double length, std::size_t most) {
+// "'rod' turns 1 rad about z, -0.5 m along x": the three bodies that move most.
+std::vector<std::string> shape_words(const Mode& mode, double length) {
+  constexpr std::size_t kMost = 3;
   struct Part {
     double size;
     std::string words;
@@ -83,34 +83,10 @@ std::string shape_words(const Mode& mode, double length, std::size_t most) {
     if (!words.empty()) parts.push_back({size, "'" + of.body + "' " + text::join(words, ", ")});
   }
   std::ranges::stable_sort(parts, std::greater{}, &Part::size);
-  std::string out;
-  for (std::size_t k = 0; k < std::min(parts.size(), most); ++k) out += "       " + parts[k].words + "\n";
-  if (parts.size() > most) out += fmt::format("       and {} more\n", parts.size() - most);
+  std::vector<std::string> out;
+  for (std::size_t k = 0; k < std::min(parts.size(), kMost); ++k) out.push_back(parts[k].words);
+  if (parts.size() > kMost) out.push_back(fmt::format("and {} more", parts.size() - kMost));
   return out;
-}
-
-nlohmann::ordered_json complex_json(const Eigen::Vector3cd& z) {
-  auto out = nlohmann::ordered_json::array();
-  for (int k = 0; k < 3; ++k) out.push_back({z[k].real(), z[k].imag()});
-  return out;
-}
-
-nlohmann::ordered_json json_of(const Modes& found) {
-  auto all = nlohmann::ordered_json::array();
-  for (const Mode& m : found.modes) {
-    auto shape = nlohmann::ordered_json::array();
-    for (const BodyShape& of : m.shape)
-      shape.push_back({{"body", of.body}, {"move", complex_json(of.move)}, {"turn", complex_json(of.turn)}});
-    all.push_back({{"kind", word(m.kind)},
-                   {"frequency", m.frequency()},
-                   {"omega", m.omega()},
-                   {"damping", m.damping()},
-                   {"eigenvalue", {m.value.real(), m.value.imag()}},
-                   {"bound", m.bound},
-                   {"stability", stability_of(m)},
-                   {"shape", shape}});
-  }
-  return all;
 }
 
 void write_modes(const std::string& file, const Modes& found) {
@@ -135,33 +111,44 @@ void write_modes(const std::string& file, const Modes& found) {
   out.write(), out.commit();
 }
 
-void print_modes(const Modes& found) {
-  fmt::print("  freedoms   {}\n", found.freedoms);
-  if (found.modes.empty()) {
-    fmt::print("  nothing is free to move: there are no modes\n");
-    return;
-  }
-  const auto rigid = std::ranges::count(found.modes, Mode::Kind::rigid, &Mode::kind);
-  if (found.zeros > 0)
-    fmt::print(
-        "  zeros      {} eigenvalue{} zero (|l| below {:.2g} 1/s is round-off or unrest): {} direction{} in which "
-        "nothing pulls back{}\n",
-        found.zeros, found.zeros == 1 ? " is" : "s are", found.zero_bound, rigid, rigid == 1 ? "" : "s",
-        found.zeros > rigid ? ", in which it can drift" : "");
-  fmt::print("\n  {:>4}  {:>14}  {:>14}  {:>12}  {}\n", "mode", "frequency Hz", "omega rad/s", "damping", "");
-  constexpr std::size_t kMost = 40;
-  for (std::size_t k = 0; k < std::min(found.modes.size(), kMost); ++k) {
-    const Mode& m = found.modes[k];
-    if (m.kind == Mode::Kind::oscillation)
-      fmt::print("  {:>4}  {:>14.8g}  {:>14.8g}  {:>12}  {}\n", k + 1, m.frequency(), m.omega(),
-                 m.is_marginal() ? "0" : fmt::format("{:.6g}", m.damping()), stability_of(m));
-    else
-      fmt::print("  {:>4}  {:>14}  {:>14}  {:>12}  {}{}\n", k + 1, "-", "-", "-", stability_of(m),
-                 m.kind == Mode::Kind::rigid ? "" : fmt::format(": exp({:.8g} 1/s t)", m.value.real()));
-    fmt::print("{}", shape_words(m, found.length, 3));
-  }
-  if (found.modes.size() > kMost) fmt::print("  and {} more (--json and --csv have all)\n", found.modes.size() - kMost);
-  if (!found.complete) fmt::print("  these are the lowest, not all (--count)\n");
+struct FoundModes {
+  StateFound state;
+  Modes found;
+};
+
+const Fields<FoundModes>& modes_fields() {
+  static const Fields<BodyShape> kShape{
+      {"body", "", "", &BodyShape::body}, {"move", "m", "", &BodyShape::move}, {"turn", "rad", "", &BodyShape::turn}};
+  struct Shown {
+    std::size_t number;
+    Mode mode;
+    double length;  // of the mechanism
+  };
+  static const Fields<Shown> kMode{{"mode", "", "mode", &Shown::number},
+                                   {"kind", "", "kind", [](const Shown& m) { return word(m.mode.kind); }},
+                                   {"frequency", "Hz", "frequency", [](const Shown& m) { return m.mode.frequency(); }},
+                                   {"omega", "rad/s", "omega", [](const Shown& m) { return m.mode.omega(); }},
+                                   {"damping", "", "damping", [](const Shown& m) { return m.mode.damping(); }},
+                                   {"eigenvalue", "1/s", "", [](const Shown& m) { return m.mode.value; }},
+                                   {"bound", "1/s", "", [](const Shown& m) { return m.mode.bound; }},
+                                   {"stability", "", "stability", [](const Shown& m) { return stability_of(m.mode); }},
+                                   {"moves", "", "moves", [](const Shown& m) { return shape_words(m.mode, m.length); }},
+                                   {"shape", "", [](const Shown& m) { return m.mode.shape; }, kShape}};
+  static const Fields<Modes> kModes{{"freedoms", "", "degrees of freedom", &Modes::freedoms},
+                                    {"zeros", "", "zero eigenvalues", &Modes::zeros},
+                                    {"zero_bound", "1/s", "  zero below", &Modes::zero_bound},
+                                    {"complete", "", "all modes", &Modes::complete},
+                                    {"length", "m", "", &Modes::length},
+                                    {"modes", "modes",
+                                     [](const Modes& m) {
+                                       std::vector<Shown> all;
+                                       for (const Mode& each : m.modes) all.push_back({all.size() + 1, each, m.length});
+                                       return all;
+                                     },
+                                     kMode}};
+  static const Fields<FoundModes> kFields =
+      Fields<FoundModes>{}.with(&FoundModes::state, state_fields()).with(&FoundModes::found, kModes);
+  return kFields;
 }
 
 // What a line of the list says: "3: 12.5 Hz", "1: rigid".
@@ -200,9 +187,7 @@ void write_modes_report(const std::string& file, const Arguments& args, const Lo
   report::write_modes(file, text, Sample(*at.dynamics, at.state, StepReport{}), *at.mechanism, modes, found.length);
 }
 
-}  // namespace
-
-int modes_command(const Arguments& args) {
+Result analyse_modes(const Arguments& args) {
   const Loaded loaded = load(args);
   ModesOptions options;
   options.count = count_of(args);
@@ -211,23 +196,36 @@ int modes_command(const Arguments& args) {
   const std::string report = args["--report"].empty() ? "" : report_path(args["--report"], args["--csv"], loaded.scene);
   const MechanismAt at = state_at(loaded, instant_of(args));
   const Modes found = with_words_of_program([&] { return find_modes(*at.dynamics, at.state, options); });
+  CommandFindings::add(found.notes);
   if (!args["--csv"].empty()) write_modes(args["--csv"], found);
   if (!report.empty()) write_modes_report(report, args, loaded, at, found);
-  if (args.has("--json")) {
-    nlohmann::ordered_json j = {
-        {"scene", loaded.scene.file},     {"t", at.state.t},
-        {"freedoms", found.freedoms},     {"zeros", found.zeros},
-        {"zero_bound", found.zero_bound}, {"complete", found.complete},
-        {"length", found.length},         {"state", state_json(found.spin, found.unrest, found.notes)},
-        {"modes", json_of(found)}};
-    print_result(j);
-    return kExitOk;
-  }
-  fmt::print("{}\n{}", loaded.title(), state_words(at.state.t, found.spin, found.unrest, found.notes));
-  print_modes(found);
+  Result result(loaded, modes_fields(), FoundModes{{at.state.t, found.spin, found.unrest}, found});
   for (const std::string& file : {args["--csv"], report})
-    if (!file.empty()) fmt::print("  written    {}\n", file);
-  return kExitOk;
+    if (!file.empty()) result.files.push_back(file);
+  return result;
+}
+
+}  // namespace
+
+Command modes_command() {
+  return {
+      "modes",
+      "",
+      "",
+      join({motion_command_options(),
+            {{"--count", "N", "the N lowest; default: all of up to 1200 unknown velocities, the lowest 20 of more"},
+             {"--csv", "FILE.csv", "one row per mode, with its shape"},
+             {"--report", "FILE.html", "one HTML file in which the mechanism swings in each mode"}}}),
+      analyse_modes,
+      R"(The state must be an equilibrium or a steady rotation; what accelerates, and how much, is said where it is none. Modes are in
+space, also of a scene that moves in a plane, unless its key "planar" or --planar names one.
+A shape is scaled so that its largest rotation, or translation over the length of the mechanism, is 1.
+
+With gravity along its arm the pendulum of the samples hangs.
+
+Example:
+  lockstep modes samples/scenes/pendulum.json --set gravity.0=9.81 --set gravity.1=0)",
+      {&modes_fields().schema()}};
 }
 
 }  // namespace lockstep

@@ -5,10 +5,9 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include <lockstep/dynamics.h>
 #include <lockstep/recorder.h>
+#include "framework/tools/program/result.h"
 
 namespace lockstep {
 
@@ -18,8 +17,8 @@ struct NamedReaction {
   LinkWrench wrench;       ///< world axes
 };
 
-/// Of all links in force.
-std::vector<NamedReaction> reactions_of(const System&, const Evaluated&);
+/// Of all links in force, by their names.
+std::vector<std::pair<std::string, NamedReaction>> reactions_of(const System&, const Evaluated&);
 
 /// Columns of the poses of all bodies that move and of all links' reactions, named as channels are: "crank.x",
 /// "A.force_on_p_world_x".
@@ -27,10 +26,10 @@ std::vector<Column> pose_columns(const System&);
 /// Their numbers. Of links that are not in force they are zero.
 std::vector<double> pose_row(const System&, const State&, const Evaluated&);
 
-/// The same as text in lines, and as JSON.
-std::string pose_text(const System&, const State&);
-std::string reaction_text(const System&, const Evaluated&);
-nlohmann::ordered_json pose_json(const System&, const State&);
-nlohmann::ordered_json reaction_json(const System&, const Evaluated&);
+/// Poses by the names of bodies that move, and reactions by the names of links and drives, as results have them.
+using NamedPoses = std::vector<std::pair<std::string, Pose>>;
+NamedPoses poses_of(const System&, const State&);
+const Fields<Pose>& pose_fields();
+const Fields<NamedReaction>& reaction_fields();
 
 }  // namespace lockstep

@@ -53,6 +53,10 @@ MechanismAt state_at(const Loaded& loaded, double t) {
   return state_at(std::make_unique<Mechanism>(build_mechanism(loaded.scene, loaded.registry)), loaded.registry, t);
 }
 
+std::string word_of(RowKind kind) {
+  return kind == RowKind::translation ? "translation" : kind == RowKind::rotation ? "rotation" : "function";
+}
+
 Vec3 read_vector(const std::string& option, const std::string& text) {
   std::array<double, 3> x{};
   const char *at = text.data(), *const end = at + text.size();

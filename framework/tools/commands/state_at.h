@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A state of a scene's mechanism at an instant, for the verbs that analyse one.
+// A state of a scene's mechanism at an instant, for the commands that analyse one.
 #pragma once
 
 #include <memory>
@@ -28,6 +28,9 @@ State run_to(Mechanism&, const Registry&, double t);
 MechanismAt state_at(std::unique_ptr<Mechanism>, const Registry&, double t);
 /// Builds the mechanism of a loaded scene, then as above.
 MechanismAt state_at(const Loaded&, double t);
+
+/// "translation", "rotation", "function".
+std::string word_of(RowKind);
 
 /// [1, 0, 0] of "1,0,0": three numbers with commas. Throws UsageError naming `option`.
 Vec3 read_vector(const std::string& option, const std::string& text);

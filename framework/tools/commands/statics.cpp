@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The verb statics: where a scene rests under its loads.
+// The command statics: where a scene rests under its loads.
 #include <spdlog/fmt/fmt.h>
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numbers>
 #include <optional>
 
@@ -15,8 +14,7 @@
 #include "framework/foundation/support/thrown.h"
 #include "framework/tools/commands/pose_columns.h"
 #include "framework/tools/commands/state_at.h"
-#include "framework/tools/commands/tool_verbs.h"
-#include "framework/tools/program/document.h"
+#include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/findings.h"
 #include "framework/tools/program/growing_file.h"
@@ -26,8 +24,6 @@
 
 namespace lockstep {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// A scene at rest. It stays where it is in memory.
 struct Resting {
@@ -65,81 +61,94 @@ struct Resting {
   VecX none_;
 };
 
-std::string frequency_text(double stiffness) {
-  const double omega = std::sqrt(std::abs(stiffness));
-  return stiffness >= 0 ? fmt::format("{:.6g} rad/s ({:.6g} Hz)", omega, omega / (2 * std::numbers::pi))
-                        : fmt::format("grows by a factor e in {:.3g} s", 1 / omega);
+/// What is found of it.
+struct AtRest {
+  EquilibriumReport report;
+  NamedPoses poses;
+  std::vector<std::pair<std::string, NamedReaction>> reactions;
+  int found = 1;  // by how many starts
+};
+AtRest found_of(Resting& r) {
+  CommandFindings::add(r.report.notes);
+  return {r.report, poses_of(r.m.system, r.state), reactions_of(r.m.system, r.values())};
 }
 
-std::string stability_text(const Stability& s) {
-  std::string text = fmt::format("  {:<12} ", to_string(s.kind));
-  if (s.kind == Stability::Kind::not_judged) return text + "too many unknowns for dense matrices\n";
-  text += s.freedoms == 0 ? "nothing is free to move"
-                          : fmt::format("{} free motion{}", s.freedoms, s.freedoms == 1 ? "" : "s");
-  if (s.softest > 0) text += ", the softest without damping at " + frequency_text(s.softest);
-  if (!s.has_potential) text += "; the loads have no potential: damping may decide";
-  text += "\n";
-  for (const FreeMotion& m : s.unstable)
-    text += fmt::format("  unstable     {}: {}\n", m.words, frequency_text(m.stiffness));
-  for (const FreeMotion& m : s.neutral) text += fmt::format("  not held     {}\n", m.words);
-  return text;
+// "8.1 rad/s (1.3 Hz)" of a stiffness.
+std::string frequency_text(const Json& stiffness) {
+  const double k = stiffness.is_null() ? 0 : stiffness.get<double>(), omega = std::sqrt(std::abs(k));
+  if (k == 0) return "";
+  return k > 0 ? fmt::format("{:.6g} rad/s ({:.6g} Hz) without damping", omega, omega / (2 * std::numbers::pi))
+               : fmt::format("grows by a factor e in {:.3g} s", 1 / omega);
 }
 
-Json motions_json(const std::vector<FreeMotion>& motions) {
-  Json all = Json::array();
-  for (const FreeMotion& m : motions)
-    all.push_back({{"motion", m.words}, {"stiffness", m.stiffness}, {"zero_below", m.bound}});
-  return all;
+const Fields<EquilibriumReport>& report_fields() {
+  using Report = EquilibriumReport;
+  static const Fields<FreeMotion> kMotion{{"motion", "", "moves", &FreeMotion::words},
+                                          {"stiffness", "1/s^2", "frequency", &FreeMotion::stiffness, frequency_text},
+                                          {"zero_below", "1/s^2", "", &FreeMotion::bound}};
+  static const Fields<GripReport> kGrip{{"force", "", "of", &GripReport::force},
+                                        {"what", "", "what", &GripReport::what},
+                                        {"carries", "", "carries", &GripReport::carries},
+                                        {"most", "", "at most", &GripReport::most},
+                                        {"unit", "", "unit", &GripReport::unit}};
+  static const Fields<Stability> kStability{
+      {"stability", "", "stability", [](const Stability& s) { return to_string(s.kind); }},
+      {"freedoms", "", "degrees of freedom", &Stability::freedoms},
+      {"softest", "1/s^2", "softest motion", &Stability::softest, frequency_text},
+      {"has_potential", "", "potential", &Stability::has_potential,
+       [](const Json& v) { return v.get<bool>() ? std::string() : "the loads have none: damping may decide"; }},
+      {"unstable", "grows", &Stability::unstable, kMotion},
+      {"not_held", "held by nothing", &Stability::neutral, kMotion}};
+  static const Fields<Report> kFields = Fields<Report>{
+      {"method", "", "equilibrium", &Report::method},
+      {"by_friction", "", "held by friction", &Report::by_friction},
+      {"relaxed", "", "", &Report::relaxed},
+      {"iterations", "", "", &Report::iterations},
+      {"relaxation_steps", "", "", &Report::relaxation_steps},
+      {"unbalanced", "", "unbalanced share", &Report::unbalanced},
+      {"largest_force", "N", "largest force", &Report::largest_force},
+      {"largest_move", "m", "largest move", &Report::largest_move},
+      {"moved_most", "", "  of", &Report::moved_most},
+      {"friction", "friction", &Report::grips, kGrip},
+      {"left", "", "unstable and left", &Report::left},
+      {"pressed", "", "pressed", &Report::pressed},
+      {"free", "", "free (one-sided)",
+       &Report::free}}.with(&Report::stability, kStability);
+  return kFields;
 }
 
-Json grips_json(const std::vector<GripReport>& grips) {
-  Json all = Json::array();
-  for (const GripReport& g : grips)
-    all.push_back({{"force", g.force}, {"what", g.what}, {"carries", g.carries}, {"most", g.most}, {"unit", g.unit}});
-  return all;
+const Fields<AtRest>& rest_fields() {
+  static const Fields<AtRest> kFields =
+      Fields<AtRest>{}
+          .with(&AtRest::report, report_fields())
+          .with(std::identity(),
+                Fields<AtRest>{{"found", "", "", &AtRest::found},
+                               {"bodies", "bodies", &AtRest::poses, pose_fields()},
+                               {"reactions", "reactions at P, world", &AtRest::reactions, reaction_fields()}});
+  return kFields;
 }
 
-Json report_json(Resting& r) {
-  const EquilibriumReport& e = r.report;
-  CommandFindings::add(e.notes);
-  return {{"method", e.method()},
-          {"by_friction", e.by_friction},
-          {"relaxed", e.relaxed},
-          {"iterations", e.iterations},
-          {"relaxation_steps", e.relaxation_steps},
-          {"unbalanced", e.unbalanced},
-          {"largest_force", e.largest_force},
-          {"largest_move", e.largest_move},
-          {"stability", to_string(e.stability.kind)},
-          {"freedoms", e.stability.freedoms},
-          {"softest", e.stability.softest},
-          {"unstable", motions_json(e.stability.unstable)},
-          {"not_held", motions_json(e.stability.neutral)},
-          {"friction", grips_json(e.grips)},
-          {"left", e.left},
-          {"pressed", e.pressed},
-          {"free", e.free},
-          {"notes", texts_of(e.notes)},
-          {"bodies", pose_json(r.m.system, r.state)},
-          {"reactions", reaction_json(r.m.system, r.values())}};
+/// Of --all.
+struct AllAtRest {
+  int starts = 0, failed = 0;
+  std::vector<AtRest> all;
+};
+const Fields<AllAtRest>& all_fields() {
+  static const Fields<AllAtRest> kFields{{"starts", "", "starts", &AllAtRest::starts},
+                                         {"failed", "", "led nowhere", &AllAtRest::failed},
+                                         {"equilibria", "equilibrium", &AllAtRest::all, rest_fields()}};
+  return kFields;
 }
 
-void print(const Loaded& loaded, Resting& r) {
-  const EquilibriumReport& e = r.report;
-  fmt::print("{}\n  equilibrium  {}", loaded.title(), e.method());
-  if (!e.by_friction) fmt::print("; unbalanced {:.2g} of the largest force, {:.4g} N", e.unbalanced, e.largest_force);
-  fmt::print("\n");
-  fmt::print("{}", stability_text(e.stability));
-  for (const GripReport& g : e.grips)
-    if (e.by_friction)
-      fmt::print("  friction     '{}' ({}) carries {:.6g} of {:.6g} {}\n", g.force, g.what, g.carries, g.most, g.unit);
-  if (e.largest_move > 0) fmt::print("  moved        '{}' by {:.6g} m, most of all\n", e.moved_most, e.largest_move);
-  for (const std::string& words : e.left) fmt::print("  left         a position that is unstable: {}\n", words);
-  if (!e.pressed.empty()) fmt::print("  pressed      {}\n", text::join(e.pressed));
-  if (!e.free.empty()) fmt::print("  free         {} (one-sided)\n", text::join(e.free));
-  for (const Finding& note : e.notes) fmt::print("  note         {}\n", note.text());
-  fmt::print("bodies:\n{}reactions at P, world axes:\n{}", pose_text(r.m.system, r.state),
-             reaction_text(r.m.system, r.values()));
+/// Of --vary.
+struct Varied {
+  std::size_t found = 0;
+  long failed = 0;
+};
+const Fields<Varied>& varied_fields() {
+  static const Fields<Varied> kFields{{"equilibria", "", "equilibria", &Varied::found},
+                                      {"failed", "", "failed", &Varied::failed}};
+  return kFields;
 }
 
 /// The table of one equilibrium a row: values of the variables, what was found, poses and reactions.
@@ -205,7 +214,7 @@ class Rows {
   std::optional<GrowingFile> file_;
 };
 
-int vary(const Arguments& args, const Loaded& loaded) {
+Result vary(const Arguments& args, const Loaded& loaded) {
   std::vector<Variable> variables;
   try {
     variables = read_variables(args.all("--vary"), loaded.scene, loaded.registry);
@@ -241,66 +250,80 @@ int vary(const Arguments& args, const Loaded& loaded) {
     }
   }
   rows.commit();
-  if (rows && path)
-    fmt::print("{}\n  equilibria {}, {} failed\n  files      {}\n", loaded.title(), path->table().n_rows(), failed,
-               args["--record"]);
-  return failed > 0 ? kExitFailure : kExitOk;
+  Result result;
+  if (rows && path) {
+    result = {loaded, varied_fields(), {path->table().n_rows(), failed}};
+    result.files = {args["--record"]};
+  }
+  result.code = failed > 0 ? kExitFailure : kExitOk;
+  return result;
 }
 
 /// All equilibria that random starts lead to.
-int find_all(const Arguments& args, const Loaded& loaded) {
+Result find_all(const Arguments& args, const Loaded& loaded) {
   constexpr int kMostStarts = 1'000'000;
   const int starts = whole_number("--all", args["--all"], kMostStarts);
   Resting first(loaded.scene, loaded.registry);
   first.begin(args);
-  EquilibriaReport found = find_equilibria(first.dynamics, first.state, {.starts = starts});
-  Json all = Json::array();
-  if (!args.has("--json"))
-    fmt::print("{}\n  equilibria   {}, from {} starts, of which {} led nowhere\n", loaded.title(), found.all.size(),
-               found.starts, found.failed);
-  int number = 0;
-  for (Equilibrium& e : found.all) {
+  EquilibriaReport report = find_equilibria(first.dynamics, first.state, {.starts = starts});
+  AllAtRest found{report.starts, report.failed, {}};
+  for (Equilibrium& e : report.all) {
     first.state = std::move(e.state), first.report = std::move(e.report);
-    if (args.has("--json")) {
-      all.push_back(report_json(first));
-      all.back()["found"] = e.found;
-      continue;
-    }
-    fmt::print("equilibrium {}, found {} time{}:\n{}{}", ++number, e.found, e.found == 1 ? "" : "s",
-               stability_text(first.report.stability), pose_text(first.m.system, first.state));
+    found.all.push_back(found_of(first));
+    found.all.back().found = e.found;
   }
-  if (args.has("--json")) print_result(Json({{"starts", found.starts}, {"failed", found.failed}, {"equilibria", all}}));
-  return kExitOk;
+  return {loaded, all_fields(), found};
 }
 
-}  // namespace
-
-int statics_command(const Arguments& args) {
+Result find_rest(const Arguments& args) {
   const Loaded loaded = load(args);
-  if (!args["--record"].empty()) check_overwrites(args["--record"], loaded.scene);
+  const std::string& record = args["--record"];
+  if (!record.empty()) check_overwrites(record, loaded.scene);
   if (args.has("--json") && !args.all("--vary").empty())
     throw UsageError("--json: with --vary the rows are CSV; leave one of the two out");
-  if (!args["--all"].empty() && (!args.all("--vary").empty() || !args["--record"].empty()))
+  if (!args["--all"].empty() && (!args.all("--vary").empty() || !record.empty()))
     throw UsageError("--all: it prints every equilibrium, and goes with neither --vary nor --record");
   if (!args["--all"].empty()) return find_all(args, loaded);
   if (!args.all("--vary").empty()) return vary(args, loaded);
   Resting resting(loaded.scene, loaded.registry);
   resting.find(args, nullptr, true);
-  if (!args["--record"].empty()) {
-    Rows rows(args["--record"]);
-    Path path({}, resting.m.system);
-    const Table& table = path.add({}, resting);
-    std::string text;
-    append_csv_header(text, table);
-    append_csv_row(text, table, 0);
-    rows.write(text);
-    rows.commit();
-  }
-  if (args.has("--json"))
-    print_result(report_json(resting));
-  else
-    print(loaded, resting);
-  return kExitOk;
+  Result result(loaded, rest_fields(), found_of(resting));
+  if (record.empty()) return result;
+  Rows rows(record);
+  Path path({}, resting.m.system);
+  const Table& table = path.add({}, resting);
+  std::string text;
+  append_csv_header(text, table);
+  append_csv_row(text, table, 0);
+  rows.write(text);
+  rows.commit();
+  result.files = {record};
+  return result;
+}
+
+}  // namespace
+
+Command statics_command() {
+  return {
+      "statics",
+      "",
+      "",
+      join({scene_options(),
+            {kJson,
+             {"--at", "T", "the instant at which laws and drives are taken, s; default 0"},
+             {"--nearest", "", "take the equilibrium that is met first, stable or not"},
+             Option{"--all", "N", "look from N random starts for all equilibria, unstable ones too"}.without(
+                 "--nearest"),
+             Option{"--vary", "NAME=...",
+                    "NAME=a:b:n or NAME=v1,v2,...: the path over a parameter, one CSV row each, from the "
+                    "equilibrium before"}
+                 .repeated(),
+             {"--record", "FILE.csv", "write poses and reactions as CSV"}}}),
+      find_rest,
+      "Newton's method goes downhill, from far away too; where it fails, dynamic relaxation goes on. Velocities are "
+      "zero, drives hold their coordinates.\n\n"
+      "Example:\n  lockstep statics samples/scenes/double_pendulum.json",
+      {&rest_fields().schema(), &all_fields().schema(), &varied_fields().schema()}};
 }
 
 }  // namespace lockstep

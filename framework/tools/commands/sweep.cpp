@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The verb sweep: a scene run many times with other values, one row a run.
+// The command sweep: a scene run many times with other values, one row a run.
 #include <lockstep/log.h>
 #include <lockstep/sweep.h>
 #include <lockstep/text.h>
@@ -11,7 +11,6 @@
 #include <chrono>
 #include <filesystem>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <thread>
@@ -24,15 +23,13 @@
 #include "framework/tools/commands/sweep_plan.h"
 #include "framework/tools/commands/sweep_rest.h"
 #include "framework/tools/commands/threads.h"
-#include "framework/tools/commands/tool_verbs.h"
-#include "framework/tools/program/document.h"
+#include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/findings.h"
 #include "framework/tools/program/growing_file.h"
 #include "framework/tools/program/progress.h"
 #include "framework/tools/program/run_report.h"
 #include "framework/tools/program/terminal.h"
-#include "framework/tools/program/words.h"
 #include "framework/tools/sweep/sweep_lanes.h"
 #include "framework/tools/sweep/watched_run.h"
 
@@ -56,24 +53,48 @@ Table without_units(const Table& table) {
   return plain;
 }
 
-// A run as an object: the values that it has, and what they gave.
-nlohmann::ordered_json sweep_json(long number, const std::vector<Variable>& variables,
-                                  const std::vector<std::size_t>& choice, const Table& columns, const SweepRun& run) {
-  using nlohmann::ordered_json;
-  ordered_json j = {{"run", number}, {"status", run.outcome()}, {"values", ordered_json::object()}};
-  for (std::size_t k = 0; k < variables.size(); ++k)
-    j["values"][variables[k].path] = ordered_json::parse(write_json(variables[k].values[choice[k]]));
-  j["findings"] = findings_json(run.findings);
-  j["steps"] = run.steps, j["cpu"] = run.cpu, j["columns"] = ordered_json::object();
-  if (run.failed) return j;
-  j["t"] = run.t;
-  j["energy"] = {{"verdict", run.energy}, {"imbalance", json_number(run.imbalance)}};
-  j["drift"] = {{"violation", json_number(run.violation)}, {"drifted", run.drifted}};
-  for (std::size_t k = 0; k < run.columns.size(); ++k)
-    j["columns"][columns.columns()[k + 1].name] = {{"final", json_number(run.columns[k].last)},
-                                                   {"min", json_number(run.columns[k].least)},
-                                                   {"max", json_number(run.columns[k].most)}};
-  return j;
+/// A run as results have it.
+struct SweepRow {
+  long number;
+  std::vector<std::pair<std::string, std::string>> values;  // JSON
+  std::vector<std::string> columns;                         // their names
+  SweepRun run;
+};
+
+const Fields<SweepRow>& row_fields() {
+  using Row = SweepRow;
+  using Ends = std::vector<std::pair<std::string, ColumnRange>>;
+  static const Fields<ColumnRange> kEnds{
+      {"final", "", "", &ColumnRange::last}, {"min", "", "", &ColumnRange::least}, {"max", "", "", &ColumnRange::most}};
+  static const Fields<Row> kEnergy{{"verdict", "", "", [](const Row& r) { return r.run.energy; }},
+                                   {"imbalance", "", "", [](const Row& r) { return r.run.imbalance; }}};
+  static const Fields<Row> kDrift{{"violation", "m", "", [](const Row& r) { return r.run.violation; }},
+                                  {"drifted", "", "", [](const Row& r) { return r.run.drifted; }}};
+  const auto done = [](const Row& r) { return r.run.failed ? std::nullopt : std::optional(r); };
+  static const Fields<Row> kFields{
+      {"run", "", "", &Row::number},
+      {"status", "", "", [](const Row& r) { return r.run.outcome(); }},
+      {"values", "", "",
+       [](const Row& r) {
+         Json all = Json::object();
+         for (const auto& [name, value] : r.values) all[name] = Json::parse(value);
+         return all;
+       }},
+      {"findings", "", [](const Row& r) { return r.run.findings; }, finding_fields()},
+      {"steps", "", "", [](const Row& r) { return r.run.steps; }},
+      {"cpu", "s", "", [](const Row& r) { return r.run.cpu; }},
+      {"columns", "",
+       [](const Row& r) {
+         Ends all;
+         for (std::size_t k = 0; k < r.run.columns.size() && !r.run.failed; ++k)
+           all.emplace_back(r.columns[k], r.run.columns[k]);
+         return all;
+       },
+       kEnds},
+      Field<Row>("t", "s", "", [](const Row& r) { return r.run.failed ? NAN : r.run.t; }).optional(),
+      Field<Row>("energy", "", done, kEnergy).optional(),
+      Field<Row>("drift", "", done, kDrift).optional()};
+  return kFields;
 }
 
 std::string table_path(const Arguments& args, Shard shard) {
@@ -90,9 +111,10 @@ void make_folder(const std::string& folder) {
 }
 
 struct Tally {
-  nlohmann::ordered_json runs = nlohmann::ordered_json::array();  // with --json
-  long done = 0, failed = 0, wrong = 0, kept = 0, histories = 0, in_lanes = 0;
-  std::string alone{};  // why the mechanism does not run in lanes
+  std::vector<SweepRow> runs{};  // with --json
+  long asked = 0, done = 0, failed = 0, wrong = 0, kept = 0, histories = 0, in_lanes = 0;
+  std::string share{}, alone{};      // "2/8"; why the mechanism does not run in lanes
+  std::vector<std::string> notes{};  // on the report
   std::map<std::string_view, std::pair<Finding, long>>
       found{};  // by code: the first warning, and how many runs have one
 };
@@ -255,8 +277,7 @@ class Sweep {
     const long n = number(done.k);
     rows_.append(sweep_row(n, plan_.variables, plan_.grid.at(n), plan_.columns, done.run));
     rows_.write();
-    if (plan_.arguments.has("--json"))
-      tally_.runs.push_back(sweep_json(n, plan_.variables, plan_.grid.at(n), plan_.columns, done.run));
+    if (plan_.arguments.has("--json")) tally_.runs.push_back(row(n, done.run));
     if (done.in_lanes) ++tally_.in_lanes;
     if (done.kept) ++tally_.histories;
     ++tally_.done;
@@ -268,6 +289,14 @@ class Sweep {
         ++tally_.found.try_emplace(f.code(), f, 0).first->second.second;
   }
 
+  SweepRow row(long n, const SweepRun& run) const {
+    SweepRow row{n, {}, plan_.columns.names(), run};
+    row.columns.erase(row.columns.begin());  // t
+    const std::vector<std::size_t> choice = plan_.grid.at(n);
+    for (std::size_t k = 0; k < choice.size(); ++k)
+      row.values.emplace_back(plan_.variables[k].path, write_json(plan_.variables[k].values[choice[k]]));
+    return row;
+  }
   long number(long k) const { return Grid::run(plan_.shard, k); }
   std::function<bool(double)> watch_time(std::atomic<double>& share, double until, double n) {
     return [this, &share, until, n](double t) {
@@ -311,34 +340,19 @@ class Sweep {
   std::vector<std::atomic<double>> under_way_;  // of each thread: runs that it has begun, as far as they have come
 };
 
-void print_heading(const SweepPlan& plan, long n, const Words& words) {
-  words.say("{}\n", plan.loaded.title());
-  const std::string share =
-      plan.shard.count > 1 ? fmt::format(" of {}, share {}/{}", plan.grid.n_runs(), plan.shard.index, plan.shard.count)
-                           : "";
-  words.say("  runs       {}{}\n", n, share);
-}
-
-void print_end(const SweepPlan& plan, const Tally& tally, const std::string& csv, const Words& words) {
-  words.say("  done       {}, {} failed\n", tally.done, tally.failed);
-  if (tally.kept > 0) words.say("             {} of them before, when it was interrupted\n", tally.kept);
-  if (tally.wrong > 0)
-    words.say("  NOT CONSERVED  or drifted: {} of the runs; see the columns energy and violation\n", tally.wrong);
-  if (tally.in_lanes > 0) words.say("             {} of them eight at a time, in vector lanes\n", tally.in_lanes);
-  if (tally.in_lanes == 0 && !tally.alone.empty()) words.say("             one by one: {}\n", tally.alone);
-  words.say("  files      {} ({} rows)\n", csv == "-" ? "the rows on standard output" : csv, tally.done);
-  if (tally.histories > 0)
-    words.say("             {} ({} histories)\n", plan.arguments["--histories"], tally.histories);
-}
-
-void print_json(const SweepPlan& plan, const Tally& tally, const std::string& csv) {
-  const nlohmann::ordered_json j = {{"scene", plan.loaded.scene.file},
-                                    {"title", plan.loaded.title()},
-                                    {"done", tally.done},
-                                    {"failed", tally.failed},
-                                    {"file", csv},
-                                    {"runs", tally.runs}};
-  print_result(j);
+const Fields<Tally>& sweep_fields() {
+  static const Fields<Tally> kFields{{"asked", "", "runs", &Tally::asked},
+                                     {"share", "", "share", &Tally::share},
+                                     {"done", "", "done", &Tally::done},
+                                     {"failed", "", "failed", &Tally::failed},
+                                     {"wrong", "", "not conserved or drifted", &Tally::wrong, unless_zero},
+                                     {"kept", "", "done before", &Tally::kept, unless_zero},
+                                     {"in_lanes", "", "eight at a time, in lanes", &Tally::in_lanes, unless_zero},
+                                     {"one_by_one", "", "one by one", &Tally::alone},
+                                     {"histories", "", "histories", &Tally::histories, unless_zero},
+                                     {"notes", "", "report", &Tally::notes},
+                                     {"runs", "", &Tally::runs, row_fields()}};
+  return kFields;
 }
 
 // Rows survive an error and an interruption: the file that grew stays, and the message names it.
@@ -359,7 +373,7 @@ Tally run_and_commit(Sweep& sweep, GrowingFile& rows) {
 
 // The first variable of numbers against the first result.
 void write_report(const SweepPlan& plan, const Tally& tally, const std::string& csv, const std::string& report,
-                  const report::Histories* motions, const Words& words) {
+                  const report::Histories* motions, std::vector<std::string>& notes) {
   const Variable& v = plan.variables.front();
   const std::vector<Column>& columns = plan.columns.columns();
   const Column result = columns.size() > 1 ? columns[1] : columns.front();
@@ -375,17 +389,14 @@ void write_report(const SweepPlan& plan, const Tally& tally, const std::string& 
         "", fmt::format("Of the {} runs before the interruption the page has no curves; the folder has.", tally.kept));
   write_runs_report(report, text, contents_of(csv), column_title({v.path, v.unit, {}}),
                     column_title({result.name + " final", result.unit, {}}), false, motions);
-  words.say("             {}{}\n", report, left_out.empty() ? "" : " (of the histories it keeps " + left_out + ")");
+  if (!left_out.empty()) notes.push_back("of the histories it keeps " + left_out);
   if (motions != nullptr && tally.kept > 0)
-    words.say("             without curves of the {} runs before the interruption; {} has them\n", tally.kept,
-              plan.arguments["--histories"]);
+    notes.push_back(fmt::format("without curves of the {} runs before the interruption; {} has them", tally.kept,
+                                plan.arguments["--histories"]));
 }
 
-}  // namespace
-
-int sweep_command(const Arguments& args) {
+Result sweep_scene(const Arguments& args) {
   if (args.has("--quiet")) set_logger(nullptr);
-  const Words words(args);
   if (args["--record"] == "-" && !args["--report"].empty())
     throw UsageError("--report: it is made from the rows, which go to standard output; give --record a file");
   const SweepPlan plan = make_sweep_plan(args);
@@ -396,26 +407,82 @@ int sweep_command(const Arguments& args) {
   GrowingFile rows(csv);
   const Interrupt interrupt;
   Sweep sweep(plan, rows, interrupt);
-  print_heading(plan, sweep.n_runs(), words);
-  const Tally tally = run_and_commit(sweep, rows);
+  Tally tally = run_and_commit(sweep, rows);
+  tally.asked = sweep.n_runs();
+  if (plan.shard.count > 1)
+    tally.share = fmt::format("{}/{} of {}", plan.shard.index, plan.shard.count, plan.grid.n_runs());
+  if (tally.in_lanes > 0) tally.alone.clear();
   for (const auto& [code, of] : tally.found)
     if (!args.has("--quiet"))
       tell(fmt::format("lockstep: warning: {}{}\n", of.first.text(),
                        of.second > 1 ? fmt::format(" (in {} runs)", of.second) : ""));
   const bool interrupted = tally.done < sweep.n_runs();  // what is there replaces nothing then
   const std::string table = interrupted && csv != "-" ? rows.partial() : csv;
-  if (args.has("--json"))
-    print_json(plan, tally, table);
-  else
-    print_end(plan, tally, table, words);
   if (!report.empty())
-    write_report(plan, tally, table, interrupted ? unfinished_report(report) : report, sweep.motions(), words);
-  if (interrupted) {
+    write_report(plan, tally, table, interrupted ? unfinished_report(report) : report, sweep.motions(), tally.notes);
+  Result result(plan.loaded, sweep_fields(), tally);
+  result.files = {table};
+  if (!report.empty()) result.files.push_back(interrupted ? unfinished_report(report) : report);
+  if (interrupted)
     tell(fmt::format("lockstep: interrupted; the rows of {} of {} runs are in {}{}\n", tally.done, sweep.n_runs(),
                      rows.partial(), rows.in_place() ? "" : "; the same command with --resume goes on"));
-    return kExitInterrupted;
-  }
-  return tally.failed > 0 ? kExitFailure : tally.wrong > 0 ? kExitNotConserved : kExitOk;
+  result.code = interrupted        ? kExitInterrupted
+                : tally.failed > 0 ? kExitFailure
+                : tally.wrong > 0  ? kExitNotConserved
+                                   : kExitOk;
+  return result;
+}
+
+}  // namespace
+
+Command sweep_command() {
+  return {
+      "sweep",
+      "",
+      "",
+      join(
+          {settings_options(),
+           {Option{"--vary", "NAME=...", "NAME=a:b:n, n values evenly from a to b, or NAME=v1,v2,...; may be repeated"}
+                .needed()
+                .repeated(),
+            {"--shard", "i/n", "only every n-th run, from the i-th on; i counts from 1"},
+            {"--record", "FILE.csv",
+             "the CSV file; default: <scene>_sweep.csv or <scene>_sweep_<i>of<n>.csv, in LOCKSTEP_OUTPUT or here; "
+             "-: standard output, and words to standard error"},
+            {"--report", "FILE.html",
+             "one HTML file that shows each run as a point, by any two columns; with --histories a click shows its "
+             "curves and its motion"},
+            Option{"--lanes", "MODE", "auto: eight runs at once if the mechanism is suited; off: one by one"}.among(
+                "auto,off"),
+            {"--jobs", "N",
+             "threads that compute runs, 1 to 1024; default: the processors that the program may use, 1 with "
+             "--shard. Laws, links and forces of plugins that share data among runs need --jobs 1"},
+            {"--histories", "DIR", "folder for the columns of each run, <its number>.csv"},
+            kHeaders,
+            {"--quiet", "", "print errors only"},
+            kJson.without("--quiet"),
+            Option{"--resume", "", "go on where the same sweep was interrupted or killed: the rows that are there stay"}
+                .without("--json")}}),
+      sweep_scene,
+      R"(NAME is a parameter of the scene, or a path into it: bodies.arm.mass, links.A.drive.law.slope, gravity.1, run.tolerance; an item of a
+list is given by its name or by its number, counted from 0. Units are those of scenes: bodies.arm.mass=200g:1kg:5.
+Several --vary make the full grid. Each run is one row: its number, the values, final, min and max of each recorded
+column, the verdict on its energy with the imbalance, its largest violation, steps, CPU seconds, status. A run that
+fails is a row with its reason, and the exit code is 1; 9 where a run did not conserve energy or drifted. In lanes the
+energy is not judged where a law may move a link (--lanes off). Ctrl-C keeps the rows so far; --resume goes on.
+
+Example:
+  lockstep sweep pendulum.json --vary bodies.rod.rod.mass=1:5:100 --vary gravity.1=-9.81,-1.62 --record moon.csv
+Runs are shared out to all processors that the program may use (--jobs); shards share them out to several machines.
+With GNU parallel, eight shards (units without blanks):
+  parallel lockstep sweep pendulum.json --vary bodies.rod.rod.mass=1:5:100 --quiet --shard {}/8 --record mass_{}.csv ::: $(seq 8)
+Under Slurm, sbatch of a script with these lines:
+  #SBATCH --array=1-8
+  i=$SLURM_ARRAY_TASK_ID n=$SLURM_ARRAY_TASK_COUNT
+  lockstep sweep pendulum.json --vary bodies.rod.rod.mass=1:5:100 --quiet --shard $i/$n --record mass_$i.csv
+The shares have one header. One table in the order of the whole grid is made by
+  awk 'FNR > 1 || NR == 1' mass_*.csv | sort -t , -k 1,1n > mass.csv)",
+      {&sweep_fields().schema()}};
 }
 
 }  // namespace lockstep

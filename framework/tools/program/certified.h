@@ -5,7 +5,7 @@
 #include <string>
 
 #include <lockstep/recorder.h>
-#include "framework/tools/program/commands.h"
+#include "framework/tools/program/result.h"
 
 namespace lockstep {
 
@@ -18,6 +18,6 @@ struct CertifiedRun {
 using Certify = CertifiedRun (*)(const Loaded&, const Arguments&, const RunSettings& run, const Table& table);
 
 /// `run`, and the certificate after it.
-int run_and_certify(const Arguments&, Certify);
+Result run_and_certify(const Arguments&, Certify);
 
 }  // namespace lockstep

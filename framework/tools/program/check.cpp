@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <new>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,12 +16,12 @@
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/check_tree.h"
-#include "framework/tools/program/commands.h"
-#include "framework/tools/program/document.h"
 #include "framework/tools/program/frames_taken.h"
 #include "framework/tools/program/mobility_findings.h"
+#include "framework/tools/program/options.h"
 #include "framework/tools/program/run_warnings.h"
 #include "framework/tools/program/terminal.h"
+#include "framework/tools/program/tools.h"
 #include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {
@@ -128,40 +127,34 @@ std::string owner_of(const ChannelHelp& channel, const System& system) {
   return owner.empty() ? "the whole mechanism" : owner;
 }
 
-// `of`: the name of what they belong to; "" for all.
-void list_channels(const System& system, const std::string& of, nlohmann::ordered_json* json) {
-  std::vector<ChannelHelp> all = channel_help(system);
-  std::erase_if(all, [](const ChannelHelp& c) { return c.name.starts_with("ground."); });  // it never moves
-  if (!of.empty()) {
-    Names owners;
-    for (const ChannelHelp& c : all) {
-      const std::string owner = owner_of(c, system);
-      const std::size_t quote = owner.find('\'');
-      if (quote != std::string::npos) owners.push_back(owner.substr(quote + 1, owner.size() - quote - 2));
-    }
-    if (std::find(owners.begin(), owners.end(), of) == owners.end())
-      throw UsageError("--of: nothing named \"" + of + "\" has channels" + text::suggestion(of, owners));
-    std::erase_if(all, [&](const ChannelHelp& c) { return !owner_of(c, system).ends_with(" '" + of + "'"); });
+struct OwnedChannel {
+  ChannelHelp channel;
+  std::string owner;
+};
+
+// Of the thing of this name; "": of all.
+std::vector<OwnedChannel> channels_of(const System& system, const std::string& of) {
+  std::vector<OwnedChannel> all;
+  Names owners;
+  for (ChannelHelp& c : channel_help(system)) {
+    if (c.name.starts_with("ground.")) continue;  // it never moves
+    const std::string owner = owner_of(c, system), quoted = owner.substr(std::min(owner.find('\''), owner.size()));
+    if (!quoted.empty()) owners.push_back(quoted.substr(1, quoted.size() - 2));
+    if (of.empty() || quoted == "'" + of + "'") all.push_back({std::move(c), owner});
   }
-  std::size_t name = 0, unit = 0;
-  auto j = nlohmann::ordered_json::array();
-  for (const ChannelHelp& c : all) {
-    name = std::max(name, c.name.size()), unit = std::max(unit, c.unit.size());
-    j.push_back({{"name", c.name}, {"unit", c.unit}, {"of", owner_of(c, system)}, {"help", c.help}});
-  }
-  if (json != nullptr) {
-    *json = std::move(j);
-    return;
-  }
-  std::string last;
-  for (const ChannelHelp& c : all) {
-    const std::string owner = owner_of(c, system);
-    if (owner != last) fmt::print("{}:\n", owner);
-    last = owner;
-    fmt::print("  {:<{}}  {:<{}}  {}\n", c.name, name, c.unit, unit, c.help);
-  }
-  fmt::print("a body or marker seen from another: <one>.<quantity>@<other>, as in {0}.x@ground\n",
-             system.bodies().empty() ? "body" : system.bodies().back().name);
+  if (all.empty()) throw UsageError("--of: nothing named \"" + of + "\" has channels" + text::suggestion(of, owners));
+  return all;
+}
+
+const Fields<std::vector<OwnedChannel>>& channel_fields() {
+  using Owned = OwnedChannel;
+  static const Fields<Owned> kChannel{{"name", "", "name", [](const Owned& c) { return c.channel.name; }},
+                                      {"unit", "", "unit", [](const Owned& c) { return c.channel.unit; }},
+                                      {"of", "", "of", &Owned::owner},
+                                      {"help", "", "what it is", [](const Owned& c) { return c.channel.help; }}};
+  static const Fields<std::vector<Owned>> kFields{
+      Field<std::vector<Owned>>("channels", "channels", std::identity(), kChannel).whole()};
+  return kFields;
 }
 
 /// The rows that a tree leaves: of what closes loops, and of joints that do not hold all of theirs.
@@ -262,41 +255,6 @@ std::string brief_text(const Value& v) {
   return "[" + numbers + "]" + unit;
 }
 
-nlohmann::ordered_json parameters_json(const Scene& scene) {
-  auto all = nlohmann::ordered_json::array();
-  for (const SceneParameter& p : scene.parameters)
-    all.push_back({{"name", p.name},
-                   {"kind", p.is_point ? "point" : "parameter"},
-                   {"value", value_text(p.value)},
-                   {"written", value_text(p.written)}});
-  return all;
-}
-
-constexpr int kMostListed = 40;  // of parameters, and of points
-
-/// Parameters and points with their values, and the formula behind them.
-void list_parameters(const Scene& scene) {
-  std::size_t name = 0, value = 0;
-  for (const SceneParameter& p : scene.parameters)
-    name = std::max(name, p.name.size()), value = std::max(value, brief_text(p.value).size());
-  for (const bool points : {false, true}) {
-    bool first = true;
-    int left = kMostListed;
-    for (const SceneParameter& p : scene.parameters) {
-      if (p.is_point != points) continue;
-      if (left-- == 0) fmt::print("  ...\n");
-      if (left < 0) continue;
-      if (first) fmt::print("{}:\n", points ? "points" : "parameters (--set NAME=VALUE gives another value)");
-      first = false;
-      const std::string written = value_text(p.written), now = brief_text(p.value);
-      if (written.find('=') == std::string::npos)
-        fmt::print("  {:<{}}  {}\n", p.name, name, now);
-      else
-        fmt::print("  {:<{}}  {:<{}}  {}\n", p.name, name, now, value, written);
-    }
-  }
-}
-
 /// What is counted and found of a scene.
 struct Findings {
   MobilityFindings moves;
@@ -306,6 +264,8 @@ struct Findings {
   std::string formulation, stages;
   TreeReport tree;
   Names columns, taken;
+  std::vector<SceneParameter> parameters;
+  std::string error;  // why a run would not start; "" if it would
 };
 
 std::vector<std::string> all_proposals(const Arguments& args, const Loaded& loaded, const Mechanism& m,
@@ -356,54 +316,37 @@ Findings found_in(const Arguments& args, const Loaded& loaded, Mechanism& m) {
   found.formulation = formulation_of(m, not_joint, found);
   const bool joint = found.formulation.starts_with("joint");
   found.stages = stages_of(m, start, loaded.registry, joint ? found.tree.has_rows() : r.rows > 0);
-  found.taken = frames_taken(loaded.scene);
+  found.taken = frames_taken(loaded.scene), found.parameters = loaded.scene.parameters;
   return found;
 }
 
-nlohmann::ordered_json findings_json(const Loaded& loaded, const Mechanism& m, const Findings& found) {
-  nlohmann::ordered_json j = {{"scene", loaded.scene.file}, {"title", loaded.scene.title}};
-  put_mobility(j, found.moves, m.run);
-  j["formulation"] = found.formulation, j["stages"] = found.stages;
-  j["tree"] = tree_json(found.tree.branches), j["closures"] = found.tree.closures;
-  j["violation"] = found.violation, j["violation_v"] = found.violation_v;
-  j["columns"] = found.columns;
-  j["left_out"] = nlohmann::ordered_json::array();
-  for (const LeftOut& l : found.left_out) j["left_out"].push_back({{"what", l.what}, {"names", l.names}});
-  j["proposals"] = found.proposals;
-  j["parameters"] = parameters_json(loaded.scene);
-  j["frames_taken"] = found.taken;
-  return j;
-}
-
-void print_findings(const Loaded& loaded, const Mechanism& m, const Findings& found) {
-  fmt::print("{}\n", loaded.title());
-  print_freedoms(found.moves);
-  fmt::print("  formulation         {}\n", found.formulation);
-  if (!found.stages.empty()) fmt::print("  stages              {}\n", found.stages);
-  print_dependencies(found.moves, m.run);
-  fmt::print(
-      "  start violates      {:.2g} m, {:.2g} m/s{}\n", found.violation, found.violation_v,
-      m.run.assemble && (found.violation > 1e-6 || found.violation_v > 1e-6) ? "; a run assembles it first" : "");
-  if (!found.taken.empty()) fmt::print("places that are taken, as none is given:\n");
-  for (const std::string& text : found.taken) fmt::print("  {}\n", text);
-  if (!found.tree.branches.empty())
-    fmt::print("coordinates of the joints, from the ground outward:\n{}", tree_text(found.tree.branches));
-  list_parameters(loaded.scene);
-  fmt::print("left out, because the scene does not need it:\n");
-  for (const LeftOut& l : found.left_out) fmt::print("  {} ({})\n", l.what, first_of(l.names));
-  if (!found.proposals.empty()) fmt::print("could be left out too:\n");
-  for (const std::string& text : found.proposals) fmt::print("  {}\n", text);
-}
-
-void check_channels(const Arguments& args, const Loaded& loaded, const System& system,
-                    nlohmann::ordered_json& results) {
-  if (!args.has("--json") && !args.all("more").empty()) fmt::print("{}\n", loaded.title());
-  nlohmann::ordered_json channels;
-  list_channels(system, args["--of"], args.has("--json") ? &channels : nullptr);
-  if (args.has("--json") && args.all("more").empty())
-    results.push_back(std::move(channels));
-  else if (args.has("--json"))
-    results.push_back({{"scene", loaded.scene.file}, {"channels", std::move(channels)}});
+const Fields<Findings>& check_fields() {
+  using Parameter = SceneParameter;
+  static const Fields<LeftOut> kLeftOut{{"what", "", "what", &LeftOut::what}, {"names", "", "of", &LeftOut::names}};
+  static const Fields<Parameter> kParameter{
+      {"name", "", "name", &Parameter::name},
+      {"kind", "", "", [](const Parameter& p) { return p.is_point ? "point" : "parameter"; }},
+      {"now", "", "value", [](const Parameter& p) { return brief_text(p.value); }},
+      {"value", "", "", [](const Parameter& p) { return value_text(p.value); }},
+      {"written", "", "written", [](const Parameter& p) { return value_text(p.written); }}};
+  static const Fields<Findings> kFields =
+      Fields<Findings>{}
+          .with(&Findings::moves, mobility_fields())
+          .with(std::identity(),
+                Fields<Findings>{
+                    {"formulation", "", "formulation", &Findings::formulation},
+                    {"stages", "", "stages", &Findings::stages},
+                    {"violation", "m", "start violates", &Findings::violation},
+                    {"violation_v", "m/s", "  in velocity", &Findings::violation_v},
+                    {"frames_taken", "", "places taken", &Findings::taken},
+                    {"tree", "joint coordinates", [](const Findings& f) { return f.tree.branches; }, branch_fields()},
+                    {"closures", "", "", [](const Findings& f) { return f.tree.closures; }},
+                    {"columns", "", "", &Findings::columns},
+                    {"parameters", "parameters and points", &Findings::parameters, kParameter},
+                    {"left_out", "not needed, and left out", &Findings::left_out, kLeftOut},
+                    {"proposals", "", "could be left out too", &Findings::proposals},
+                    {"error", "", "", &Findings::error}});
+  return kFields;
 }
 
 int refused(const Error& error) {
@@ -412,60 +355,59 @@ int refused(const Error& error) {
 }
 
 // The exit code of a run of it, as far as its start: the findings stand before what that refuses.
-int check_scene(const Arguments& args, nlohmann::ordered_json& results) {
+Result check_scene(const Arguments& args) {
   const Loaded loaded = load(args);
   Mechanism m = build_observed(loaded.scene, loaded.registry);
-  if (args.has("--channels")) return check_channels(args, loaded, m.system, results), kExitOk;
-  const Findings found = found_in(args, loaded, m);
-  if (args.has("--json"))
-    results.push_back(findings_json(loaded, m, found));
-  else
-    print_findings(loaded, m, found);
-  if (!found.moves.refused) return kExitOk;
-  try {
-    std::rethrow_exception(found.moves.refused);
-  } catch (const Error& error) {
-    if (args.has("--json")) results.back()["error"] = error.what();
-    return refused(error);
-  }
+  if (args.has("--channels")) return {loaded, channel_fields(), channels_of(m.system, args["--of"])};
+  Findings found = found_in(args, loaded, m);
+  int code = kExitOk;
+  if (found.moves.refused) try {
+      std::rethrow_exception(found.moves.refused);
+    } catch (const Error& error) {
+      code = refused(error), found.error = error.what();
+    }
+  Result result(loaded, check_fields(), found);
+  result.code = code;
+  return result;
 }
 
 // Each is checked, whatever the others are; the first that fails decides the exit code.
-int check_scenes(const Arguments& args, nlohmann::ordered_json& results) {
-  int code = kExitOk;
+Result check(const Arguments& args) {
+  if (args.all("more").empty()) return check_scene(args);
+  Result all;
+  std::vector<std::string> scenes = args.all("more");
+  scenes.insert(scenes.begin(), args["scene"]);
   Arguments one = args;
-  const auto check = [&](const std::string& scene) {
+  for (const std::string& scene : scenes) {
     one.set("scene", scene);
-    int of_one = kExitOk;
+    Result result;
     try {
-      of_one = check_scene(one, results);
+      result = check_scene(one);
     } catch (const Error& error) {
-      of_one = refused(error);
-      results.push_back({{"scene", scene}, {"error", error.what()}});
+      result.code = refused(error);
+      result.scene = scene, result.data = {{"error", error.what()}};
     }
-    if (code == kExitOk) code = of_one;
-  };
-  check(args["scene"]);
-  for (const std::string& scene : args.all("more")) {
-    if (!args.has("--json")) fmt::print("\n");
-    std::fflush(stdout);
-    check(scene);
+    if (all.code == kExitOk) all.code = result.code;
+    all.each.push_back(std::move(result));
   }
-  return code;
+  return all;
 }
 
 }  // namespace
 
-int check_command(const Arguments& args) {
-  auto results = nlohmann::ordered_json::array();
-  const bool several = !args.all("more").empty();
-  int code = kExitOk;
-  if (several)
-    code = check_scenes(args, results);
-  else
-    code = check_scene(args, results);
-  if (args.has("--json")) print_result(several ? results : results.front());
-  return code;
+Command check_command() {
+  return {"check",
+          kLook,
+          "Read and build a scene; report its bodies, unknowns, rows and degrees of freedom",
+          join({scene_options(),
+                {kJson,
+                 {"--channels", "", "list every channel that the scene may record, with unit and meaning"},
+                 Option{"--of", "NAME", "with --channels: only those of this body, marker, link or force"}.along(
+                     "--channels"),
+                 Option{"more", "SCENE", "further scenes"}.repeated()}}),
+          check,
+          "Example:\n  lockstep check samples/scenes/four_bar.json --json",
+          {&check_fields().schema(), &channel_fields().schema()}};
 }
 
 }  // namespace lockstep

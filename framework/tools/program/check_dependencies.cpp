@@ -7,11 +7,6 @@
 #include <lockstep/text.h>
 
 namespace lockstep {
-
-std::string words_of(const Dependency& d) {
-  return d.too_many > 0 ? fmt::format("    {}: {} too many\n", first_of(d.rows), d.too_many) : std::string();
-}
-
 namespace {
 
 std::string decided_words(const NearDependency& d, NearlyRedundant choice) {
@@ -43,9 +38,6 @@ Finding finding_of(const NearDependency& d, NearlyRedundant choice) {
   return f;
 }
 
-std::string words_of(const NearDependency& d, NearlyRedundant choice) {
-  return "  nearly redundant    " + finding_of(d, choice).message + "\n";
-}
 namespace {
 
 std::string decision(const NearDependency& d, NearlyRedundant choice) {
@@ -56,18 +48,23 @@ std::string decision(const NearDependency& d, NearlyRedundant choice) {
 
 }  // namespace
 
-nlohmann::ordered_json near_json(const std::vector<NearDependency>& near, NearlyRedundant choice) {
-  nlohmann::ordered_json all = nlohmann::ordered_json::array();
-  for (const NearDependency& d : near)
-    all.push_back({{"rows", d.rows},
-                   {"nearly", d.nearly},
-                   {"singular_value", d.singular_value},
-                   {"in_passing", d.in_passing},
-                   {"decided", decision(d, choice)},
-                   {"undecided", d.undecided},
-                   {"violation", d.violation},
-                   {"left_out", d.left_out}});
+std::vector<DecidedNear> decided(const std::vector<NearDependency>& near, NearlyRedundant choice) {
+  std::vector<DecidedNear> all;
+  for (const NearDependency& d : near) all.emplace_back(d, choice);
   return all;
+}
+
+const Fields<DecidedNear>& near_fields() {
+  using Near = DecidedNear;
+  static const Fields<Near> kFields{{"rows", "", "", [](const Near& n) { return n.first.rows; }},
+                                    {"nearly", "", "", [](const Near& n) { return n.first.nearly; }},
+                                    {"singular_value", "", "", [](const Near& n) { return n.first.singular_value; }},
+                                    {"in_passing", "", "", [](const Near& n) { return n.first.in_passing; }},
+                                    {"decided", "", "", [](const Near& n) { return decision(n.first, n.second); }},
+                                    {"undecided", "", "", [](const Near& n) { return n.first.undecided; }},
+                                    {"violation", "m", "", [](const Near& n) { return n.first.violation; }},
+                                    {"left_out", "", "", [](const Near& n) { return n.first.left_out; }}};
+  return kFields;
 }
 
 std::vector<std::string> columns_not_unique(const RunSettings& run, const UniquenessReport& reactions) {
@@ -75,23 +72,6 @@ std::vector<std::string> columns_not_unique(const RunSettings& run, const Unique
   for (const ChannelRequest& request : run.record)
     if (!reactions.unique(request.channel)) names.push_back(request.column());
   return names;
-}
-
-std::string words_of(const UniquenessReport& reactions, const RunSettings& run) {
-  if (reactions.all_unique()) return {};
-  std::string out = fmt::format("  reactions not unique  {}\n", first_of(reactions.rows));
-  const std::vector<std::string> columns = columns_not_unique(run, reactions);
-  if (!columns.empty())
-    out += fmt::format("    recorded          {}: how the redundant rows share this is the solver's choice\n",
-                       first_of(columns));
-  return out;
-}
-
-nlohmann::ordered_json dependencies_json(const MobilityReport& r) {
-  nlohmann::ordered_json all = nlohmann::ordered_json::array();
-  for (const Dependency& d : r.dependencies)
-    all.push_back({{"rows", d.rows}, {"too_many", d.too_many}, {"nearly", d.nearly}, {"pivot", d.pivot}});
-  return all;
 }
 
 }  // namespace lockstep

@@ -1,18 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/program/check_tree.h"
 
-#include <spdlog/fmt/fmt.h>
-
-#include <nlohmann/json.hpp>
-
 #include <lockstep/author/lock.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/tree/joint_tree.h"
 
 namespace lockstep {
 namespace {
-
-constexpr std::size_t kMostLines = 40;
 
 // The coordinates that a lock leaves free and nothing drives; in a plane those in it, by the axes of S that lie in it or
 // along its normal, else of the world.
@@ -55,8 +49,7 @@ TreeReport tree_of(const System& system, const std::vector<bool>& modes) {
     b.body = system.body_of_slot(n.slot).name;
     b.parent = "ground";
     if (n.parent >= 0) {
-      const Branch& parent = report.branches[n.parent];
-      b.parent = parent.body, b.depth = parent.depth + 1;
+      b.parent = report.branches[n.parent].body;
     }
     const Lock* link = n.link >= 0 ? system.links()[n.link].get() : nullptr;
     if (link != nullptr) b.link = link->name();
@@ -72,27 +65,13 @@ TreeReport tree_of(const System& system, const std::vector<bool>& modes) {
   return report;
 }
 
-std::string tree_text(const std::vector<Branch>& tree) {
-  std::string text;
-  for (std::size_t i = 0; i < tree.size() && i < kMostLines; ++i) {
-    const Branch& b = tree[i];
-    const std::string on = b.link.empty() ? "on no link" : fmt::format("on {} by '{}'", b.parent, b.link);
-    text += fmt::format("{:{}}{} {}: {}{}\n", "", 2 * (1 + b.depth), b.body, on,
-                        b.coordinates.empty() ? "driven throughout, or held" : text::join(b.coordinates),
-                        b.rows.empty() ? "" : ", and row " + text::join(b.rows));
-  }
-  if (tree.size() > kMostLines) text += fmt::format("  and {} more, see --json\n", tree.size() - kMostLines);
-  return text;
-}
-
-nlohmann::ordered_json tree_json(const std::vector<Branch>& tree) {
-  auto all = nlohmann::ordered_json::array();
-  for (const Branch& b : tree) {
-    all.push_back(
-        {{"body", b.body}, {"parent", nullptr}, {"link", nullptr}, {"coordinates", b.coordinates}, {"rows", b.rows}});
-    if (!b.link.empty()) all.back()["parent"] = b.parent, all.back()["link"] = b.link;
-  }
-  return all;
+const Fields<Branch>& branch_fields() {
+  static const Fields<Branch> kFields{{"body", "", "body", &Branch::body},
+                                      {"parent", "", "on", &Branch::parent},
+                                      {"link", "", "by link", &Branch::link},
+                                      {"coordinates", "", "coordinates", &Branch::coordinates},
+                                      {"rows", "", "rows left", &Branch::rows}};
+  return kFields;
 }
 
 }  // namespace lockstep

@@ -2,11 +2,11 @@
 // The tree of joint coordinates, for `lockstep check`.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include <lockstep/system.h>
+#include "framework/tools/program/result.h"
 
 namespace lockstep {
 
@@ -15,7 +15,6 @@ struct Branch {
   std::string body, link, parent;        ///< link: empty where no link carries the body
   std::vector<std::string> coordinates;  ///< "x", "rz": of P seen from S; of a free body in the world
   std::vector<std::string> rows;         ///< "e1": of the link, which its joint does not hold
-  int depth = 0;                         ///< 0: on the ground, or free
 };
 
 /// The tree of a mechanism that runs in joint coordinates, and what closes loops beside it. Empty if there is no tree.
@@ -28,8 +27,7 @@ struct TreeReport {
 };
 TreeReport tree_of(const System&, const std::vector<bool>& modes);
 
-/// One line a branch, indented by its depth, with a line end each; of long trees the first forty.
-std::string tree_text(const std::vector<Branch>&);
-nlohmann::ordered_json tree_json(const std::vector<Branch>&);
+/// As a result has them.
+const Fields<Branch>& branch_fields();
 
 }  // namespace lockstep

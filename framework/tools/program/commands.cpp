@@ -153,6 +153,7 @@ int guarded(const std::function<int()>& command) {
   try {
     return command();
   } catch (const Error& error) {
+    tell(text_of(CommandFindings::added()));
     tell(fmt::format("{} {}\n", error_mark(), error.what()));
     return exit_code_of(error);
   } catch (const std::bad_alloc&) {
@@ -167,13 +168,17 @@ int run_words(const Program& program, int argc, const char* const* argv) {
   if (program.calls_tools)
     if (const std::optional<int> code = call_tool(argc, argv)) return *code;
   if (argc > 1 && std::string_view(argv[1]) == "complete")
-    return guarded([&] { return complete_command(program, argc - 2, argv + 2); });
+    return guarded([&] { return print_completions(program, argc - 2, argv + 2); });
   if (argc == 2 && !program.calls_tools && std::string_view(argv[1]) == "man-verbs") {
     fmt::print("{}", commands_page(program.commands));
     return kExitOk;
   }
+  if (argc == 2 && !program.calls_tools && std::string_view(argv[1]) == "results") {
+    fmt::print("{}\n", results_of(program.commands).dump());  // a line
+    return kExitOk;
+  }
   if (argc == 3 && std::string_view(argv[1]) == "plugin-answer")
-    return guarded([&] { return plugin_answer_command(argv[2]); });
+    return guarded([&] { return answer_for_plugin(argv[2]); });
   CLI::App app("lockstep: simulates mechanisms of rigid bodies with the lock formulation", "lockstep");
   app.set_version_flag("--version", fmt::format("lockstep {}{}{}{}", kVersion, commit_of_build().empty() ? "" : " (",
                                                 commit_of_build(), commit_of_build().empty() ? "" : ")"));
@@ -196,7 +201,15 @@ int run_words(const Program& program, int argc, const char* const* argv) {
   }
   const auto [sub, command] = *std::ranges::find_if(commands, [](const auto& c) { return c.first->parsed(); });
   const CommandFindings found;
-  return guarded([&] { return command->run(arguments_of(*sub, *command, argc, argv)); });
+  return guarded([&] {
+    const Arguments args = arguments_of(*sub, *command, argc, argv);
+    if (args.has("--json") && args["--record"] == "-")
+      throw UsageError("--json: standard output takes the rows (--record -); let one of the two go to a file");
+    Result result = command->run(args);
+    result.command = args.command;
+    print(result, args);
+    return result.code;
+  });
 }
 
 // The exit code of what was printed, which may be waiting in memory still.

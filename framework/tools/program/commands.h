@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The verbs of the program `lockstep`: one function each over the public interface; and what all programs share.
+// What all programs share: arguments, scenes with their plugins, exit codes.
 #pragma once
 
 #include <functional>
@@ -87,21 +87,8 @@ std::string_view commit_of_build();
 /// The code for an error.
 int exit_code_of(const Error&);
 
-int run_command(const Arguments&);
-int resume_command(const Arguments&);
-int report_command(const Arguments&);
-int demo_command(const Arguments&);
-int check_command(const Arguments&);
-int reference_command(const Arguments&);
-int list_command(const Arguments&);
-int describe_command(const Arguments&);
-int schema_command(const Arguments&);
-int new_plugin_command(const Arguments&);
-int plugins_list_command(const Arguments&);
-int completion_command(const Arguments&);
-int man_command(const Arguments&);
 /// A verb that no help shows: answers `plugins list` about one file, whose code may end this process.
-int plugin_answer_command(const char* file);
+int answer_for_plugin(const char* file);
 
 struct Command;
 

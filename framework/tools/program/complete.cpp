@@ -248,12 +248,19 @@ Completion completion(const Program& program, const std::vector<std::string>& wo
   return found;
 }
 
-int completion_command(const Arguments& args) {
-  fmt::print("{}", args["shell"] == "zsh" ? kZsh : kBash);
-  return kExitOk;
+Command completion_command() {
+  return {"completion",
+          kExtend,
+          "Print the script by which a shell completes lines: verbs, options, names of the scene",
+          {Option{"shell", "SHELL", "bash or zsh"}.among("bash,zsh").needed()},
+          [](const Arguments& args) -> Result {
+            fmt::print("{}", args["shell"] == "zsh" ? kZsh : kBash);
+            return kExitOk;
+          },
+          "Example:\n  lockstep completion bash > ~/.local/share/bash-completion/completions/lockstep"};
 }
 
-int complete_command(const Program& program, int argc, const char* const* argv) {
+int print_completions(const Program& program, int argc, const char* const* argv) {
   const Completion found = completion(program, std::vector<std::string>(argv, argv + argc));
   if (found.files) fmt::print(":files\n");
   for (const std::string& word : found.words) fmt::print("{}\n", word);

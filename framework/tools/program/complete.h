@@ -20,6 +20,6 @@ struct Completion {
 Completion completion(const Program&, const std::vector<std::string>& words);
 
 /// What shells call: `lockstep complete WORDS`. A line a word, first ":files" where file names fit too.
-int complete_command(const Program&, int argc, const char* const* argv);
+int print_completions(const Program&, int argc, const char* const* argv);
 
 }  // namespace lockstep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The verb demo: a mechanism that moves, from nothing but the program.
+// The command demo: a mechanism that moves, from nothing but the program.
 #include "framework/tools/program/demo.h"
 
 #include <spdlog/fmt/fmt.h>
@@ -8,9 +8,10 @@
 #include <fstream>
 
 #include <lockstep/error.h>
-#include "framework/tools/program/commands.h"
 #include "framework/tools/program/files.h"
+#include "framework/tools/program/options.h"
 #include "framework/tools/program/run_report.h"
+#include "framework/tools/program/tools.h"
 
 namespace lockstep {
 namespace {
@@ -35,9 +36,7 @@ std::string scene_in(const fs::path& folder) {
   return file.string();
 }
 
-}  // namespace
-
-int demo_command(const Arguments& args) {
+Result show_demo(const Arguments& args) {
   const fs::path folder = args["--into"].empty() ? (fs::path(output_folder()) / "lockstep_demo").lexically_normal()
                                                  : fs::path(args["--into"]);
   Arguments run = args;
@@ -47,14 +46,28 @@ int demo_command(const Arguments& args) {
   run.set("--report", (folder / "four_bar.html").string());
   if (!args.has("--no-open")) run.set("--open", "");
   if (contents_of(scene) == demo_scene()) run.set("--until", "2.5");  // some turns
-  const int code = run_command(run);
+  const Result result = run_scene(run);
   fmt::print(
       "\nNext:\n"
       "  lockstep report {0} --set crank=\"80 mm\" --open     another crank\n"
       "  lockstep check {0}                              what it consists of\n"
       "  lockstep describe scene                         what a scene may hold\n",
       scene);
-  return code;
+  return result;
+}
+
+}  // namespace
+
+Command demo_command() {
+  return {
+      "demo",
+      kRun,
+      "Show a moving four-bar in the browser, and leave its scene to play with",
+      {{"--into", "DIR", "folder of its files; default: lockstep_demo in LOCKSTEP_OUTPUT or here"},
+       {"--no-open", "", "only write the files, open no browser"}},
+      show_demo,
+      "Writes four_bar.json, .csv, .png, .svg and .html; a four_bar.json that is there already is shown as it is.\n\n"
+      "Example:\n  lockstep demo"};
 }
 
 }  // namespace lockstep

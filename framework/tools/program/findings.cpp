@@ -4,46 +4,57 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace lockstep {
 
 namespace {
 
-std::vector<Finding>* of_command = nullptr;
+CommandFindings* under_way = nullptr;
 
 }  // namespace
 
-CommandFindings::CommandFindings() { of_command = &scope_.found; }
-CommandFindings::~CommandFindings() { of_command = nullptr; }
+CommandFindings::CommandFindings() { under_way = this; }
+CommandFindings::~CommandFindings() { under_way = nullptr; }
 void CommandFindings::add(Finding f) {
-  if (of_command != nullptr) of_command->push_back(std::move(f));
+  if (under_way == nullptr) return;
+  under_way->added_.push_back(f);
+  under_way->scope_.found.push_back(std::move(f));
 }
 void CommandFindings::add(const std::vector<Finding>& findings) {
   for (const Finding& f : findings) add(f);
 }
-const std::vector<Finding>& CommandFindings::all() {
-  static const std::vector<Finding> kNone;
-  return of_command != nullptr ? *of_command : kNone;
+std::vector<Finding> CommandFindings::all() {
+  return under_way != nullptr ? under_way->scope_.found : std::vector<Finding>();
+}
+std::vector<Finding> CommandFindings::added() {
+  return under_way != nullptr ? under_way->added_ : std::vector<Finding>();
 }
 
-nlohmann::ordered_json findings_json(const std::vector<Finding>& findings) {
-  auto all = nlohmann::ordered_json::array();
+const Fields<Finding>& finding_fields() {
+  using Made = Field<Finding>;
+  static const Fields<Finding> kFields{
+      Made("severity", "", "", [](const Finding& f) { return to_string(f.severity()); }),
+      Made("code", "", "", &Finding::code),
+      Made("thing", "", "", &Finding::thing).optional(),
+      Made("message", "", "", &Finding::message).optional(),
+      Made("advice", "", "", &Finding::advice).optional(),
+      Made("value", "", "", &Finding::value).optional(),
+      Made("limit", "", "", &Finding::limit).optional(),
+      Made("unit", "", "", &Finding::unit).optional(),
+      Made("t", "s", "", &Finding::t).optional(),
+      Made("place", "", "", &Finding::place).optional()};
+  return kFields;
+}
+
+std::string text_of(const std::vector<Finding>& findings) {
+  std::string text;
   for (const Finding& f : findings) {
-    nlohmann::ordered_json j = {{"severity", to_string(f.severity())}, {"code", f.code()}};
-    const auto put = [&](const char* key, const std::string& text) {
-      if (!text.empty()) j[key] = text;
-    };
-    const auto put_number = [&](const char* key, double x) {
-      if (std::isfinite(x)) j[key] = x;
-    };
-    put("thing", f.thing), put("message", f.message), put("advice", f.advice);
-    put_number("value", f.value), put_number("limit", f.limit), put("unit", f.unit);
-    put_number("t", f.t), put("place", f.place);
-    all.push_back(std::move(j));
+    std::string word = to_string(f.severity());
+    if (f.severity() >= Severity::doubt) std::ranges::transform(word, word.begin(), toupper);
+    text += fmt::format("  {:<8}  {}: {}\n", word, f.code(), f.text());
   }
-  return all;
+  return text;
 }
 
 const FindingKind* find_kind(std::string_view code) {

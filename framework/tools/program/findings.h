@@ -2,18 +2,17 @@
 // Findings as the program prints them, and the exit code that they give.
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include <lockstep/finding.h>
-#include "framework/tools/program/commands.h"
+#include "framework/tools/program/result.h"
 
 namespace lockstep {
 
-/// An object for each: severity, code, thing, message, advice, value, limit, unit, t, place; what does not apply is absent.
-nlohmann::ordered_json findings_json(const std::vector<Finding>&);
+/// A finding as a result has it; what does not apply is absent.
+const Fields<Finding>& finding_fields();
 
 /// The findings of the command under way: those that are reported as long as it exists, and those that are added, which are
 /// not logged.
@@ -23,12 +22,16 @@ class CommandFindings {
   ~CommandFindings();
   static void add(Finding);
   static void add(const std::vector<Finding>&);
-  static const std::vector<Finding>& all();  ///< none outside of a command
+  static std::vector<Finding> all();    ///< none outside of a command
+  static std::vector<Finding> added();  ///< those of them that were added
 
  private:
   FindingScope scope_{true};
+  std::vector<Finding> added_;
 };
 
+/// A line for each: its severity and its text.
+std::string text_of(const std::vector<Finding>&);
 /// Null if no finding has this code.
 const FindingKind* find_kind(std::string_view code);
 /// Lines: code and severity, cause, cure.

@@ -31,10 +31,11 @@ std::set<std::string> bodies_with(const Scene& scene, const char* key) {
   return names;
 }
 
-// `but_on`: bodies whose markers are left out.
-std::vector<std::string> frames_but(const Scene& scene, const std::set<std::string>& but_on) {
+}  // namespace
+
+std::vector<std::string> frames_taken(const Scene& scene) {
   std::vector<std::string> lines;
-  const std::set<std::string> rods = bodies_with(scene, "rod");
+  const std::set<std::string> rods = bodies_with(scene, "rod"), particles = bodies_with(scene, "particle");
   for_each_named(scene, "bodies", [&](const std::string& name, const Value& body) {
     if (!has_any(body, {"position", "rod"})) lines.push_back("body '" + name + "' starts at the world's origin");
   });
@@ -43,27 +44,11 @@ std::vector<std::string> frames_but(const Scene& scene, const std::set<std::stri
     const Value* body = marker.find("body");
     const std::string carrier = body != nullptr && body->text() != nullptr ? *body->text() : "its body";
     const bool in_world = marker.find("world_orientation") != nullptr || carrier == "ground";
-    if (!in_world && but_on.contains(carrier)) return;
+    if (!in_world && particles.contains(carrier)) return;  // a point has no other place
     lines.push_back("marker '" + name + "' is at the origin of " + (in_world ? "the world" : "'" + carrier + "'") +
                     (!in_world && rods.contains(carrier) ? ", the middle of its rod" : ""));
   });
   return lines;
-}
-
-}  // namespace
-
-std::vector<std::string> frames_taken(const Scene& scene) { return frames_but(scene, {}); }
-
-std::string frames_taken_in_short(const Scene& scene) {
-  constexpr std::size_t kMost = 3;
-  std::vector<std::string> lines = frames_but(scene, bodies_with(scene, "particle"));
-  if (lines.empty()) return "";
-  const std::size_t more = lines.size() > kMost ? lines.size() - kMost : 0;
-  lines.resize(lines.size() - more);
-  std::string text;
-  for (const std::string& line : lines) text += (text.empty() ? "" : "; ") + line;
-  return text + ", as no place is given" +
-         (more > 0 ? "; and " + std::to_string(more) + " more (lockstep check)" : std::string());
 }
 
 }  // namespace lockstep

@@ -9,12 +9,8 @@
 
 namespace lockstep {
 
-/// One line for each body without a position and each marker without a place: "body 'bead' starts at the world's
+/// One line for each body without a position and each marker without a place, but those on particles: "body 'bead' starts at the world's
 /// origin".
 std::vector<std::string> frames_taken(const Scene&);
-
-/// The same in one line for the summary of a run, without the markers on particles, which are points; "" where there is
-/// none.
-std::string frames_taken_in_short(const Scene&);
 
 }  // namespace lockstep

@@ -1,38 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The verbs list, describe, reference and schema.
+// The commands list, describe, reference and schema.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
+#include <map>
 
 #include <lockstep/text.h>
 #include "framework/description/scene/describe.h"
 #include "framework/description/scene/write.h"
-#include "framework/tools/program/commands.h"
 #include "framework/tools/program/describe_scene.h"
-#include "framework/tools/program/document.h"
 #include "framework/tools/program/findings.h"
+#include "framework/tools/program/options.h"
+#include "framework/tools/program/tools.h"
 
 namespace lockstep {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-Json json_of(const Description& d) {
-  Json keys = Json::array();
-  for (const Key& key : d.info.keys) {
-    Json k = {{"name", key.name}, {"form", form_words(key, d.parts)}, {"required", key.required()}, {"help", key.help}};
-    if (const Value* v = key.default_value()) k["default"] = Json::parse(write_json(*v));
-    keys.push_back(std::move(k));
-  }
-  Json j = {{"name", d.info.name},
-            {"shelf", d.shelf},
-            {"origin", d.origin},
-            {"help", d.info.help},
-            {"keys", std::move(keys)}};
-  if (const std::string example = example_of(d); !example.empty()) j["example"] = Json::parse(example);
-  return j;
-}
 
 // What a scene gets if it names none.
 bool is_default(const Description& d) {
@@ -47,57 +29,102 @@ std::string shown_name(const Description& d) {
   return d.info.name + (is_default(d) ? " (default)" : "");
 }
 
-void print_shelf(const std::string& shelf, const std::vector<Description>& all) {
-  fmt::print("{}:\n", shelf);
-  std::size_t width = 0;
-  for (const Description& d : all) width = std::max(width, shown_name(d).size());
-  for (const Description& d : all) {
-    const std::string origin = d.origin == "built in" ? "" : " [plugin " + d.origin + "]";
-    fmt::print("  {:<{}}  {}{}\n", shown_name(d), width, d.info.help, origin);
-  }
-  if (all.empty()) fmt::print("  nothing\n");
+const Fields<Description>& description_fields() {
+  using Keyed = std::pair<Key, const Description*>;
+  static const Fields<Keyed> kKey{
+      {"name", "", "key", [](const Keyed& k) { return std::string(k.first.name); }},
+      {"form", "", "form", [](const Keyed& k) { return form_words(k.first, k.second->parts); }},
+      {"required", "", "required", [](const Keyed& k) { return k.first.required(); }},
+      {"help", "", "help", [](const Keyed& k) { return std::string(k.first.help); }},
+      Field<Keyed>("default", "", "default", [](const Keyed& k) {
+        const Value* v = k.first.default_value();
+        return v != nullptr ? Json::parse(write_json(*v)) : Json();
+      }).optional()};
+  static const Fields<Description> kFields{
+      {"shown", "", "name", shown_name},
+      {"name", "", "", [](const Description& d) { return d.info.name; }},
+      {"shelf", "", "", &Description::shelf},
+      {"help", "", "what it is", [](const Description& d) { return d.info.help; }},
+      {"origin", "", "", &Description::origin},
+      {"plugin", "", "of plugin", [](const Description& d) { return d.origin == "built in" ? "" : d.origin; }},
+      {"keys", "",
+       [](const Description& d) {
+         std::vector<Keyed> all;
+         for (const Key& key : d.info.keys) all.emplace_back(key, &d);
+         return all;
+       },
+       kKey},
+      Field<Description>("example", "", "", [](const Description& d) {
+        const std::string example = example_of(d);
+        return example.empty() ? Json() : Json::parse(example);
+      }).optional()};
+  return kFields;
 }
 
-Json json_of(const FindingKind& kind) {
-  return {{"name", kind.code},
-          {"shelf", "findings"},
-          {"severity", to_string(kind.severity)},
-          {"cause", kind.cause},
-          {"cure", kind.cure}};
+const Fields<const FindingKind*>& kind_fields() {
+  using Kind = const FindingKind*;
+  static const Fields<Kind> kFields{{"name", "", "code", [](const Kind& k) { return k->code; }},
+                                    {"shelf", "", "", [](const Kind&) { return "findings"; }},
+                                    {"severity", "", "severity", [](const Kind& k) { return to_string(k->severity); }},
+                                    {"cause", "", "cause", [](const Kind& k) { return k->cause; }},
+                                    {"cure", "", "", [](const Kind& k) { return k->cure; }}};
+  return kFields;
 }
 
-int list_findings(const Arguments& args) {
-  Json all = Json::array();
-  for (const FindingKind* kind : finding_kinds()) {
-    if (!args.has("--json")) fmt::print("  {:<24} {:<8} {}\n", kind->code, to_string(kind->severity), kind->cause);
-    all.push_back(json_of(*kind));
-  }
-  if (args.has("--json")) print_document(Json({{"findings", all}}));
-  return kExitOk;
+using Kinds = std::vector<const FindingKind*>;
+const Fields<Kinds>& kinds_fields() {
+  static const Fields<Kinds> kFields{Field<Kinds>("findings", "findings", std::identity(), kind_fields()).whole()};
+  return kFields;
 }
 
-}  // namespace
+// The shelves of `list`, each only if it is asked for.
+using Shelves = std::map<std::string, std::vector<Description>>;
+constexpr const char* kShelves[] = {"links", "laws", "forces", "integrators", "solvers"};
+const Fields<Shelves>& shelf_fields() {
+  static const Fields<Shelves> kFields = [] {
+    Fields<Shelves> all{};
+    for (const char* name : kShelves)
+      all.add(Field<Shelves>(
+                  name, name,
+                  [name](const Shelves& s) {
+                    const auto found = s.find(name);
+                    return found == s.end() ? std::vector<Description>() : found->second;
+                  },
+                  description_fields())
+                  .optional()
+                  .whole());
+    return all;
+  }();
+  return kFields;
+}
 
-int list_command(const Arguments& args) {
+Result list_all(const Arguments& args) {
   const Registry registry = make_registry(args.all("--plugin"));
-  if (args["shelf"] == "findings") return list_findings(args);
-  std::vector<std::string> shelves = {"links", "laws", "forces", "integrators", "solvers"};
-  if (args.has("shelf")) shelves = {args["shelf"]};
-  Json all = Json::object();
-  for (const std::string& name : shelves) {
-    const std::vector<Description> contents = shelf_contents(registry, name);
-    if (!args.has("--json")) print_shelf(name, contents);
-    all[name] = Json::array();
-    for (const Description& d : contents) all[name].push_back(json_of(d));
+  if (args["shelf"] == "findings") {
+    const auto all = finding_kinds();
+    return {kinds_fields(), Kinds(all.begin(), all.end())};
   }
-  if (args.has("--json")) print_document(all);
-  return kExitOk;
+  Shelves shelves;
+  for (const std::string name : kShelves)
+    if (!args.has("shelf") || args["shelf"] == name) shelves[name] = shelf_contents(registry, name);
+  return {shelf_fields(), shelves};
 }
 
-namespace {
+const Fields<std::vector<ParameterFacts>>& parameter_fields() {
+  using Facts = ParameterFacts;
+  static const Fields<Facts> kFacts{{"name", "", "name", &Facts::name},
+                                    {"kind", "", "kind", &Facts::kind},
+                                    {"value", "", "value", &Facts::value},
+                                    {"written", "", "written", [](const Facts& f) { return Json::parse(f.written); }},
+                                    {"where", "", "place", &Facts::where},
+                                    {"read_by", "", "read in this file by", &Facts::read_by},
+                                    {"change", "", "to change it", ways_to_change}};
+  static const Fields<std::vector<Facts>> kFields{{"parameters", "parameters and points", std::identity(), kFacts}};
+  return kFields;
+}
 
 // Parameters and points of a scene: one of them, or all.
-int describe_in_scene(const Arguments& args) {
+Result describe_in_scene(const Arguments& args) {
   Arguments with_scene = args;
   with_scene.set("scene", args["--scene"]);
   const Loaded loaded = read_with_plugins(with_scene);
@@ -105,66 +132,101 @@ int describe_in_scene(const Arguments& args) {
   for (const SceneParameter& p : loaded.scene.parameters)
     if (args["name"].empty()) all.push_back(parameter_facts(loaded.scene, p.name));
   if (!args["name"].empty()) all.push_back(parameter_facts(loaded.scene, args["name"]));
-  if (args.has("--json")) {
-    Json list = Json::array();
-    for (const ParameterFacts& f : all)
-      list.push_back({{"name", f.name},
-                      {"kind", f.kind},
-                      {"value", f.value},
-                      {"written", Json::parse(f.written)},
-                      {"where", f.where},
-                      {"read_by", f.read_by}});
-    print_document(list);
-    return kExitOk;
+  return {loaded, parameter_fields(), all};
+}
+
+/// What a name is.
+struct Described {
+  std::vector<Description> types;
+  std::string word;  ///< a word of scenes, "orientation"; "" for none
+  Kinds findings;
+};
+const Fields<Described>& described_fields() {
+  static const Fields<Described> kFields{{"types", "type", &Described::types, description_fields()},
+                                         {"help", "", "", &Described::word},
+                                         {"findings", "finding", &Described::findings, kind_fields()}};
+  return kFields;
+}
+
+Result describe_name(const Arguments& args) {
+  if (args.has("--scene")) return describe_in_scene(args);
+  if (args["name"].empty()) throw UsageError("describe: give a name, as in `lockstep describe revolute`");
+  const Registry registry = make_registry(args.all("--plugin"));
+  Described found{find_descriptions(registry, args["name"]), describe_word(registry, args["name"]), {}};
+  if (const FindingKind* kind = find_kind(args["name"])) found.findings = {kind};
+  if (found.types.empty() && found.word.empty() && found.findings.empty()) {
+    std::vector<std::string> known = known_words(registry);
+    for (const FindingKind* kind : finding_kinds()) known.emplace_back(kind->code);
+    throw UsageError("describe: unknown name \"" + args["name"] + "\"" + text::suggestion(args["name"], known));
   }
-  for (const ParameterFacts& f : all) {
-    fmt::print("{}: a {} of {}\n  {}, written {}\n", f.name, f.kind, f.where, f.value, f.written);
-    fmt::print("  read in this file by: {}\n", f.read_by.empty() ? "nothing" : text::join(f.read_by, ", "));
-    fmt::print("  {}\n", ways_to_change(f));
+  Result result(described_fields(), found);
+  if (args.has("--json")) return result;
+  result.printed = true;
+  for (const FindingKind* kind : found.findings) fmt::print("{}", text_of(*kind));
+  for (const Description& d : found.types) {
+    fmt::print("{}", describe(d));
+    if (is_default(d)) fmt::print("a run takes it when nothing else is said\n");
   }
-  if (all.empty()) fmt::print("{} has neither parameters nor points\n", loaded.scene.file);
+  fmt::print("{}{}", found.types.empty() || found.word.empty() ? "" : "\n", found.word);
+  return result;
+}
+
+Result print_reference(const Arguments& args) {
+  fmt::print("{}", args["page"] == "findings" ? findings_page() : scene_reference(make_registry(args.all("--plugin"))));
+  return kExitOk;
+}
+
+Result print_schema(const Arguments& args) {
+  if (args.has("--results"))
+    print_document(results_of_all());
+  else
+    fmt::print("{}", scene_schema(make_registry(args.all("--plugin"))));
   return kExitOk;
 }
 
 }  // namespace
 
-int describe_command(const Arguments& args) {
-  if (args.has("--scene")) return describe_in_scene(args);
-  if (args["name"].empty()) throw UsageError("describe: give a name, as in `lockstep describe revolute`");
-  const Registry registry = make_registry(args.all("--plugin"));
-  const std::vector<Description> found = find_descriptions(registry, args["name"]);
-  const std::string word = describe_word(registry, args["name"]);
-  const FindingKind* finding = find_kind(args["name"]);
-  if (found.empty() && word.empty() && finding == nullptr) {
-    std::vector<std::string> known = known_words(registry);
-    for (const FindingKind* kind : finding_kinds()) known.emplace_back(kind->code);
-    throw UsageError("describe: unknown name \"" + args["name"] + "\"" + text::suggestion(args["name"], known));
-  }
-  if (args.has("--json")) {
-    Json all = Json::array();
-    for (const Description& d : found) all.push_back(json_of(d));
-    if (!word.empty()) all.push_back({{"name", args["name"]}, {"shelf", "words"}, {"help", word}});
-    if (finding != nullptr) all.push_back(json_of(*finding));
-    print_document(all);
-    return kExitOk;
-  }
-  if (finding != nullptr) fmt::print("{}", text_of(*finding));
-  for (const Description& d : found) {
-    fmt::print("{}", describe(d));
-    if (is_default(d)) fmt::print("a run takes it when nothing else is said\n");
-  }
-  fmt::print("{}{}", found.empty() || word.empty() ? "" : "\n", word);
-  return kExitOk;
+Command list_command() {
+  return {
+      "list",
+      kLook,
+      "List the laws, links, forces, integrators and solvers that scenes may name; `list findings`: what may be found",
+      {Option{"shelf", "SHELF", "only one of them"}.among("links,laws,forces,integrators,solvers,findings"), kPlugin,
+       kJson},
+      list_all,
+      "Example:\n  lockstep list links",
+      {&shelf_fields().schema(), &kinds_fields().schema()}};
 }
-
-int reference_command(const Arguments& args) {
-  fmt::print("{}", args["page"] == "findings" ? findings_page() : scene_reference(make_registry(args.all("--plugin"))));
-  return kExitOk;
+Command describe_command() {
+  return {"describe",
+          kLook,
+          "Print what a type, an object of a scene or a finding is, and which keys it takes",
+          {{"name", "NAME",
+            "a name of `lockstep list`; an object of scenes: body, marker, link, force, event, run, ...; a key; or "
+            "orientation, axis, law, formula, unit, channel, ...; with --scene a parameter or point"},
+           {"--scene", "FILE.json",
+            "describe a parameter or point of this scene, or all of them: value, place, what hangs on it"},
+           kPlugin,
+           kJson},
+          describe_name,
+          "Example:\n  lockstep describe revolute\n  lockstep describe crank --scene samples/scenes/four_bar.json",
+          {&described_fields().schema(), &parameter_fields().schema()}};
 }
-
-int schema_command(const Arguments& args) {
-  fmt::print("{}", scene_schema(make_registry(args.all("--plugin"))));
-  return kExitOk;
+Command schema_command() {
+  return {"schema",
+          kLook,
+          "Print the JSON Schema of scene files, for editors; or of what commands print with --json",
+          {{"--results", "", "the schemas of the results of all commands, by their names"}, kPlugin},
+          print_schema,
+          "Example:\n  lockstep schema > scene.schema.json"};
+}
+Command reference_command() {
+  return {"reference",
+          kLook,
+          "Print the reference of scenes as a page in Markdown: every object, type, key and unit; or that of findings",
+          {Option{"page", "PAGE", "default: scenes"}.among("scenes,findings"), kPlugin},
+          print_reference,
+          "Example:\n  lockstep reference > reference.md"};
 }
 
 }  // namespace lockstep

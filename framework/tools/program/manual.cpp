@@ -7,6 +7,7 @@
 
 #include <lockstep/text.h>
 #include <lockstep/version.h>
+#include "framework/tools/program/options.h"
 #include "framework/tools/program/tools.h"
 
 namespace lockstep {
@@ -84,7 +85,9 @@ std::string commands_page(std::span<const Command> commands) {
   return out.str();
 }
 
-int man_command(const Arguments&) {
+namespace {
+
+Result print_manual(const Arguments&) {
   std::ostringstream out;
   out << ".TH LOCKSTEP 1 \"\" \"lockstep " << kVersion << "\" \"User Commands\"\n"
       << ".SH NAME\nlockstep \\- simulate mechanisms of rigid bodies\n"
@@ -96,9 +99,15 @@ int man_command(const Arguments&) {
          "move.\n"
       << ".PP\nBegin with\n.B lockstep demo\nor\n.BR \"lockstep describe scene\" .\n"
       << ".SH VERBS\n";
-  out << commands_page(own_commands()) << pages_of_tools() << ".SH EXIT STATUS\n" << escaped(kExitCodes) << ".\n";
+  out << commands_page(own_commands()) << ask_tools("man-verbs") << ".SH EXIT STATUS\n" << escaped(kExitCodes) << ".\n";
   fmt::print("{}{}", out.str(), kEnvironment);
   return kExitOk;
+}
+
+}  // namespace
+
+Command man_command() {
+  return {"man", kExtend, "Print the manual page", {}, print_manual, "Example:\n  lockstep man | man -l -"};
 }
 
 }  // namespace lockstep

@@ -4,6 +4,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <optional>
+
 #include <lockstep/assembly.h>
 #include <lockstep/error.h>
 #include <lockstep/step_loop.h>
@@ -35,12 +37,12 @@ State counted_start(Dynamics& dynamics, Mechanism& m, const State& typed, Mobili
   return start;
 }
 
-nlohmann::ordered_json position_json(const MobilityFindings& found) {
-  const BranchPoint& position = found.position;
-  if (!position.known) return nullptr;
-  return {{"in", position.singular},       {"near", position.singular || position.nearness < kNearPosition},
-          {"smallest", position.nearness}, {"motions", position.motions},
-          {"branches", found.branches},    {"all_branches", position.all}};
+bool is_near(const BranchPoint& position) { return position.singular || position.nearness < kNearPosition; }
+
+std::string position_text(const Json& position) {
+  if (position["in"]) return "the start lies in one: " + position["what"].get<std::string>();
+  if (!position["near"]) return "";
+  return fmt::format("near: a combination of rows is down to {:.2g} of their size", position["smallest"].get<double>());
 }
 
 }  // namespace
@@ -49,8 +51,10 @@ MobilityFindings mobility_of(Dynamics& dynamics, Mechanism& m, const State& type
   MobilityFindings found;
   const State counted = counted_start(dynamics, m, typed, found);
   const MobilityReport& r = found.mobility = mobility(dynamics, counted);
+  found.choice = m.run.nearly_redundant;
   if (r.redundant > 0 || !found.near.all.empty()) found.reactions = uniqueness(dynamics, counted);
   for (const NearDependency& d : found.near.all) CommandFindings::add(finding_of(d, m.run.nearly_redundant));
+  found.columns_not_unique = columns_not_unique(m.run, found.reactions);
   if (!found.reactions.all_unique())
     CommandFindings::add({&finding::reactions_not_unique, first_of(found.reactions.rows),
                           "redundant rows share these reactions as the solver chooses"});
@@ -65,36 +69,41 @@ MobilityFindings mobility_of(Dynamics& dynamics, Mechanism& m, const State& type
   return found;
 }
 
-void print_freedoms(const MobilityFindings& found) {
-  const MobilityReport& r = found.mobility;
-  fmt::print("  bodies that move    {}\n  unknown velocities  {}\n  rows                {}\n  degrees of freedom  {}\n",
-             r.bodies, r.unknowns, r.rows, r.freedoms);
-  for (const std::string& words : found.moves.free) fmt::print("    {}\n", words);
-  if (found.position.singular)
-    fmt::print("  singular position   the start lies in one: {}\n", found.position_words);
-  else if (found.position.known && found.position.nearness < kNearPosition)
-    fmt::print("  singular position   near: a combination of rows is down to {:.2g} of their size\n",
-               found.position.nearness);
-}
-
-void print_dependencies(const MobilityFindings& found, const RunSettings& run) {
-  const MobilityReport& r = found.mobility;
-  if (r.redundant > 0) fmt::print("  redundant rows      {} (in {})\n", r.redundant, first_of(r.redundant_links));
-  for (const Dependency& d : r.dependencies) fmt::print("{}", words_of(d));
-  for (const NearDependency& d : found.near.all) fmt::print("{}", words_of(d, run.nearly_redundant));
-  fmt::print("{}", words_of(found.reactions, run));
-}
-
-void put_mobility(nlohmann::ordered_json& j, const MobilityFindings& found, const RunSettings& run) {
-  const MobilityReport& r = found.mobility;
-  j["bodies"] = r.bodies, j["unknowns"] = r.unknowns, j["rows"] = r.rows, j["rank"] = r.rank;
-  j["freedoms"] = r.freedoms, j["redundant"] = r.redundant, j["redundant_links"] = r.redundant_links;
-  j["dependencies"] = dependencies_json(r);
-  j["nearly_redundant"] = near_json(found.near.all, run.nearly_redundant);
-  j["rows_not_unique"] = found.reactions.rows;
-  j["columns_not_unique"] = columns_not_unique(run, found.reactions);
-  j["free_motions"] = found.moves.free;
-  j["singular_position"] = position_json(found);
+const Fields<MobilityFindings>& mobility_fields() {
+  using Found = MobilityFindings;
+  static const Fields<Dependency> kDependency{{"rows", "", "rows", &Dependency::rows},
+                                              {"too_many", "", "too many", &Dependency::too_many},
+                                              {"nearly", "", "", &Dependency::nearly},
+                                              {"pivot", "", "", &Dependency::pivot}};
+  static const Fields<MobilityReport> kReport{
+      {"bodies", "", "bodies that move", &MobilityReport::bodies},
+      {"unknowns", "", "unknown velocities", &MobilityReport::unknowns},
+      {"rows", "", "rows", &MobilityReport::rows},
+      {"rank", "", "rank", &MobilityReport::rank},
+      {"freedoms", "", "degrees of freedom", &MobilityReport::freedoms},
+      {"redundant", "", "redundant rows", &MobilityReport::redundant},
+      {"redundant_links", "", "redundant links", &MobilityReport::redundant_links},
+      {"dependencies", "dependent rows", &MobilityReport::dependencies, kDependency}};
+  static const Fields<Found> kPosition{{"in", "", "", [](const Found& f) { return f.position.singular; }},
+                                       {"near", "", "", [](const Found& f) { return is_near(f.position); }},
+                                       {"what", "", "", &Found::position_words},
+                                       {"smallest", "", "", [](const Found& f) { return f.position.nearness; }},
+                                       {"motions", "", "", [](const Found& f) { return f.position.motions; }},
+                                       {"branches", "", "", &Found::branches},
+                                       {"all_branches", "", "", [](const Found& f) { return f.position.all; }}};
+  const auto near = [](const Found& f) { return decided(f.near.all, f.choice); };
+  const auto position = [](const Found& f) { return f.position.known ? std::optional(f) : std::nullopt; };
+  static const Fields<Found> kFields =
+      Fields<Found>{}
+          .with(&Found::mobility, kReport)
+          .with(std::identity(),
+                Fields<Found>{
+                    {"free_motions", "", "free motions", [](const Found& f) { return f.moves.free; }},
+                    {"singular_position", "singular position", position, kPosition, position_text},
+                    {"nearly_redundant", "", near, near_fields()},
+                    {"rows_not_unique", "", "reactions not unique", [](const Found& f) { return f.reactions.rows; }},
+                    {"columns_not_unique", "", "recorded of these", &Found::columns_not_unique}});
+  return kFields;
 }
 
 }  // namespace lockstep

@@ -6,11 +6,10 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include <lockstep/analysis.h>
 #include <lockstep/kinematics.h>
 #include <lockstep/uniqueness.h>
+#include "framework/tools/program/result.h"
 #include "framework/tools/rank/branch_point.h"
 #include "framework/tools/scene_run/scene_run.h"
 
@@ -24,6 +23,8 @@ struct MobilityFindings {
   BranchPoint position;
   std::vector<std::string> branches;  ///< the motions that leave a branch point
   std::string position_words;         ///< "" in a regular one
+  NearlyRedundant choice = NearlyRedundant::automatic;  ///< what the run asks for
+  std::vector<std::string> columns_not_unique;          ///< recorded columns of reactions that are not unique
   DriveReport moves;
   std::exception_ptr refused;  ///< why a run would not start; null where it would
 };
@@ -31,11 +32,7 @@ struct MobilityFindings {
 /// assembled is taken as it is typed, and `refused`.
 MobilityFindings mobility_of(Dynamics&, Mechanism&, const State& typed);
 
-/// Lines: bodies, unknowns, rows, freedoms; free motions in words; whether a singular position is near.
-void print_freedoms(const MobilityFindings&);
-/// Lines: which rows depend on which, exactly or nearly, and which reactions are not unique; nothing where none.
-void print_dependencies(const MobilityFindings&, const RunSettings&);
-/// The same as data, added to an object.
-void put_mobility(nlohmann::ordered_json&, const MobilityFindings&, const RunSettings&);
+/// As a result has them.
+const Fields<MobilityFindings>& mobility_fields();
 
 }  // namespace lockstep

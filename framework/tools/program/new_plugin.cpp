@@ -12,7 +12,8 @@
 
 #include <lockstep/author/registry.h>
 #include "framework/description/registry/shelves.h"
-#include "framework/tools/program/commands.h"
+#include "framework/tools/program/options.h"
+#include "framework/tools/program/tools.h"
 
 namespace lockstep {
 namespace {
@@ -129,13 +130,30 @@ std::vector<std::string> write_plugin(const std::string& kind, const std::string
   return files;
 }
 
-int new_plugin_command(const Arguments& args) {
+namespace {
+
+Result make_plugin(const Arguments& args) {
   const std::vector<std::string> files = write_plugin(args["kind"], args["name"], args["--into"], builtin_registry());
   const std::string folder = fs::path(files.front()).parent_path().string();
   for (const std::string& file : files) fmt::print("{}\n", file);
   fmt::print("Build and test it: cmake -S {0} -B {0}/build && cmake --build {0}/build && ctest --test-dir {0}/build\n",
              folder);
   return kExitOk;
+}
+
+}  // namespace
+
+Command new_plugin_command() {
+  return {"new-plugin",
+          kExtend,
+          "Write the folder of a plugin: source, CMake file, test, scene; it builds and passes at once",
+          {Option{"kind", "KIND", "link, coupling, law, force or integrator"}
+               .among("link,coupling,law,force,integrator")
+               .needed(),
+           Option{"name", "NAME", "its name in scenes, and its folder's: small letters, digits and _"}.needed(),
+           {"--into", "DIR", "the parent of its folder; default: here"}},
+          make_plugin,
+          "Example:\n  lockstep new-plugin link wavy_rail"};
 }
 
 }  // namespace lockstep

@@ -2,6 +2,7 @@
 #include "framework/tools/program/options.h"
 
 #include <algorithm>
+#include <sstream>
 
 #include "framework/tools/program/tools.h"
 
@@ -62,9 +63,6 @@ const Options& settings_options() {
   return kOptions;
 }
 
-namespace {
-
-// What a run writes beside its report.
 Options run_outputs() {
   return {
       {"--record", "FILE.csv",
@@ -83,8 +81,6 @@ Options run_outputs() {
       kJson.without("--quiet,--certify")};
 }
 
-}  // namespace
-
 const Options& run_options() {
   static const Options kOptions = join(
       {settings_options(),
@@ -102,98 +98,27 @@ const Options& run_options() {
   return kOptions;
 }
 
+Json results_of(std::span<const Command> commands) {
+  Json all = Json::object();
+  for (const Command& c : commands)
+    if (!c.results.empty()) all[c.name] = schema_of(c.results, c.option("more") != nullptr);
+  return all;
+}
+
+Json results_of_all() {
+  Json all = results_of(own_commands());
+  std::istringstream answers(ask_tools("results"));
+  for (std::string line; std::getline(answers, line);)
+    if (const Json more = Json::parse(line); true)
+      for (const auto& [name, schema] : more.items())
+        if (!all.contains(name)) all[name] = schema;
+  return all;
+}
+
 std::vector<Command> own_commands() {
-  return {
-      {"run", kRun, "Compute the motion of a scene, write CSV and a picture", run_options(), run_command,
-       "Example:\n  lockstep run samples/scenes/four_bar.json --integrator rk4 --step 1e-3 --record out.csv"},
-      {"resume",
-       kRun,
-       "Go on with a run from its checkpoint",
-       {Option{"checkpoint", "FILE", "what `lockstep run --checkpoint` wrote"}.needed()},
-       resume_command,
-       "The run has the command line and the folder that it was begun with, and equals one that was not interrupted, "
-       "to "
-       "the\nlast bit. Scene, plugins and version must be the same.\n\n"
-       "Example:\n  lockstep run samples/scenes/four_bar.json --until 10000 --checkpoint four_bar.checkpoint --every "
-       "10s\n  lockstep resume four_bar.checkpoint"},
-      {"report", kRun, "Run a scene and write it as one HTML file: the mechanism in motion, its columns, its settings",
-       join({settings_options(),
-             {{"--out", "FILE.html", "the HTML file; default: beside the CSV, with its name"},
-              {"--open", "", "show it in the browser (xdg-open)"}},
-             run_outputs()}),
-       report_command,
-       "What `lockstep run` writes is written too. The file needs no network and no other file.\n\n"
-       "Example:\n  lockstep report samples/scenes/four_bar.json --open"},
-      {"demo",
-       kRun,
-       "Show a moving four-bar in the browser, and leave its scene to play with",
-       {{"--into", "DIR", "folder of its files; default: lockstep_demo in LOCKSTEP_OUTPUT or here"},
-        {"--no-open", "", "only write the files, open no browser"}},
-       demo_command,
-       "Writes four_bar.json, .csv, .png, .svg and .html; a four_bar.json that is there already is shown as it is.\n\n"
-       "Example:\n  lockstep demo"},
-      {"check", kLook, "Read and build a scene; report its bodies, unknowns, rows and degrees of freedom",
-       join({scene_options(),
-             {kJson,
-              {"--channels", "", "list every channel that the scene may record, with unit and meaning"},
-              Option{"--of", "NAME", "with --channels: only those of this body, marker, link or force"}.along(
-                  "--channels"),
-              Option{"more", "SCENE", "further scenes"}.repeated()}}),
-       check_command, "Example:\n  lockstep check samples/scenes/four_bar.json --json"},
-      {"list",
-       kLook,
-       "List the laws, links, forces, integrators and solvers that scenes may name; `list findings`: what may be found",
-       {Option{"shelf", "SHELF", "only one of them"}.among("links,laws,forces,integrators,solvers,findings"), kPlugin,
-        kJson},
-       list_command,
-       "Example:\n  lockstep list links"},
-      {"describe",
-       kLook,
-       "Print what a type, an object of a scene or a finding is, and which keys it takes",
-       {{"name", "NAME",
-         "a name of `lockstep list`; an object of scenes: body, marker, link, force, event, run, ...; a key; or "
-         "orientation, axis, law, formula, unit, channel, ...; with --scene a parameter or point"},
-        {"--scene", "FILE.json",
-         "describe a parameter or point of this scene, or all of them: value, place, what hangs on it"},
-        kPlugin,
-        kJson},
-       describe_command,
-       "Example:\n  lockstep describe revolute\n  lockstep describe crank --scene samples/scenes/four_bar.json"},
-      {"schema",
-       kLook,
-       "Print the JSON Schema of scene files, for editors",
-       {kPlugin},
-       schema_command,
-       "Example:\n  lockstep schema > scene.schema.json"},
-      {"reference",
-       kLook,
-       "Print the reference of scenes as a page in Markdown: every object, type, key and unit; or that of findings",
-       {Option{"page", "PAGE", "default: scenes"}.among("scenes,findings"), kPlugin},
-       reference_command,
-       "Example:\n  lockstep reference > reference.md"},
-      {"new-plugin",
-       kExtend,
-       "Write the folder of a plugin: source, CMake file, test, scene; it builds and passes at once",
-       {Option{"kind", "KIND", "link, coupling, law, force or integrator"}
-            .among("link,coupling,law,force,integrator")
-            .needed(),
-        Option{"name", "NAME", "its name in scenes, and its folder's: small letters, digits and _"}.needed(),
-        {"--into", "DIR", "the parent of its folder; default: here"}},
-       new_plugin_command,
-       "Example:\n  lockstep new-plugin link wavy_rail"},
-      {"completion",
-       kExtend,
-       "Print the script by which a shell completes lines: verbs, options, names of the scene",
-       {Option{"shell", "SHELL", "bash or zsh"}.among("bash,zsh").needed()},
-       completion_command,
-       "Example:\n  lockstep completion bash > ~/.local/share/bash-completion/completions/lockstep"},
-      {"man", kExtend, "Print the manual page", {}, man_command, "Example:\n  lockstep man | man -l -"},
-      {"plugins list",
-       kExtend,
-       "Load each plugin of the search path; report what it brings",
-       {{"--why", "", "report everything: folders, files, builds, and why a plugin is refused"}, kJson},
-       plugins_list_command,
-       "Example:\n  LOCKSTEP_PLUGIN_PATH=~/my/plugins lockstep plugins list --why"}};
+  return {run_command(),        resume_command(),   report_command(),      demo_command(),      check_command(),
+          list_command(),       describe_command(), schema_command(),      reference_command(), new_plugin_command(),
+          completion_command(), man_command(),      plugins_list_command()};
 }
 
 }  // namespace lockstep

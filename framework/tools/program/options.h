@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "framework/tools/program/commands.h"
+#include "framework/tools/program/result.h"
 
 namespace lockstep {
 
@@ -54,15 +54,37 @@ struct Command {
   std::string_view name;         ///< "run"; "plugins list"
   std::string_view group, help;  ///< "": as tools() has it
   Options options;
-  int (*run)(const Arguments&);
+  Result (*run)(const Arguments&);
   std::string_view footer{};
+  std::vector<const Schema*> results{};  ///< what its documents may have (--json)
 
   /// One of its options; null: it has none of this name.
   const Option* option(std::string_view name) const;
 };
 
-/// Those of the program `lockstep`.
-std::vector<Command> own_commands();
+// Those of the program `lockstep`.
+Command run_command();
+Command resume_command();
+Command report_command();
+Command demo_command();
+Command check_command();
+Command list_command();
+Command describe_command();
+Command schema_command();
+Command reference_command();
+Command new_plugin_command();
+Command completion_command();
+Command man_command();
+Command plugins_list_command();
+std::vector<Command> own_commands();  ///< all of them; the first is run
+
+/// A run, as `run` makes it; it has printed its text.
+Result run_scene(const Arguments&);
+std::vector<const Schema*> run_results();  ///< what its documents may have
+
+/// The schemas of what commands print with --json, by their names: of these, and of all programs.
+Json results_of(std::span<const Command>);
+Json results_of_all();
 
 /// "a,b" as words.
 std::vector<std::string> words_of(std::string_view choices);
@@ -81,5 +103,6 @@ inline constexpr Option kJobs{"--jobs", "N",
 const Options& scene_options();     ///< the scene, and what changes it
 const Options& settings_options();  ///< the scene, and how it is run
 const Options& run_options();       ///< all that `run` takes
+Options run_outputs();              ///< of those, what a run writes beside its report
 
 }  // namespace lockstep

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The verb plugins list: the plugins of the search path, and why one is refused. Each file is asked by a process of its
+// The command plugins list: the plugins of the search path, and why one is refused. Each file is asked by a process of its
 // own, which code of a damaged file may end.
 #include <sys/wait.h>
 #include <unistd.h>
@@ -10,20 +10,17 @@
 #include <boost/dll/runtime_symbol_info.hpp>
 #include <cstring>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
 #include <lockstep/author/loader.h>
 #include <lockstep/author/registry.h>
 #include <lockstep/error.h>
 #include "framework/description/registry/survey.h"
 #include "framework/foundation/support/child.h"
-#include "framework/tools/program/commands.h"
-#include "framework/tools/program/document.h"
+#include "framework/tools/program/options.h"
+#include "framework/tools/program/tools.h"
 
 namespace lockstep {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 const char* state_of(const PluginCandidate& c) {
   if (c.state == PluginCandidate::State::loaded) return "loads";
@@ -37,14 +34,54 @@ std::string brought(const PluginCandidate& c) {
   return words;
 }
 
-Json json_of(const PluginCandidate& c) {
-  Json brings = Json::array();
-  for (const auto& [kind, name] : c.brings) brings.push_back({{"kind", kind}, {"name", name}});
-  return {{"name", c.name},       {"state", state_of(c)},
-          {"why", c.why},         {"path", c.path},
-          {"file", c.file},       {"folder", c.folder},
-          {"build", c.build},     {"brings", brings},
-          {"size", c.stamp.size}, {"checksum", fmt::format("{:016x}", c.stamp.checksum)}};
+struct Survey {
+  std::string host;
+  std::vector<std::string> folders;
+  std::vector<PluginCandidate> plugins;
+};
+
+std::vector<std::string> missing_folders(const Survey& survey) {
+  std::vector<std::string> missing = survey.folders;
+  std::error_code error;
+  std::erase_if(missing, [&](const std::string& folder) { return std::filesystem::is_directory(folder, error); });
+  return missing;
+}
+
+// `why`: text has all of them.
+Fields<PluginCandidate> make_plugin_fields(bool why) {
+  using Candidate = PluginCandidate;
+  const auto only_why = [why](const char* label) { return why ? label : ""; };
+  using Brought = std::pair<std::string, std::string>;
+  static const Fields<Brought> kBrought{{"kind", "", "kind", &Brought::first}, {"name", "", "name", &Brought::second}};
+  return {{"name", "", "name", &Candidate::name},
+          {"state", "", "state", state_of},
+          {"brings_words", "", "brings", brought},
+          {"why", "", "why", &Candidate::why},
+          {"path", "", only_why("path"), &Candidate::path},
+          {"file", "", only_why("file"), &Candidate::file},
+          {"folder", "", "", &Candidate::folder},
+          {"build", "", only_why("build"), &Candidate::build},
+          {"brings", "", [](const Candidate& c) { return std::vector<Brought>(c.brings.begin(), c.brings.end()); },
+           kBrought},
+          {"size", "", only_why("bytes"), [](const Candidate& c) { return c.stamp.size; }},
+          {"checksum", "", only_why("checksum"),
+           [](const Candidate& c) { return fmt::format("{:016x}", c.stamp.checksum); }}};
+}
+const Fields<PluginCandidate>& plugin_fields(bool why) {
+  static const Fields<PluginCandidate> kShort = make_plugin_fields(false), kWhole = make_plugin_fields(true);
+  return why ? kWhole : kShort;
+}
+
+const Fields<Survey>& survey_fields(bool why) {
+  const auto make = [](bool all) {
+    return Fields<Survey>{{"host", "", all ? "this host" : "", &Survey::host},
+                          // LOCKSTEP_PLUGIN_PATH, then the program's own
+                          {"folders", "", all ? "searched" : "", &Survey::folders},
+                          {"missing_folders", "", all ? "of them missing" : "", missing_folders},
+                          {"plugins", "plugins", &Survey::plugins, plugin_fields(all)}};
+  };
+  static const Fields<Survey> kShort = make(false), kWhole = make(true);
+  return why ? kWhole : kShort;
 }
 
 // Stands before the answer of a process; what a plugin prints may stand before it.
@@ -75,58 +112,37 @@ void ask_process(PluginCandidate& c) {
           "; the file is damaged, or its code is wrong; build or install it anew";
 }
 
-void print_all(const PluginCandidate& c) {
-  fmt::print("{}: {}\n", c.name, state_of(c));
-  fmt::print("  file    {}{}\n", c.path, c.file == c.path ? "" : " -> " + c.file);
-  if (!c.build.empty()) fmt::print("  build   {}\n", c.build);
-  if (c.stamp.size > 0) fmt::print("  bytes   {}, checksum {:016x}\n", c.stamp.size, c.stamp.checksum);
-  if (!c.brings.empty()) fmt::print("  brings  {}\n", brought(c));
-  if (!c.why.empty()) fmt::print("  why     {}\n", c.why);
-}
-
-void print_folders(const std::vector<std::string>& folders) {
-  fmt::print("searched, in this order (LOCKSTEP_PLUGIN_PATH, then the program's own folders):\n");
-  for (const std::string& folder : folders) {
-    std::error_code error;
-    fmt::print("  {}{}\n", folder, std::filesystem::is_directory(folder, error) ? "" : " (there is no such folder)");
-  }
-}
-
 }  // namespace
 
-int plugin_answer_command(const char* file) {
+int answer_for_plugin(const char* file) {
   alarm(kPatience);
   PluginCandidate c;
   c.file = file;
   ask_plugin(c, builtin_registry());
-  const std::vector<std::uint8_t> answer = Json::to_msgpack(json_of(c));
+  const std::vector<std::uint8_t> answer = Json::to_msgpack(plugin_fields(false)(c));
   fmt::print("{}{}", kAnswer, std::string_view(reinterpret_cast<const char*>(answer.data()), answer.size()));
   return kExitOk;
 }
 
-int plugins_list_command(const Arguments& args) {
-  const std::vector<std::string> folders = plugin_folders();
-  const std::vector<PluginCandidate> all = survey_plugins(folders, ask_process);
-  if (args.has("--json")) {
-    Json found = Json::array();
-    for (const PluginCandidate& c : all) found.push_back(json_of(c));
-    const Json all_words = {{"host", abi_words(abi_of_this_build())}, {"folders", folders}, {"plugins", found}};
-    print_document(all_words);  // a path need not be UTF-8
-    return kExitOk;
-  }
-  if (args.has("--why")) {
-    fmt::print("this host: {}\n", abi_words(abi_of_this_build()));
-    print_folders(folders);
-    for (const PluginCandidate& c : all) print_all(c);
-    return kExitOk;
-  }
-  std::size_t width = 0;
-  for (const PluginCandidate& c : all) width = std::max(width, c.name.size());
-  for (const PluginCandidate& c : all)
-    fmt::print("{:<{}}  {:<7}  {}\n", c.name, width, state_of(c),
-               c.state == PluginCandidate::State::loaded ? brought(c) : c.why);
-  if (all.empty()) fmt::print("no plugin in {} folders; --why names them\n", folders.size());
-  return kExitOk;
+namespace {
+
+Result list_plugins(const Arguments& args) {
+  const Survey found{abi_words(abi_of_this_build()), plugin_folders(), survey_plugins(plugin_folders(), ask_process)};
+  if (found.plugins.empty() && !args.has("--json"))
+    fmt::print("no plugin in {} folders; --why names them\n", found.folders.size());
+  return {survey_fields(args.has("--why")), found};
+}
+
+}  // namespace
+
+Command plugins_list_command() {
+  return {"plugins list",
+          kExtend,
+          "Load each plugin of the search path; report what it brings",
+          {{"--why", "", "report everything: folders, files, builds, and why a plugin is refused"}, kJson},
+          list_plugins,
+          "Example:\n  LOCKSTEP_PLUGIN_PATH=~/my/plugins lockstep plugins list --why",
+          {&survey_fields(false).schema()}};
 }
 
 }  // namespace lockstep

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The verbs run, report and resume.
+// The commands run, report and resume.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
 #include <lockstep/assembly.h>
 #include <lockstep/log.h>
@@ -18,15 +17,14 @@
 #include "framework/tools/charts/gnuplot.h"
 #include "framework/tools/program/certified.h"
 #include "framework/tools/program/check_dependencies.h"
-#include "framework/tools/program/commands.h"
 #include "framework/tools/program/detail_rows.h"
-#include "framework/tools/program/document.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/findings.h"
 #include "framework/tools/program/formulation_seen.h"
 #include "framework/tools/program/frames_taken.h"
 #include "framework/tools/program/growing_file.h"
 #include "framework/tools/program/method_specs.h"
+#include "framework/tools/program/options.h"
 #include "framework/tools/program/progress.h"
 #include "framework/tools/program/run_checkpoint.h"
 #include "framework/tools/program/run_report.h"
@@ -35,7 +33,7 @@
 #include "framework/tools/program/run_words.h"
 #include "framework/tools/program/suspects.h"
 #include "framework/tools/program/terminal.h"
-#include "framework/tools/program/words.h"
+#include "framework/tools/program/tools.h"
 #include "framework/tools/scene_run/rows_at_jumps.h"
 #include "framework/tools/scene_run/run_findings.h"
 #include "framework/tools/scene_run/scene_run.h"
@@ -145,37 +143,40 @@ Drawing draw_run(const std::string& csv, const std::string& title, const RowEnve
   }
 }
 
-// The table first: it is reported even if the picture fails.
-std::vector<std::string> print_files(const std::string& csv, const std::string& title, const RowEnvelope& rows,
-                                     const PictureRows* details, const RunSettings& run, const RunOutputs& outputs,
-                                     const Arguments& args, const Words& words) {
-  words.say("  files      {} ({})\n", args["--record"] == "-" ? "the rows on standard output" : csv,
-            rows_of(rows.n_rows()));
-  if (args.has("--no-picture") || args["--record"] == "-") return {csv};
+// Draws the run; adds its files, and what is to know of them. False if drawing was possible and failed.
+bool draw(const std::string& csv, const std::string& title, const RowEnvelope& rows, const PictureRows* details,
+          const RunSettings& run, const RunOutputs& outputs, std::vector<std::string>& files,
+          std::vector<std::string>& notes) {
   if (rows.n_rows() <= 1) details = nullptr;
   const Drawing drawing = draw_run(csv, title, rows, details, run, outputs);
-  if (!words && drawing.failed) tell(fmt::format("lockstep: no picture: {}\n", drawing.reason));
-  for (const std::string& picture : drawing.files) words.say("             {}\n", picture);
+  files.insert(files.end(), drawing.files.begin(), drawing.files.end());
   if (drawing.files.empty()) {
-    words.say("             no picture: {}\n", drawing.reason);
-    return {csv};
+    notes.push_back("no picture: " + drawing.reason);
+    return !drawing.failed;
   }
   if (details != nullptr && details->joins_steps())
-    words.say("             curves join the ends of steps: {} has no dense output\n", run.integrator.type);
+    notes.push_back("curves join the ends of steps: " + run.integrator.type + " has no dense output");
   if (!outputs.pictures.empty() && rows.path_every() > 1)
-    words.say("             paths join one row in {}\n", rows.path_every());
+    notes.push_back(fmt::format("paths join one row in {}", rows.path_every()));
   const std::size_t n = rows.ranges().columns.size();
   if (run.draw.empty() && drawing.n_drawn < n)
-    words.say("             drawn: {} of {} columns; choose with run.draw\n", drawing.n_drawn, n);
-  std::vector<std::string> files{csv};
-  files.insert(files.end(), drawing.files.begin(), drawing.files.end());
-  return files;
+    notes.push_back(fmt::format("drawn: {} of {} columns; choose with run.draw", drawing.n_drawn, n));
+  return true;
 }
 
-void print_json(const Arguments& args, const Loaded& loaded, nlohmann::ordered_json result) {
-  nlohmann::ordered_json j = {{"scene", loaded.scene.file}, {"title", loaded.title()}, {"command", args.command}};
-  j.update(result);
-  print_result(j);
+/// A run that did not reach its end.
+struct FailedRun {
+  std::string status = "failed";
+  double t;
+  std::string error;
+  long rows;
+};
+const Fields<FailedRun>& failed_fields() {
+  static const Fields<FailedRun> kFields{{"status", "", "status", &FailedRun::status},
+                                         {"t", "s", "ended at t", &FailedRun::t},
+                                         {"error", "", "", &FailedRun::error},
+                                         {"rows", "", "rows", &FailedRun::rows}};
+  return kFields;
 }
 
 // What a run showed until it failed; the error itself matters more than one of this file.
@@ -194,20 +195,6 @@ void show(const Arguments& args, const RunReport& report) {
   const std::string problem = open_in_browser(report.file());
   if (!problem.empty()) tell(fmt::format("lockstep: {}\n", problem));
 }
-
-}  // namespace
-
-int report_command(const Arguments& args) {
-  Arguments with_report = args;
-  with_report.set("--report", args["--out"]);
-  if (args["--out"].empty()) {
-    const std::filesystem::path csv = csv_path(args["--record"] == "-" ? "" : args["--record"], args["scene"]);
-    with_report.set("--report", std::filesystem::path(csv).replace_extension(".html").string());
-  }
-  return run_command(with_report);
-}
-
-namespace {
 
 Loaded load_for(const Arguments& args, const RunCheckpoint* from) {
   if (args.has("--quiet")) set_logger(nullptr);
@@ -243,7 +230,6 @@ class ProgramRun {
       : args_(args),
         from_(from),
         certify_(certify),
-        words_(args),
         loaded_(load_for(args, from)),
         m_(build_observed(loaded_.scene, loaded_.registry)),
         csv_(table_of(m_, loaded_, args)),
@@ -262,10 +248,8 @@ class ProgramRun {
         sim_(dynamics_, make_integrator(m_.run, loaded_.registry), loop_options(m_.run)),
         doubts_(records_reactions(m_.run), sim_.integrator().info().adaptive ? m_.run.tolerance.relative : 0.0) {}
 
-  /// The exit code.
-  int go() {
+  Result go() {
     checkpoints_.refuse_unsaved(sim_.integrator());
-    words_.say("{}\n", loaded_.title());
     State start = assembled_start();
     report_.mark(dynamics_, start);
     add_observers(start);
@@ -283,12 +267,27 @@ class ProgramRun {
                  singular_.passed(),
                  formulation_.name(sim_, m_.run.formulation),
                  missed_events(m_, sim_),
-                 run_findings(sim_, found, doubts_, singular_)};
+                 run_findings(sim_, found, doubts_, singular_),
+                 &rows_.rows(),
+                 frames_taken(loaded_.scene),
+                 not_unique_,
+                 decided(near_.all, m_.run.nearly_redundant),
+                 assembled_,
+                 resumed_at_,
+                 summary_.ways()};
     for (const MissedEvent& e : end.missed) end.findings.push_back(finding_of(e));
     for (Finding& f : suspects_of(end, system_of(m_), singular_.n_passed())) end.findings.push_back(std::move(f));
     CommandFindings::add(end.findings);
-    conclude(end, unwritten);
-    return exit_code(end);
+    std::vector<std::string> files;
+    try {
+      files = conclude(end, unwritten);
+    } catch (...) {  // what was computed is printed all the same
+      print({loaded_, run_fields(), end}, args_);
+      throw;
+    }
+    Result result(loaded_, run_fields(), end);
+    result.files = files, result.code = exit_code(end);
+    return result;
   }
 
  private:
@@ -297,21 +296,19 @@ class ProgramRun {
     if (from_ != nullptr) return start;
     if (m_.run.assemble) {
       const AssemblyReport assembled = assemble_told(start);
-      if (assembled.is_notable()) words_.say("  assembled  {}\n", assembled.text());
+      if (assembled.is_notable()) assembled_ = assembled.text();
     } else {
       begin_turns(dynamics_, start);
     }
-    if (const std::string taken = frames_taken_in_short(loaded_.scene); !taken.empty())
-      words_.say("  taken      {}\n", taken);
     tell_near(start);
     refuse_locked(dynamics_, start);
     if (args_.has("--quiet")) return start;
     not_unique_ = columns_not_unique(dynamics_, start, m_.run);
     if (!not_unique_.empty()) {
-      const Finding f{&finding::reactions_not_unique, first_of(not_unique_),
-                      "how redundant rows share these reactions is the solver's choice", "lockstep check"};
-      CommandFindings::add(f);
-      words_.say("  not unique {}: {} (lockstep check)\n", f.thing, f.message);
+      const std::string names = first_of(not_unique_);
+      CommandFindings::add({&finding::reactions_not_unique, names,
+                            names + ": how redundant rows share these reactions is the solver's choice",
+                            "lockstep check"});
     }
     return start;
   }
@@ -327,11 +324,8 @@ class ProgramRun {
     }
   }
   void tell_near(const State& start) {
-    if (!near_.looked && (words_ || args_.has("--json"))) near_ = {true, nearly_redundant_at(dynamics_, m_, start)};
-    for (const NearDependency& d : near_.all) {
-      CommandFindings::add(finding_of(d, m_.run.nearly_redundant));
-      words_.say("{}", words_of(d, m_.run.nearly_redundant));
-    }
+    if (!near_.looked && !args_.has("--quiet")) near_ = {true, nearly_redundant_at(dynamics_, m_, start)};
+    for (const NearDependency& d : near_.all) CommandFindings::add(finding_of(d, m_.run.nearly_redundant));
   }
 
   bool judged() const { return !args_.has("--quiet") || args_.has("--strict"); }
@@ -354,7 +348,7 @@ class ProgramRun {
       rows_.go_on();
       sim_.load(from_->run);
       CommandFindings::add(sim_.report().findings);
-      words_.say("  resumed    at t = {:.6g} s, after {} steps\n", sim_.state().t, sim_.report().steps);
+      resumed_at_ = sim_.state().t;
       return;
     }
     sim_.set_state(std::move(start));
@@ -366,74 +360,56 @@ class ProgramRun {
 
   [[noreturn]] void fail(const std::exception_ptr& error, const std::exception_ptr& unwritten) {
     const long n = rows_.rows().n_rows();
-    const std::string written = unwritten
-                                    ? "the rows up to there could not be written: " + thrown_words(unwritten)
-                                    : rows_of(n) + " up to there " + (n == 1 ? "is" : "are") + " in " + file_.partial();
+    const std::string written = unwritten ? "the rows up to there could not be written: " + thrown_words(unwritten)
+                                          : fmt::format("{} row{} up to there {} in {}", n, n == 1 ? "" : "s",
+                                                        n == 1 ? "is" : "are", file_.partial());
     tell(fmt::format("lockstep: the run ended at t = {:.9g} s; {}\n", sim_.state().t, written));
     write_unfinished(report_, sim_, error);
     CommandFindings::add(doubts_.findings(sim_.report().steps, sim_.state().t));
-    if (args_.has("--json"))
-      print_json(args_, loaded_,
-                 {{"status", "failed"},
-                  {"t", sim_.state().t},
-                  {"error", thrown_words(error)},
-                  {"rows", n},
-                  {"files", {file_.partial()}}});
+    Result result(loaded_, failed_fields(), {.t = sim_.state().t, .error = thrown_words(error), .rows = n});
+    result.files = {file_.partial()}, result.printed = true, result.command = args_.command;
+    print(result, args_);
     std::rethrow_exception(error);
-  }
-
-  void print_result(const EndedRun& end, const std::vector<std::string>& files) {
-    if (!args_.has("--json")) return;
-    nlohmann::ordered_json j = json_of(end, rows_.rows());
-    j["frames_taken"] = frames_taken(loaded_.scene);
-    j["not_unique"] = not_unique_;
-    j["nearly_redundant"] = near_json(near_.all, m_.run.nearly_redundant);
-    j["files"] = files;
-    print_json(args_, loaded_, std::move(j));
   }
 
   // A run that was interrupted replaces nothing: its rows and its report stay beside the old ones, and pictures are not
   // drawn.
-  void leave_unfinished(const EndedRun& end, const std::string& lines) {
+  std::vector<std::string> leave_unfinished(const std::string& lines) {
     std::vector<std::string> files{file_.partial()};
-    words_.say("  files      {} ({})\n", file_.partial(), rows_of(rows_.rows().n_rows()));
-    if (report_) {
+    if (report_)
       files.push_back(
           report_.write_unfinished(sim_, lines, fmt::format("interrupted at t = {:.9g} s", sim_.state().t)));
-      words_.say("             {}\n", files.back());
-    }
-    print_result(end, files);
+    return files;
   }
 
-  // Words, files, pictures, report and certificate of a run that reached its end; what there is of one that was
-  // interrupted.
-  void conclude(const EndedRun& end, const std::exception_ptr& unwritten) {
+  // Files, pictures, report and certificate of a run that reached its end; what there is of one that was interrupted.
+  std::vector<std::string> conclude(EndedRun& end, const std::exception_ptr& unwritten) {
     try {
       if (audit_ && m_.system.n_velocities() > kFewVelocities && summary_.nothing_moved())
         warn_of_no_freedom(m_, dynamics_, sim_, kManyVelocities);
     } catch (const std::exception&) {  // the rows of the run are worth more than this warning
     }
-    const std::string lines = audit_ ? end_words(end, summary_) : "";
-    words_.say("{}", lines);
     if (unwritten) std::rethrow_exception(unwritten);
-    if (end.interrupted) return leave_unfinished(end, lines);
+    const std::string lines =
+        audit_ && report_ ? text_of(run_fields().schema(), run_fields()(end)) + text_of(end.findings) : "";
+    if (end.interrupted) return leave_unfinished(lines);
     file_.commit();
     checkpoints_.remove();
-    const std::string title = loaded_.title();
-    std::vector<std::string> files =
-        print_files(csv_, title, rows_.rows(), details_.get(), m_.run, outputs_, args_, words_);
+    std::vector<std::string> files{csv_ == "-" ? "standard output" : csv_};
+    if (!args_.has("--no-picture") && csv_ != "-" &&
+        !draw(csv_, loaded_.title(), rows_.rows(), details_.get(), m_.run, outputs_, files, end.notes) &&
+        args_.has("--quiet"))
+      tell(fmt::format("lockstep: {}\n", end.notes.front()));
     if (report_) {
       report_.write(sim_, lines);
-      words_.say("             {}\n", report_.file());
       files.push_back(report_.file());
       show(args_, report_);
     }
-    print_result(end, files);
     if (certify_ != nullptr) {
       const CertifiedRun certified = certify_(loaded_, args_, m_.run, recorder_->table());
-      fmt::print(args_["--record"] == "-" ? stderr : stdout, "{}", certified.text);
-      uncertified_ = certified.doubt;
+      end.certificate = certified.text, uncertified_ = certified.doubt;
     }
+    return files;
   }
 
   int exit_code(const EndedRun& end) {
@@ -454,13 +430,14 @@ class ProgramRun {
   const Arguments& args_;
   const RunCheckpoint* from_;
   const Certify certify_;
-  const Words words_;
   Loaded loaded_;
   Mechanism m_;
   const std::string csv_;
   const std::unique_ptr<Recorder> recorder_;
   const RunOutputs outputs_;
   std::vector<std::string> not_unique_;  // columns of reactions
+  std::string assembled_;
+  double resumed_at_ = NAN;
   std::string uncertified_;              // what --certify found of which not one digit is certified
   GrowingFile file_;
   Checkpoints checkpoints_;
@@ -481,13 +458,15 @@ class ProgramRun {
 
 }  // namespace
 
-int run_command(const Arguments& args) {
+Result run_scene(const Arguments& args) {
   if (args.has("--certify")) throw UsageError("--certify: write it by itself, behind the verb");
   return ProgramRun(args, nullptr).go();
 }
-int run_and_certify(const Arguments& args, Certify certify) { return ProgramRun(args, nullptr, certify).go(); }
+Result run_and_certify(const Arguments& args, Certify certify) { return ProgramRun(args, nullptr, certify).go(); }
 
-int resume_command(const Arguments& args) {
+namespace {
+
+Result resume_run(const Arguments& args) {
   const RunCheckpoint from = RunCheckpoint::read(args["checkpoint"]);
   const std::string file = std::filesystem::absolute(args["checkpoint"]).string();
   std::error_code error;
@@ -497,7 +476,59 @@ int resume_command(const Arguments& args) {
                                 file, from.folder, error.message()));
   Arguments begun = read_run_words(from.words);
   begun.set("--record", from.csv), begun.set("--checkpoint", file);
-  return ProgramRun(begun, &from).go();
+  Result result = ProgramRun(begun, &from).go();
+  result.command = begun.command;
+  print(result, begun);  // as the line asks that it goes on with
+  return result.code;
+}
+
+Result report_run(const Arguments& args) {
+  Arguments with_report = args;
+  with_report.set("--report", args["--out"]);
+  if (args["--out"].empty()) {
+    const std::filesystem::path csv = csv_path(args["--record"] == "-" ? "" : args["--record"], args["scene"]);
+    with_report.set("--report", std::filesystem::path(csv).replace_extension(".html").string());
+  }
+  return run_scene(with_report);
+}
+
+}  // namespace
+
+std::vector<const Schema*> run_results() { return {&run_fields().schema(), &failed_fields().schema()}; }
+
+Command run_command() {
+  return {"run",
+          kRun,
+          "Compute the motion of a scene, write CSV and a picture",
+          run_options(),
+          run_scene,
+          "Example:\n  lockstep run samples/scenes/four_bar.json --integrator rk4 --step 1e-3 --record out.csv",
+          run_results()};
+}
+Command resume_command() {
+  return {
+      "resume",
+      kRun,
+      "Go on with a run from its checkpoint",
+      {Option{"checkpoint", "FILE", "what `lockstep run --checkpoint` wrote"}.needed()},
+      resume_run,
+      "The run has the command line and the folder that it was begun with, and equals one that was not interrupted, "
+      "to the\nlast bit. Scene, plugins and version must be the same.\n\n"
+      "Example:\n  lockstep run samples/scenes/four_bar.json --until 10000 --checkpoint four_bar.checkpoint --every "
+      "10s\n  lockstep resume four_bar.checkpoint"};
+}
+Command report_command() {
+  return {"report",
+          kRun,
+          "Run a scene and write it as one HTML file: the mechanism in motion, its columns, its settings",
+          join({settings_options(),
+                {{"--out", "FILE.html", "the HTML file; default: beside the CSV, with its name"},
+                 {"--open", "", "show it in the browser (xdg-open)"}},
+                run_outputs()}),
+          report_run,
+          "What `lockstep run` writes is written too. The file needs no network and no other file.\n\n"
+          "Example:\n  lockstep report samples/scenes/four_bar.json --open",
+          run_results()};
 }
 
 }  // namespace lockstep

@@ -41,7 +41,7 @@ std::vector<std::pair<std::string, std::string>> facts_of(const std::string& lin
   std::vector<std::pair<std::string, std::string>> facts;
   std::istringstream in(lines);
   for (std::string line; std::getline(in, line);) {
-    if (line.starts_with("     ")) {
+    if (line.starts_with("   ")) {
       facts.emplace_back("", text::trimmed(line));
       continue;
     }

@@ -7,59 +7,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
-#include <utility>
 
 #include <lockstep/recorder.h>
 #include <lockstep/sweep.h>
-#include "framework/tools/program/check_dependencies.h"
-#include "framework/tools/program/document.h"
 #include "framework/tools/program/method_specs.h"
 
 namespace lockstep {
-namespace {
-
-using Json = nlohmann::ordered_json;
-
-std::string counted(long n, const char* one, const char* many) { return fmt::format("{} {}", n, n == 1 ? one : many); }
-
-Json energy_of(const EndedRun& ended) {
-  const Audit& audit = ended.audit;
-  Json instants = Json::array();
-  for (const Audit::Instant& i : audit.instants)
-    instants.push_back(
-        {{"cause", i.cause}, {"count", i.count}, {"first", i.first}, {"last", i.last}, {"energy", i.energy}});
-  return {{"verdict", audit.verdict()},
-          {"imbalance", json_number(audit.imbalance)},
-          {"exchanged", json_number(audit.scale)},
-          {"limit", audit.limits.energy},
-          {"change", json_number(audit.end - audit.start)},
-          {"drives", json_number(audit.drives)},
-          {"supplied", json_number(audit.supplied)},
-          {"dissipated", json_number(audit.dissipated)},
-          {"instants", std::move(instants)},
-          {"unbooked_forces", audit.unbooked_forces},
-          {"suspects", texts_of(of_kind(ended.findings, finding::energy_suspect))}};
-}
-
-Json columns_of(const RowEnvelope& rows) {
-  Json all = Json::array();
-  const SweepRun ranges = rows.ranges();
-  const Table table = rows.table();
-  for (std::size_t k = 0; k < ranges.columns.size(); ++k) {
-    const Column& column = table.columns()[k + 1];
-    const ColumnRange& r = ranges.columns[k];
-    all.push_back({{"name", column.name},
-                   {"unit", column.unit},
-                   {"final", json_number(r.last)},
-                   {"min", json_number(r.least)},
-                   {"max", json_number(r.most)}});
-  }
-  return all;
-}
-
-}  // namespace
-
 std::vector<Finding> of_severity(const std::vector<Finding>& findings, Severity severity) {
   std::vector<Finding> some;
   std::ranges::copy_if(findings, std::back_inserter(some), [&](const Finding& f) { return f.severity() == severity; });
@@ -99,17 +52,6 @@ std::string words_of(const MissedEvent& e) {
   return words;
 }
 
-Json json_of(const MissedEvent& e) {
-  Json j = {{"event", e.course.name}};
-  if (e.asked.channel.empty()) return j["at"] = e.asked.event.at, j;
-  j.update({{"channel", e.asked.channel},
-            {"unit", e.unit},
-            {"crosses", e.asked.crosses},
-            {"nearest", json_number(e.asked.crosses + e.course.nearest)},
-            {"t", json_number(e.course.at)}});
-  return j;
-}
-
 }  // namespace
 
 Finding finding_of(const MissedEvent& e) {
@@ -119,90 +61,153 @@ Finding finding_of(const MissedEvent& e) {
   return f;
 }
 
-std::string rows_of(long n) { return counted(n, "row", "rows"); }
+namespace {
 
-std::string end_words(const EndedRun& ended, const Summary& summary) {
-  StepLoop& sim = ended.sim;
-  const Audit& audit = ended.audit;
-  std::string words;
-  const auto say = [&]<class... Args>(fmt::format_string<Args...> format, Args&&... args) {
-    words += fmt::format(format, std::forward<Args>(args)...);
-  };
-  const SimulationReport& r = sim.report();
-  const std::string rejected =
-      sim.integrator().info().adaptive ? fmt::format(" ({} rejected)", counted(r.rejected, "try", "tries")) : "";
-  say("  run        t = {:.6g} s in {} of {}{}, formulation {}, {:.3g} s of computing\n", sim.state().t,
-      counted(r.steps, "step", "steps"), ended.settings.integrator.type, rejected, ended.formulation, ended.seconds);
-  if (r.manifold_steps > 0)
-    say("  stages     on the constraints in {} of {}, as singular positions or rows that are redundant only there ask "
-        "for\n",
-        r.manifold_steps, counted(r.steps, "step", "steps"));
-  for (const Finding& f : of_severity(ended.findings, Severity::doubt)) say("  DOUBTFUL   {}\n", f.text());
-  for (const Finding& f : of_kind(ended.findings, finding::stiff)) say("  stiff      {}\n", f.text());
-  const auto& links = sim.system().links();
-  const auto resting = std::count_if(links.begin(), links.end(), [&](const auto& link) {
-    return link->unilateral() && sim.state().modes[link->number()];
-  });
-  if (r.impacts > 0 || resting > 0)
-    say("  impacts    {} of one-sided links; {} of them {} in contact at the end\n", r.impacts, resting,
-        resting == 1 ? "is" : "are");
-  if (r.stopped && !r.stopped_by.empty() && !ended.interrupted) say("  stopped    by '{}'\n", r.stopped_by);
-  for (const Finding& f : of_kind(ended.findings, finding::event_missed)) say("  never      {}\n", f.text());
-  say("{}", summary.text());
-  say("{}", words_of(audit, summary.nothing_moved()));
-  for (const Finding& f : of_kind(ended.findings, finding::energy_not_conserved))
-    say("  NOT CONSERVED  {}\n", f.text());
-  for (const Finding& f : of_kind(ended.findings, finding::energy_not_judged)) say("  NOT JUDGED  {}\n", f.text());
-  const char* word = "suspect";
-  for (const Finding& f : of_kind(ended.findings, finding::energy_suspect))
-    say("  {:<10} {}\n", std::exchange(word, ""), f.text());
-  for (const Finding& f : of_kind(ended.findings, finding::constraints_drifted)) say("  DRIFTED    {}\n", f.text());
-  if (!sim.system().links().empty() && !audit.drifted)
-    say("  drift      constraints violated by at most {:.2g} m after a step\n", r.largest_violation);
-  return words;
+const Fields<EndedRun>& method_fields() {
+  using Run = EndedRun;
+  constexpr auto adaptive = [](const Run& r) { return r.sim.integrator().info().adaptive; };
+  static const Fields<Run> kFields{
+      {"integrator", "", "", [](const Run& r) { return to_word(r.settings.integrator); }},
+      Field<Run>("tolerance", "", "", [=](const Run& r) { return adaptive(r) ? r.settings.tolerance.relative : NAN; })
+          .optional(),
+      Field<Run>("step", "s", "", [=](const Run& r) { return adaptive(r) ? NAN : r.settings.step; }).optional(),
+      {"formulation", "", "", [](const Run& r) { return to_string(r.settings.formulation); }},
+      {"formulation_used", "", "", &Run::formulation},
+      {"solver", "", "", [](const Run& r) { return to_word(r.settings.solver); }}};
+  return kFields;
 }
 
-Json json_of(const EndedRun& ended, const RowEnvelope& rows) {
-  StepLoop& sim = ended.sim;
-  const RunSettings& run = ended.settings;
-  const Audit& audit = ended.audit;
-  const SimulationReport& r = sim.report();
-  const WorkCount& work = sim.dynamics().work();
-  const char* status = ended.interrupted ? "interrupted" : audit.is_wrong() ? "wrong" : "ok";
-  Json method = {{"integrator", to_word(run.integrator)}};
-  if (sim.integrator().info().adaptive)
-    method["tolerance"] = run.tolerance.relative;
-  else
-    method["step"] = run.step;
-  method["formulation"] = to_string(run.formulation), method["formulation_used"] = ended.formulation;
-  method["solver"] = to_word(run.solver);
-  Json singular = Json::array();
-  for (const PassedPosition& p : ended.passed)
-    singular.push_back({{"t", p.t}, {"indicator", json_number(p.indicator)}, {"links", p.links}});
-  Json missed = Json::array();
-  for (const MissedEvent& each : ended.missed) missed.push_back(json_of(each));
-  Json j = {
-      {"status", status},
-      {"t", sim.state().t},
-      {"until", run.until},
-      {"seconds", ended.seconds},
-      {"method", std::move(method)},
-      {"steps", r.steps},
-      {"rejected", r.rejected},
-      {"evaluations", work.evaluations},
-      {"factors", work.factors},
-      {"impacts", r.impacts},
-      {"stopped_by", r.stopped_by},
-      {"missed_events", std::move(missed)},
-      {"energy", energy_of(ended)},
-      {"drift",
-       {{"violation", json_number(audit.violation)}, {"limit", audit.limits.violation}, {"drifted", audit.drifted}}},
-      {"warnings", texts_of(r.findings)},
-      {"doubts", texts_of(of_severity(ended.findings, Severity::doubt))},
-      {"singular_positions", std::move(singular)},
-      {"rows", rows.n_rows()},
-      {"columns", columns_of(rows)}};
-  return j;
+const Fields<EndedRun>& energy_fields() {
+  using Run = EndedRun;
+  using Instant = Audit::Instant;
+  static const Fields<Instant> kInstant{{"cause", "", "cause", &Instant::cause},
+                                        {"count", "", "times", &Instant::count},
+                                        {"first", "s", "from", &Instant::first},
+                                        {"last", "s", "to", &Instant::last},
+                                        {"energy", "J", "energy", &Instant::energy}};
+  static const Fields<Run> kFields{
+      {"verdict", "", "verdict", [](const Run& r) { return r.audit.verdict(); }},
+      {"imbalance", "J", "imbalance", [](const Run& r) { return r.audit.imbalance; }},
+      {"exchanged", "J", "exchanged", [](const Run& r) { return r.audit.scale; }},
+      {"limit", "", "", [](const Run& r) { return r.audit.limits.energy; }},
+      {"change", "J", "change", [](const Run& r) { return r.audit.end - r.audit.start; }},
+      {"drives", "J", "work of drives", [](const Run& r) { return r.audit.drives; }},
+      {"supplied", "J", "of motors and forces", [](const Run& r) { return r.audit.supplied; }},
+      {"dissipated", "J", "dissipated", [](const Run& r) { return r.audit.dissipated; }},
+      {"instants", "at instants", [](const Run& r) { return r.audit.instants; }, kInstant},
+      {"unbooked_forces", "", "", [](const Run& r) { return r.audit.unbooked_forces; }},
+      {"suspects", "", "", [](const Run& r) { return texts_of(of_kind(r.findings, finding::energy_suspect)); }}};
+  return kFields;
+}
+
+const Fields<MissedEvent>& missed_fields() {
+  using Missed = MissedEvent;
+  constexpr auto of_channel = [](const Missed& e, double x) { return e.asked.channel.empty() ? NAN : x; };
+  static const Fields<Missed> kFields{
+      {"event", "", "", [](const Missed& e) { return e.course.name; }},
+      Field<Missed>("at", "s", "", [](const Missed& e) { return e.asked.channel.empty() ? e.asked.event.at : NAN; })
+          .optional(),
+      Field<Missed>("channel", "", "", [](const Missed& e) { return e.asked.channel; }).optional(),
+      Field<Missed>("unit", "", "", [](const Missed& e) { return e.asked.channel.empty() ? "" : e.unit; }).optional(),
+      Field<Missed>("crosses", "", "", [=](const Missed& e) { return of_channel(e, e.asked.crosses); }).optional(),
+      Field<Missed>("nearest", "", "",
+                    [=](const Missed& e) { return of_channel(e, e.asked.crosses + e.course.nearest); })
+          .optional(),
+      Field<Missed>("t", "s", "", [=](const Missed& e) { return of_channel(e, e.course.at); }).optional()};
+  return kFields;
+}
+
+struct ColumnEnds {
+  std::string name, unit;
+  ColumnRange range;
+};
+const Fields<ColumnEnds>& column_fields() {
+  static const Fields<ColumnEnds> kFields{{"name", "", "", &ColumnEnds::name},
+                                          {"unit", "", "", &ColumnEnds::unit},
+                                          {"final", "", "", [](const ColumnEnds& c) { return c.range.last; }},
+                                          {"min", "", "", [](const ColumnEnds& c) { return c.range.least; }},
+                                          {"max", "", "", [](const ColumnEnds& c) { return c.range.most; }}};
+  return kFields;
+}
+std::vector<ColumnEnds> columns_of(const EndedRun& run) {
+  std::vector<ColumnEnds> all;
+  const SweepRun ranges = run.rows->ranges();
+  const Table table = run.rows->table();
+  for (std::size_t k = 0; k < ranges.columns.size(); ++k)
+    all.push_back({table.columns()[k + 1].name, table.columns()[k + 1].unit, ranges.columns[k]});
+  return all;
+}
+
+// The first three of many.
+std::string first_places(const Json& places) {
+  std::string text;
+  for (std::size_t k = 0; k < std::min<std::size_t>(places.size(), 3); ++k)
+    text += (k > 0 ? "; " : "") + places[k].get<std::string>();
+  if (places.empty()) return "";
+  return text + ", as no place is given" +
+         (places.size() > 3 ? fmt::format("; and {} more (lockstep check)", places.size() - 3) : "");
+}
+
+std::vector<std::string> in_contact(const EndedRun& run) {
+  std::vector<std::string> names;
+  for (const auto& link : run.sim.system().links())
+    if (link->unilateral() && run.sim.state().modes[link->number()]) names.push_back(link->name());
+  return names;
+}
+
+}  // namespace
+
+const Fields<EndedRun>& run_fields() {
+  using Run = EndedRun;
+  static const Fields<PassedPosition> kPassed{{"t", "s", "", &PassedPosition::t},
+                                              {"indicator", "", "", &PassedPosition::indicator},
+                                              {"links", "", "", &PassedPosition::links}};
+  static const Fields<Run> kDrift{{"violation", "m", "", [](const Run& r) { return r.audit.violation; }},
+                                  {"limit", "m", "", [](const Run& r) { return r.audit.limits.violation; }},
+                                  {"drifted", "", "", [](const Run& r) { return r.audit.drifted; }}};
+  constexpr auto status = [](const Run& r) {
+    return r.interrupted ? "interrupted" : r.audit.is_wrong() ? "wrong" : "ok";
+  };
+  constexpr auto method = +[](const Json& m) {
+    return m["integrator"].get<std::string>() + ", formulation " + m["formulation_used"].get<std::string>();
+  };
+  constexpr auto drift = +[](const Json& d) {
+    return d["violation"] == 0
+               ? std::string()
+               : fmt::format("constraints violated by at most {} m after a step", number_text(d["violation"]));
+  };
+  static const Fields<Run> kFields{
+      {"status", "", "", status},
+      {"assembled", "", "assembled", &Run::assembled},
+      {"resumed_at", "s", "resumed at t", &Run::resumed_at},
+      {"t", "s", "t", [](const Run& r) { return r.sim.state().t; }},
+      {"until", "s", "", [](const Run& r) { return r.settings.until; }},
+      {"seconds", "s", "computed in", &Run::seconds},
+      {"method", "method", std::identity(), method_fields(), method},
+      {"steps", "", "steps", [](const Run& r) { return r.sim.report().steps; }},
+      {"rejected", "", "rejected", [](const Run& r) { return r.sim.report().rejected; }, unless_zero},
+      {"manifold_steps", "", "on the constraints", [](const Run& r) { return r.sim.report().manifold_steps; },
+       unless_zero},
+      {"evaluations", "", "", [](const Run& r) { return r.sim.dynamics().work().evaluations; }},
+      {"factors", "", "", [](const Run& r) { return r.sim.dynamics().work().factors; }},
+      {"impacts", "", "impacts", [](const Run& r) { return r.sim.report().impacts; }, unless_zero},
+      {"in_contact", "", "in contact", in_contact},
+      {"stopped_by", "", "stopped by", [](const Run& r) { return r.interrupted ? "" : r.sim.report().stopped_by; }},
+      {"missed_events", "", &Run::missed, missed_fields()},
+      {"moved", "moved", &Run::moved, way_fields()},
+      {"energy", "energy", std::identity(), energy_fields()},
+      {"drift", "drift", std::identity(), kDrift, drift},
+      {"warnings", "", "", [](const Run& r) { return texts_of(r.sim.report().findings); }},
+      {"doubts", "", "", [](const Run& r) { return texts_of(of_severity(r.findings, Severity::doubt)); }},
+      {"singular_positions", "", [](const Run& r) { return r.passed; }, kPassed},
+      {"rows", "", "rows", [](const Run& r) { return r.rows->n_rows(); }},
+      {"columns", "", columns_of, column_fields()},
+      {"frames_taken", "", "taken", &Run::frames_taken, first_places},
+      {"notes", "", "pictures", &Run::notes},
+      Field<Run>("certificate", "", "certificate", &Run::certificate).optional(),
+      {"not_unique", "", "", &Run::not_unique},
+      {"nearly_redundant", "", &Run::near, near_fields()}};
+  return kFields;
 }
 
 }  // namespace lockstep

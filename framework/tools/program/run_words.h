@@ -1,22 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is said of a run that ended: as lines for people, and as JSON for programs.
+// A run that ended, as a result.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include <lockstep/scene.h>
 #include <lockstep/step_loop.h>
-#include "framework/tools/program/commands.h"
+#include "framework/tools/program/check_dependencies.h"
+#include "framework/tools/program/result.h"
 #include "framework/tools/program/row_envelope.h"
 #include "framework/tools/program/summary.h"
 #include "framework/tools/rank/singular_watch.h"
 
 namespace lockstep {
-
-/// "1 row", "2 rows".
-std::string rows_of(long n);
 
 /// An event that did not happen.
 struct MissedEvent {
@@ -39,6 +36,14 @@ struct EndedRun {
   std::string formulation{};                  ///< of its steps: "joint", "omega", "quaternion"
   std::vector<MissedEvent> missed{};          ///< events that did not happen
   std::vector<Finding> findings{};            ///< run_findings(), missed events, suspects_of()
+  const RowEnvelope* rows = nullptr;          ///< its table
+  std::vector<std::string> frames_taken{}, not_unique{};  ///< places that were not given; columns of reactions
+  std::vector<DecidedNear> near{};
+  std::string assembled{};  ///< what assembling the start did; "" if little
+  double resumed_at = NAN;  ///< of a checkpoint, s
+  std::vector<Summary::Way> moved{};
+  std::vector<std::string> notes{};  ///< on the pictures
+  std::string certificate{};
 };
 
 /// Those of the findings with this severity.
@@ -48,11 +53,7 @@ std::vector<Finding> of_kind(const std::vector<Finding>&, const FindingKind&);
 /// That an event did not happen.
 Finding finding_of(const MissedEvent&);
 
-/// What is printed of it.
-std::string end_words(const EndedRun&, const Summary&);
-
-/// The same as an object: status, method, counts, energy, drift, and each recorded column's last, least and largest
-/// value.
-nlohmann::ordered_json json_of(const EndedRun&, const RowEnvelope&);
+/// As a result has it: status, method, counts, energy, drift, and each recorded column's last, least and largest value.
+const Fields<EndedRun>& run_fields();
 
 }  // namespace lockstep

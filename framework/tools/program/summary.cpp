@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/program/summary.h"
 
-#include <spdlog/fmt/fmt.h>
-
 #include <algorithm>
 #include <cmath>
-
-#include <lockstep/text.h>
+#include <functional>
 
 namespace lockstep {
 namespace {
@@ -86,42 +83,25 @@ void Summary::load(SnapshotReader& in) {
   }
 }
 
-std::string Summary::text() const {
-  constexpr std::size_t kMost = 8;
-  std::vector<Mover> order = movers_;
-  std::stable_sort(order.begin(), order.end(), [](const Mover& a, const Mover& b) { return a.path > b.path; });
-  std::string text;
-  for (std::size_t k = 0; k < std::min(kMost, order.size()); ++k) {
-    text += fmt::format("  moved      {:<14} {:.4g} m along its way, at most {:.4g} m from its start",
-                        order[k].body->name, order[k].path, order[k].away);
-    if (order[k].body->freedoms == Freedoms::spatial) text += fmt::format(", turned by {:.4g} rad", order[k].turned);
-    text += "\n";
-  }
-  if (order.size() > kMost) text += fmt::format("             and {} more\n", order.size() - kMost);
-  return text;
+std::vector<Summary::Way> Summary::ways() const {
+  std::vector<Way> all;
+  for (const Mover& m : movers_) all.push_back({m.body->name, m.path, m.away, m.turned});
+  std::ranges::stable_sort(all, std::greater{}, &Way::path);
+  return all;
+}
+
+const Fields<Summary::Way>& way_fields() {
+  using Way = Summary::Way;
+  static const Fields<Way> kFields{{"body", "", "body", &Way::body},
+                                   {"path", "m", "along its way", &Way::path},
+                                   {"away", "m", "farthest from its start", &Way::away},
+                                   {"turned", "rad", "turned", &Way::turned}};
+  return kFields;
 }
 
 bool Summary::nothing_moved() const {
   return std::all_of(movers_.begin(), movers_.end(),
                      [&](const Mover& m) { return m.path <= kStill * length_ && m.turned <= kStill; });
-}
-
-std::string words_of(const Audit& audit, bool still) {
-  std::string text = fmt::format(
-      "  energy     change {:.6g} J, work of drives {:.6g} J, of motors and applied forces {:.6g} J, dissipated {:.6g} "
-      "J\n",
-      audit.end - audit.start, audit.drives, audit.supplied, audit.dissipated);
-  for (const Audit::Instant& i : audit.instants) {
-    const std::string when = i.count == 1 ? fmt::format("at {:.6g} s", i.first)
-                                          : fmt::format("{} times from {:.6g} s to {:.6g} s", i.count, i.first, i.last);
-    text += fmt::format("             {} {}: {:+.6g} J\n", i.cause, when, i.energy);
-  }
-  if (audit.energy == Audit::Energy::conserved)
-    text += fmt::format("  conserved  energy balance within {:.2g} J{}\n", audit.imbalance,
-                        still             ? "; nothing moved"
-                        : audit.scale > 0 ? fmt::format(" ({:.2g} of the energy exchanged)", audit.imbalance_share())
-                                          : " (none was exchanged)");
-  return text;
 }
 
 }  // namespace lockstep

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Summary: what moved, for the report at the end of a run, and an audit in words.
+// Summary: what moved in a run.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include <lockstep/recorder.h>
+#include "framework/tools/program/result.h"
 
 namespace lockstep {
 
@@ -18,8 +19,12 @@ class Summary final : public Observer {
   void save(Snapshot&) const override;
   void load(SnapshotReader&) override;
 
-  /// Lines of text, the bodies that moved most first.
-  std::string text() const;
+  /// How a body moved: along its way, from its start, and by turns.
+  struct Way {
+    std::string body;
+    double path = 0, away = 0, turned = 0;  // m, m, rad
+  };
+  std::vector<Way> ways() const;  ///< those that moved most first
   bool nothing_moved() const;
 
  private:
@@ -39,7 +44,6 @@ class Summary final : public Observer {
   double length_ = 1;  // of the system, m
 };
 
-/// An audit in lines of text: the work, and that energy was conserved, if it was. `still`: nothing moved.
-std::string words_of(const Audit&, bool still);
+const Fields<Summary::Way>& way_fields();
 
 }  // namespace lockstep

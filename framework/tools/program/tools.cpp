@@ -105,17 +105,17 @@ std::optional<int> call_tool(int argc, const char* const* argv) {
   return kExitUsage;
 }
 
-std::string pages_of_tools() {
-  std::string pages;
+std::string ask_tools(const char* question) {
+  std::string answers;
   std::string_view last;  // those of a program stand together
   for (const Tool& tool : kTools) {
     const std::string file = file_of(tool.program);
     if (std::exchange(last, tool.program) == tool.program || !fs::exists(file)) continue;
-    const auto [status, text] = run_child({file, "man-verbs"});
-    if (status != 0) throw FileError("'" + file + "' cannot print its part of the manual; build or install it anew");
-    pages += text;
+    const auto [status, text] = run_child({file, question});
+    if (status != 0) throw FileError("'" + file + "' cannot print its part; build or install it anew");
+    answers += text;
   }
-  return pages;
+  return answers;
 }
 
 }  // namespace lockstep

@@ -35,7 +35,8 @@ std::string_view group_of(const Command&);
 /// words are for `lockstep` itself.
 std::optional<int> call_tool(int argc, const char* const* argv);
 
-/// The manual's part on the verbs of all tools in libexec. Throws FileError where one of them fails.
-std::string pages_of_tools();
+/// What all tools in libexec print if they are asked for their part of the manual ("man-verbs"), or for the schemas of
+/// their results ("results"), one after another. Throws FileError if one of them fails.
+std::string ask_tools(const char* question);
 
 }  // namespace lockstep

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-3-Clause
 // Neither a comment counts, nor 1e-9 in one.
 constexpr double kFirst = 1, kSecond = 1e-3;
 const double limit = 2.5;

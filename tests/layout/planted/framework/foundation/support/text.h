@@ -1,3 +1,2 @@
-// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <vector>

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include "framework/mechanism/lock/lock.h"
 #include "framework/mechanism/system/system.h"

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Measured runs as JSON, for chart and advise.
+// Measured runs as results have them, for chart and advise.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "framework/tools/precision/pareto.h"
+#include "framework/tools/precision/work_precision.h"
+#include "framework/tools/program/result.h"
 
 namespace lockstep {
 
 /// Method, setting, errors, cost, or why it failed.
-nlohmann::ordered_json json_of(const WorkPrecisionRun&);
+const Fields<WorkPrecisionRun>& measured_run_fields();
 /// The same with what is known of its cost.
-nlohmann::ordered_json json_of(const CostAtError&);
+const Fields<CostAtError>& cost_fields();
 /// All runs, the references and how well they agree, what was left out.
-nlohmann::ordered_json json_of(const WorkPrecision&);
+const Fields<WorkPrecision>& measurement_fields();
 
 }  // namespace lockstep

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "framework/tools/commands/benchmark_fields.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lockstep {
+namespace {
+
+const Fields<HistoryError>& error_fields() {
+  static const Fields<HistoryError> kFields = [] {
+    Fields<HistoryError> all{};
+    static const std::vector<std::string> kNames = [] {
+      std::vector<std::string> names;
+      for (const ErrorKind kind : kErrorKinds) names.push_back(to_string(kind));
+      return names;
+    }();
+    for (std::size_t k = 0; k < kNames.size(); ++k)
+      all.add({kNames[k], unit_of(kErrorKinds[k]), kNames[k],
+               [kind = kErrorKinds[k]](const HistoryError& e) { return e.of(kind); }});
+    return all;
+  }();
+  return kFields;
+}
+
+std::string error_text(const Json& error) {
+  std::string text;
+  for (const ErrorKind kind : kErrorKinds)
+    text += (text.empty() ? "" : ", ") + number_text(error[to_string(kind)]) + " " + unit_of(kind);
+  return text;
+}
+
+std::string runs_words(const Json& runs) {
+  const auto failed = std::ranges::count_if(runs, [](const Json& r) { return r.contains("failure"); });
+  return std::to_string(runs.size()) + (failed > 0 ? ", " + std::to_string(failed) + " failed" : "");
+}
+
+// Those that were still falling: "not tried" is no "never".
+std::string count_text(const Json& names) {
+  return names.empty() ? "" : std::to_string(names.size()) + " combinations; give more with --budget";
+}
+
+}  // namespace
+
+const Fields<WorkPrecisionRun>& measured_run_fields() {
+  using Run = WorkPrecisionRun;
+  static const Fields<Run> kFields{
+      {"integrator", "", "integrator", &Run::integrator},
+      {"formulation", "", "formulation", [](const Run& r) { return to_string(r.formulation); }},
+      {"stabilization", "", "stabilisation", [](const Run& r) { return to_string(r.stabilization); }},
+      {"solver", "", "solver", &Run::solver},
+      Field<Run>("tolerance", "", "tolerance", [](const Run& r) { return r.adaptive ? r.setting : NAN; }).optional(),
+      Field<Run>("step", "s", "step", [](const Run& r) { return r.adaptive ? NAN : r.setting; }).optional(),
+      Field<Run>(
+          "error", "error", [](const Run& r) { return r.done() ? std::optional(r.error) : std::nullopt; },
+          error_fields(), error_text)
+          .optional(),
+      Field<Run>("failure", "", "failure", [](const Run& r) { return r.done() ? "" : r.failure; }).optional(),
+      {"cpu", "s", "CPU", &Run::cpu},
+      {"evaluations", "", "evaluations", &Run::evaluations},
+      {"factors", "", "factors", &Run::factors},
+      {"steps", "", "steps", &Run::steps},
+      {"rejected", "", "rejected", &Run::rejected}};
+  return kFields;
+}
+
+const Fields<CostAtError>& cost_fields() {
+  static const Fields<CostAtError> kFields =
+      Fields<CostAtError>{}
+          .with([](const CostAtError& c) { return *c.run; }, measured_run_fields())
+          .with(std::identity(),
+                Fields<CostAtError>{{"confirmed", "", "confirmed", &CostAtError::confirmed},
+                                    {"coarser_tried", "", "", [](const CostAtError& c) { return !c.upper_bound; }}});
+  return kFields;
+}
+
+const Fields<WorkPrecision>& measurement_fields() {
+  using Unsuited = WorkPrecision::Unsuited;
+  static const Fields<Unsuited> kUnsuited{{"what", "", "what", &Unsuited::what}, {"why", "", "why", &Unsuited::why}};
+  static const Fields<WorkPrecision> kFields{
+      {"reference", "", "truth by", &WorkPrecision::reference},
+      {"second_reference", "", "and", &WorkPrecision::second},
+      {"agreement", "they agree to", &WorkPrecision::agreement, error_fields(), error_text},
+      {"runs", "runs", &WorkPrecision::runs, measured_run_fields(), runs_words},
+      {"not_tried", "", "not tried", &WorkPrecision::left_out, count_text},
+      {"unsuited", "left out", &WorkPrecision::unsuited, kUnsuited}};
+  return kFields;
+}
+
+}  // namespace lockstep

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The commands of the programs beside `lockstep`.
+#pragma once
+
+#include "framework/tools/program/options.h"
+
+namespace lockstep {
+
+Command mobility_command();
+Command assemble_command();
+Command statics_command();
+Command kinematics_command();
+Command inverse_command();
+Command explain_command();
+Command modes_command();
+Command linearize_command();
+Command matrices_command();
+Command chart_command();
+Command advise_command();
+Command atlas_command();
+Command certify_command();  ///< `run` with --certify
+Command sweep_command();
+Command import_command();
+
+/// assemble --branches: all ways in which a scene fits together.
+Result find_all_branches(const Arguments&);
+const Schema& branch_schema();
+
+inline constexpr Option kAt{"--at", "T", "the instant, s, to which the scene is run; default 0, its assembled start"};
+
+}  // namespace lockstep
