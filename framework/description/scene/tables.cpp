@@ -259,6 +259,8 @@ void add_key(SceneTable& to, const std::vector<std::string>& columns) {
     key.choices.assign(holds.begin() + (key.form == Form::any ? 2 : 1), holds.end());
   else if (!holds[1].empty())
     key.unit = by_name(holds[1], Unit::any);
+  if (key.unit == Unit::any && name_of(key.unit) != holds[1])
+    throw ModelError("key \"" + key.name + "\" of the scene's tables: unknown unit \"" + holds[1] + "\"");
   to.info.keys.push_back(std::move(key));
 }
 
