@@ -15,7 +15,7 @@ namespace mine {
 /// phi = z - lead * turns. The whole joint: constraint, row, Ct and right side follow from it.
 struct ScrewThread {
   double lead;  // m per turn
-  static constexpr bool kCountsTurns = true;
+  static constexpr PhiSpec spec{.counts_turns = true};
   template <class T>
   T operator()(const LockCoords<T>& y) const {
     return y.z - lead / kTwoPi * y.angle_z();

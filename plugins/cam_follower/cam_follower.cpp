@@ -10,9 +10,8 @@ using namespace lockstep;
 /// No derivative is written here: lockstep evaluates phi on jets.
 struct CamProfile {
   double base, lift, lobes;
-  static constexpr Reads kReads = Reads::translation;     // the turn of P does not matter
-  static constexpr RowKind kKind = RowKind::translation;  // phi is a length
-  static constexpr bool kStaysInPlane = true;             // a planar mechanism stays in its plane
+  // The turn of P does not matter, a planar mechanism stays in its plane, and phi is a length.
+  static constexpr PhiSpec spec{.reads = Reads::translation, .stays_in_plane = true, .kind = RowKind::translation};
 
   template <class T>
   T operator()(const LockCoords<T>& y) const {

@@ -33,6 +33,7 @@ T of_std(const T& a, const T& b) {
 
 #if !defined(PLACE) || PLACE == 1
 struct Phi {
+  static constexpr PhiSpec spec{};
   template <class T>
   T operator()(const LockCoords<T>& y) const {
     return of_std<T>(y.x, y.e3);

@@ -202,6 +202,7 @@ namespace {
 
 // Holds x at 0.2 m, in numbers that say little of metres.
 struct Faint {
+  static constexpr PhiSpec spec{};
   template <class T>
   T operator()(const LockCoords<T>& y) const {
     return 1e-6 * (y.x - 0.2);

@@ -13,6 +13,7 @@
 #include <lockstep/laws.h>
 #include <lockstep/splines.h>
 #include "framework/description/scene/json.h"
+#include "framework/mechanism/links/cam_functions.h"
 #include "tests/support/catch.h"
 #include "tests/support/link_bench.h"
 #include "tests/support/messages.h"

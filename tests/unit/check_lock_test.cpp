@@ -240,20 +240,21 @@ TEST_CASE("check_lock of a type finds a group that writes one link twice", "[uni
 namespace {
 
 struct TurnsForgotten {
-  static constexpr bool kCountsTurns = false;
+  static constexpr PhiSpec spec{.counts_turns = false};
   template <class T>
   T operator()(const LockCoords<T>& y) const {
     return y.z - 0.02 * y.angle_z();
   }
 };
 struct TurnsCounted {
-  static constexpr bool kCountsTurns = true;
+  static constexpr PhiSpec spec{.counts_turns = true};
   template <class T>
   T operator()(const LockCoords<T>& y) const {
     return y.z - 0.02 * y.angle_z();
   }
 };
 struct OddInE {
+  static constexpr PhiSpec spec{};
   template <class T>
   T operator()(const LockCoords<T>& y) const {
     return y.z - 0.3 * y.e3;
@@ -279,7 +280,7 @@ TEST_CASE("check_lock follows a joint over full turns", "[unit][check]") {
   CAPTURE(counted.text(), forgotten.text(), odd.text());
   CHECK(counted.ok());
   CHECK(says(forgotten, "row phi jumps by 0.126 where 'thread.P' has turned by 1"));
-  CHECK(says(forgotten, "kCountsTurns = true"));
+  CHECK(says(forgotten, ".counts_turns = true"));
   CHECK(says(odd, "row phi on body 'nut' is another one when the quaternion of body 'nut' changes its sign"));
 }
 
@@ -321,14 +322,14 @@ TEST_CASE("check_lock asks for a link of the system", "[unit][check]") {
 namespace {
 
 /// Each accepted step adds to its memory once more.
-struct Adding {
-  static constexpr int kMemory = 1;
+struct Adding : PhiHooks {
+  static constexpr PhiSpec spec{.memory = 1};
   template <class T>
   T operator()(const LockCoords<T>& y) const {
     return y.z - 0.02 * y.memory[0];
   }
-  void reset(std::span<double> z, const LockCoords<Time>&) const { z[0] = 0; }
-  void accept_step(std::span<double> z, const LockCoords<Time>&) const { z[0] += 0.3; }
+  void reset(std::span<double> z, PhiCoords) const override { z[0] = 0; }
+  void accept_step(std::span<double> z, PhiCoords) const override { z[0] += 0.3; }
 };
 struct AddsUp final : PhiLock<Adding> {
   AddsUp(std::string name, Marker& p, Marker& s) : PhiLock(std::move(name), p, s, Mask::x | Mask::y, Adding{}) {}

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <lockstep/detail/phi_function.h>
+#include "framework/mechanism/lock/stiffness.h"
 
 #include <complex>
 
+#include <lockstep/author/phi_links.h>
 #include <lockstep/dynamics.h>
-#include <lockstep/solvers.h>
 #include <lockstep/joints.h>
+#include <lockstep/solvers.h>
 #include "tests/support/catch.h"
 #include "tests/support/lock_inputs.h"
 
@@ -66,6 +67,7 @@ double largest(const Mat12& x) { return x.cwiseAbs().maxCoeff(); }
 
 /// A function of everything, without meaning.
 struct Everything {
+  static constexpr PhiSpec spec{};
   template <class T>
   T operator()(const LockCoords<T>& y) const {
     using std::exp, std::sqrt;

@@ -7,8 +7,10 @@
 #include <string>
 #include <vector>
 
+#include <lockstep/author/phi_links.h>
 #include <lockstep/error.h>
 #include <lockstep/joints.h>
+#include "framework/mechanism/links/joint_functions.h"
 #include "tests/support/catch.h"
 #include "tests/support/dense.h"
 #include "tests/support/lock_functions.h"
@@ -189,7 +191,7 @@ namespace own {
 struct ScrewThread {  ///< oracle::Screw
   double pitch;
   LawPtr<MotionLaw> law;
-  static constexpr bool kCountsTurns = true;
+  static constexpr PhiSpec spec{.counts_turns = true};
   template <class T>
   T operator()(const LockCoords<T>& y) const {
     return y.z - pitch / kTwoPi * y.angle_z() - law_at(*law, y.t);
@@ -198,14 +200,14 @@ struct ScrewThread {  ///< oracle::Screw
 struct RackAndPinion {  ///< oracle::Rack
   double radius;
   LawPtr<MotionLaw> law;
-  static constexpr bool kCountsTurns = true;
+  static constexpr PhiSpec spec{.counts_turns = true};
   template <class T>
   T operator()(const LockCoords<T>& y) const {
     return y.x + radius * y.angle_z() - law_at(*law, y.t);
   }
 };
 struct Cross {  ///< oracle::Universal: x_S . y_P
-  static constexpr Reads kReads = Reads::rotation;
+  static constexpr PhiSpec spec{.reads = Reads::rotation};
   template <class T>
   T operator()(const LockCoords<T>& y) const {
     return 2.0 * (y.e1 * y.e2 - y.e0 * y.e3);
@@ -266,7 +268,7 @@ TEST_CASE("a distance lets go everything that keeps it", "[unit][links]") {
   CHECK(link.row_count() == 1);
   CHECK(link.row_name(0) == "phi");
   CHECK(link.row_kind(0) == RowKind::translation);
-  CHECK(std::abs(link.phi().length_at(3.0) - 1.3) < 1e-14);
+  CHECK(std::abs(phi_of<DistanceFunction>(link.function()).length_at(3.0) - 1.3) < 1e-14);
   const Rows rows = gathered(pair.system, pair.system.start());
   CHECK(rows.C.norm() < 1e-14);
   CHECK(dense::rank(rows.J, 1e-9) == 1);

@@ -7,11 +7,14 @@
 #include <vector>
 
 #include <lockstep/author/check.h>
+#include <lockstep/author/phi_links.h>
 #include <lockstep/couplings.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/error.h>
 #include <lockstep/joints.h>
 #include <lockstep/solvers.h>
+#include "framework/mechanism/links/gear_functions.h"
+#include "framework/mechanism/links/joint_functions.h"
 #include "tests/support/catch.h"
 #include "tests/support/hand_joints.h"
 #include "tests/support/lock_inputs.h"
@@ -86,7 +89,7 @@ std::vector<Twin> twins() {
              l.lead = 0.3;
              return l;
            },
-           0.3, [](const Lock& l) { return static_cast<const Screw&>(l).phi().reference; }},
+           0.3, [](const Lock& l) { return phi_of<ScrewThread>(static_cast<const Screw&>(l).function()).reference; }},
           {"gear, a body shared",
            [](Bodies& b) -> Lock& {
              return b.system.add(std::make_unique<Gear>(Attachment{"l", {{b.m[0], b.m[1]}, {b.m[2], b.n[1]}}}, 2.0));
@@ -96,7 +99,7 @@ std::vector<Twin> twins() {
              l->ratio = 2.0;
              return b.system.add(std::move(l));
            },
-           kTwoPi, [](const Lock& l) { return static_cast<const Gear&>(l).phi().reference; }},
+           kTwoPi, [](const Lock& l) { return phi_of<TurnsOfTwo>(static_cast<const Gear&>(l).function()).reference; }},
           {"gear, four bodies",
            [](Bodies& b) -> Lock& {
              return b.system.add(std::make_unique<Gear>(Attachment{"l", {{b.m[0], b.m[1]}, {b.m[2], b.m[3]}}}, 2.0));
@@ -106,7 +109,7 @@ std::vector<Twin> twins() {
              l->ratio = 2.0;
              return b.system.add(std::move(l));
            },
-           kTwoPi, [](const Lock& l) { return static_cast<const Gear&>(l).phi().reference; }}};
+           kTwoPi, [](const Lock& l) { return phi_of<TurnsOfTwo>(static_cast<const Gear&>(l).function()).reference; }}};
 }
 
 /// K of all slots, and each D zero.
@@ -121,9 +124,8 @@ MatX matrix_of(const TangentSum& sum) {
 
 /// Three pairs, two rows, everything that is read, of several kinds.
 struct Tangle {
-  static constexpr int kPairs = 3, kRows = 2;
-  static constexpr std::array<Reads, 3> kReads = {Reads::both, Reads::translation, Reads::rotation};
-  static constexpr std::array<const char*, 2> kNames = {"one", "two"};
+  static constexpr PhiSpec spec{
+      .pairs = 3, .rows = 2, .reads = {Reads::both, Reads::translation, Reads::rotation}, .names = {"one", "two"}};
   template <class T>
   std::array<T, 2> operator()(const LockCoords<T>& a, const LockCoords<T>& b, const LockCoords<T>& c) const {
     using std::exp, std::sin, std::sqrt;
@@ -144,7 +146,7 @@ class TangleLink final : public PhiCoupling<Tangle> {
 
 /// Three functions of one pair beside a mask.
 struct Several {
-  static constexpr int kRows = 3;
+  static constexpr PhiSpec spec{.rows = 3};
   template <class T>
   std::array<T, 3> operator()(const LockCoords<T>& y) const {
     return {y.e1 * y.e2, y.x * y.e3 * y.e3 - 0.2 * y.t * y.t, y.y * y.y + y.e0 * y.e0 * y.z};
@@ -313,10 +315,9 @@ namespace {
 /// Turns about z of one pair that tells its rotation alone, and where another is that tells its translation alone.
 template <bool rotation_first>
 struct Winch {
-  static constexpr int kPairs = 2;
-  static constexpr bool kCountsTurns = true;
-  static constexpr std::array<Reads, 2> kReads = {rotation_first ? Reads::rotation : Reads::translation,
-                                                  rotation_first ? Reads::translation : Reads::rotation};
+  static constexpr Reads kFirst = rotation_first ? Reads::rotation : Reads::translation,
+                         kSecond = rotation_first ? Reads::translation : Reads::rotation;
+  static constexpr PhiSpec spec{.pairs = 2, .reads = {kFirst, kSecond}, .counts_turns = true};
   template <class T>
   T operator()(const LockCoords<T>& a, const LockCoords<T>& b) const {
     if constexpr (rotation_first)

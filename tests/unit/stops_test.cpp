@@ -2,8 +2,10 @@
 // One-sided links, stops and friction as scenes say them.
 #include <lockstep/joints.h>
 
+#include <lockstep/detail/phi_function.h>
 #include <lockstep/lockstep.h>
 #include "framework/description/scene/system_of.h"
+#include "framework/mechanism/links/joint_functions.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
 
@@ -48,7 +50,7 @@ TEST_CASE("scene: stops of every coordinate are links of their own", "[unit][sce
   }
   CHECK(stop("A.stop_rz_low").unilateral()->restitution == 0.8);
   CHECK(stop("A.stop_x_high").unilateral()->restitution == 0);
-  CHECK(static_cast<const TurnStop&>(stop("A.stop_rz_low")).phi().limit == Approx(-kPi / 3));
+  CHECK(phi_of<StopAbout>(static_cast<const TurnStop&>(stop("A.stop_rz_low")).function()).limit == Approx(-kPi / 3));
   const State start = m.system.start();
   CHECK(start.modes[0]);
   CHECK_FALSE(start.modes[1]);  // out of force until it is touched

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include <lockstep/assembly.h>
+#include <lockstep/author/phi_links.h>
 #include <lockstep/couplings.h>
 #include <lockstep/error.h>
 #include <lockstep/forces.h>
@@ -54,6 +55,7 @@ struct OwnLaw final : MotionLaw {
 /// x of P in S is zero.
 struct OwnRow {
   const Code* code;
+  static constexpr PhiSpec spec{};
   template <class T>
   T operator()(const LockCoords<T>& y) const {
     code->at("link", value_of(y.t));

@@ -10,12 +10,14 @@
 
 #include <lockstep/author/registry.h>
 #include <lockstep/couplings.h>
+#include <lockstep/detail/phi_function.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/joints.h>
 #include <lockstep/laws.h>
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>
+#include "framework/mechanism/links/cam_functions.h"
 #include "tests/support/catch.h"
 #include "tests/support/link_bench.h"
 #include "tests/support/paths.h"
@@ -346,8 +348,9 @@ TEST_CASE("followers of splined cams stand where a search finds them", "[verific
       [&](Scene& s) {
         const Registry registry = builtin_registry();
         Mechanism m = build_mechanism(s, registry);
-        one = static_cast<const CamRoller&>(m.system.link("contact_1")).phi().profile.radius();
-        two = static_cast<const CamFlat&>(m.system.link("contact_2")).phi().profile.radius();
+        one =
+            phi_of<RollerOnCam>(static_cast<const CamRoller&>(m.system.link("contact_1")).function()).profile.radius();
+        two = phi_of<FaceOnCam>(static_cast<const CamFlat&>(m.system.link("contact_2")).function()).profile.radius();
       });
   const Table& t = run.table;
   REQUIRE(t.n_rows() == 241);

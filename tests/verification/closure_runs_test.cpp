@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <lockstep/assembly.h>
+#include <lockstep/author/phi_links.h>
 #include <lockstep/author/registry.h>
 #include <lockstep/integrators.h>
 #include <lockstep/joints.h>
@@ -107,7 +108,7 @@ namespace {
 
 // Two points 0.9 m + 0.2 m/s t apart.
 struct Telescope {
-  static constexpr Reads kReads = Reads::translation;
+  static constexpr PhiSpec spec{.reads = Reads::translation};
   template <class T>
   T operator()(const LockCoords<T>& y) const {
     const T length = 0.9 + 0.2 * y.t;

@@ -159,7 +159,7 @@ namespace {
 
 /// The y axis of S stays normal to the z axis of P: with a ball joint a universal joint.
 struct Hooke {
-  static constexpr Reads kReads = Reads::rotation;
+  static constexpr PhiSpec spec{.reads = Reads::rotation};
   template <class T>
   T operator()(const LockCoords<T>& y) const {
     return 2.0 * (y.e2 * y.e3 - y.e0 * y.e1);

@@ -52,7 +52,7 @@ std::string own_scene(const std::string& name) {
 
 /// y = 0, by a function that does not say that planar mechanisms stay in their plane.
 struct Straight {
-  static constexpr Reads kReads = Reads::translation;
+  static constexpr PhiSpec spec{.reads = Reads::translation};
   template <class T>
   T operator()(const LockCoords<T>& y) const {
     return y.y;

@@ -2,47 +2,20 @@
 // The joints.
 #pragma once
 
-#include <cmath>
 #include <memory>
 #include <string>
 
+#include <lockstep/author/function_links.h>
 #include <lockstep/author/lock.h>
 #include <lockstep/author/params.h>
-#include <lockstep/author/phi_links.h>
-#include <lockstep/body.h>
 
 namespace lockstep {
 
 // Link 'distance'.
 
-/// (7.4) phi = |rho| - f(t), m. The multiplier is the axial force, N: positive pulls the two points together.
-struct DistanceFunction {
-  LawPtr<MotionLaw> law;                                  ///< f(t), m; null: `length`
-  double length = 0;                                      ///< constant f, m
-  static constexpr Reads kReads = Reads::translation;     ///< x y z
-  static constexpr bool kStaysInPlane = true;             ///< planar mechanisms stay in their plane
-  static constexpr RowKind kKind = RowKind::translation;  ///< a length
-  /// phi, m.
-  template <class T>
-  T operator()(const LockCoords<T>& y) const {
-    using std::sqrt;
-    return sqrt(y.x * y.x + y.y * y.y + y.z * y.z) - (law ? law_at(*law, y.t) : T(length));
-  }
-  /// f(t), m.
-  double length_at(double t) const { return law ? law->at(t).y : length; }
-  /// As Driven::breakpoints.
-  void breakpoints(double t0, double t1, std::vector<double>& out) const {
-    if (law) law->breakpoints(t0, t1, out);
-  }
-  /// As Driven::diagnose.
-  std::string diagnose(double t) const { return law ? law_fault("the law of its length", law, t) : ""; }
-};
-
-extern template class LOCKSTEP_API PhiLock<DistanceFunction>;
-
 /// A distance between the origins of P and S, constant or by a law. Free: everything that keeps the distance. It has no
 /// direction at length zero: setup() throws ModelError where the length at t = 0 or the distance at the start is zero.
-class LOCKSTEP_API Distance final : public PhiLock<DistanceFunction> {
+class LOCKSTEP_API Distance final : public FunctionLock {
  public:
   /// Of constant length, m, above zero.
   Distance(std::string name, Marker& p, Marker& s, double length);
@@ -168,38 +141,10 @@ class LOCKSTEP_API GenericLock final : public MarkerLock {
   static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
 };
 
-
 // Link 'screw'.
 
-/// (7.4) phi = z - lead theta / 2 pi - reference - f(t), m. The multiplier is the axial force of the thread, N.
-struct LOCKSTEP_API ScrewThread {
-  double lead;                                                      ///< advance per turn, m; negative: left-hand thread
-  LawPtr<MotionLaw> slip{};                                         ///< f(t), distance from the thread, m; null: none
-  double reference = 0;                                             ///< z - lead theta / 2 pi at the start, m
-  static constexpr bool kCountsTurns = true;                        ///< theta runs on past full turns
-  static constexpr RowKind kKind = RowKind::translation;            ///< a length
-  static constexpr std::array<const char*, 1> kNames = {"thread"};  ///< name of the row
-  /// z - lead theta / 2 pi, m.
-  template <class T>
-  T advance(const LockCoords<T>& y) const {
-    return y.z - lead / kTwoPi * y.angle_z();
-  }
-  /// phi, m.
-  template <class T>
-  T operator()(const LockCoords<T>& y) const {
-    const T phi = advance(y) - reference;
-    return slip ? phi - law_at(*slip, y.t) : phi;
-  }
-  /// Sets the reference, so that the start is on the thread.
-  void initialise(const std::string&, const LockCoords<Time>& y) { reference = advance(y).v; }
-  void breakpoints(double t0, double t1, std::vector<double>& out) const;  ///< as Driven::breakpoints
-  std::string diagnose(double t) const;                                    ///< as Driven::diagnose
-};
-
-extern template class LOCKSTEP_API PhiLock<ScrewThread>;
-
 /// A screw on a thread about z of S. Free: turning about z, and with it sliding along z, for any number of turns.
-class LOCKSTEP_API Screw final : public PhiLock<ScrewThread>, public Observable {
+class LOCKSTEP_API Screw final : public FunctionLock, public Observable {
  public:
   /// `lead`: m per turn, negative for a left-hand thread; `slip`: law of the distance from the thread through the poses
   /// of the start, m. Throws ParameterError: a lead that is not finite.
@@ -212,42 +157,11 @@ class LOCKSTEP_API Screw final : public PhiLock<ScrewThread>, public Observable 
   static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
 };
 
-
 // Link 'stop': one end of the travel of one coordinate; a unilateral link.
-
-/// phi = +-(coordinate - limit), m: phi >= 0 is the free side, above a low end and below a high one.
-struct StopAlong {
-  int axis;                                               ///< of S: 0 x, 1 y, 2 z
-  double limit;                                           ///< m
-  double sign;                                            ///< +1: a low end, -1: a high one
-  static constexpr Reads kReads = Reads::translation;     ///< x y z
-  static constexpr bool kStaysInPlane = true;             ///< planar mechanisms stay in their plane
-  static constexpr RowKind kKind = RowKind::translation;  ///< a length
-  /// phi, m.
-  template <class T>
-  T operator()(const LockCoords<T>& y) const {
-    return sign * ((axis == 0 ? y.x : axis == 1 ? y.y : y.z) - limit);
-  }
-};
-/// phi = +-(theta - limit), rad, with the turn theta about z of S; phi >= 0 is the free side.
-struct StopAbout {
-  double limit;                                     ///< rad
-  double sign;                                      ///< +1: a low end, -1: a high one
-  static constexpr Reads kReads = Reads::rotation;  ///< the relative quaternion
-  static constexpr bool kStaysInPlane = true;       ///< planar mechanisms stay in their plane
-  static constexpr bool kCountsTurns = true;        ///< theta runs on past full turns
-  /// phi, rad.
-  template <class T>
-  T operator()(const LockCoords<T>& y) const {
-    return sign * (y.angle_z() - limit);
-  }
-};
-
-extern template class LOCKSTEP_API PhiLock<StopAlong>;
 
 /// One end of a travel along x, y or z of S; a unilateral link, by default without restitution. Free: everything on one
 /// side of the limit.
-class LOCKSTEP_API SlideStop final : public PhiLock<StopAlong> {
+class LOCKSTEP_API SlideStop final : public FunctionLock {
  public:
   /// Where the travel ends, m.
   struct Options {
@@ -260,12 +174,10 @@ class LOCKSTEP_API SlideStop final : public PhiLock<StopAlong> {
   std::string_view type() const override { return "stop"; }
 };
 
-extern template class LOCKSTEP_API PhiLock<StopAbout>;
-
 /// One end of a turn about z of S; a unilateral link, by default without restitution. The angle is within half a turn
 /// of zero at the start, or in the turn that a start or a drive asks for, and runs on past full turns. Free: everything on
 /// one side of the limit.
-class LOCKSTEP_API TurnStop final : public PhiLock<StopAbout> {
+class LOCKSTEP_API TurnStop final : public FunctionLock {
  public:
   /// Where the turn ends, rad.
   struct Options {
@@ -283,25 +195,10 @@ struct LOCKSTEP_API Stop {
   static std::unique_ptr<Lock> make(const Attachment&, const Params&);  ///< its maker for the registry
 };
 
-
 // Link 'universal'.
 
-
-/// (7.4) phi = x_S . y_P = 2 (e1 e2 - e0 e3): the two pins of the cross stay normal to each other.
-struct Cross {
-  static constexpr Reads kReads = Reads::rotation;                 ///< the relative quaternion
-  static constexpr std::array<const char*, 1> kNames = {"cross"};  ///< name of the row
-  /// phi, the cosine of the angle between the pins.
-  template <class T>
-  T operator()(const LockCoords<T>& y) const {
-    return 2.0 * (y.e1 * y.e2 - y.e0 * y.e3);
-  }
-};
-
-extern template class LOCKSTEP_API PhiLock<Cross>;
-
 /// Hooke's joint: origins coincide, and x of S and y of P are the pins of its cross. Free: turning about both pins.
-class LOCKSTEP_API Universal final : public PhiLock<Cross> {
+class LOCKSTEP_API Universal final : public FunctionLock {
  public:
   /// Throws ModelError: both markers are on one body.
   Universal(std::string name, Marker& p, Marker& s);

@@ -10,6 +10,7 @@
 #include <lockstep/author/check.h>
 #include <lockstep/author/force.h>
 #include <lockstep/author/formula.h>
+#include <lockstep/author/function_links.h>
 #include <lockstep/author/integrator.h>
 #include <lockstep/author/jet.h>
 #include <lockstep/author/law.h>
@@ -37,8 +38,8 @@
 #include <lockstep/detail/kernel.h>
 #include <lockstep/detail/lock_facets.h>
 #include <lockstep/detail/newton.h>
-#include <lockstep/detail/phi_check.h>
 #include <lockstep/detail/phi_function.h>
+#include <lockstep/detail/phi_rows.h>
 #include <lockstep/detail/rows.h>
 #include <lockstep/detail/vec.h>
 #include <lockstep/dynamics.h>

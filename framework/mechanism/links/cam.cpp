@@ -4,8 +4,10 @@
 #include <cmath>
 #include <limits>
 
+#include <lockstep/detail/phi_function.h>
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/mechanism/links/cam_functions.h"
 
 namespace lockstep {
 namespace {
@@ -81,8 +83,8 @@ void CamProfile::check(const std::string& link, double roller) const {
                      " after a turn; make the law repeat after 2 pi");
 }
 
-void RollerOnCam::reset(std::span<double> z, const LockCoords<Time>& y) const {
-  const CamProfile::Vec2 p(y.x.v, y.y.v);  // start from the nearest point of the profile
+void RollerOnCam::reset(std::span<double> z, PhiCoords y) const {
+  const CamProfile::Vec2 p(y[0].x.v, y[0].y.v);  // start from the nearest point of the profile
   double best = std::numeric_limits<double>::infinity();
   const double psi = std::atan2(p[1], p[0]);
   for (int i = -180; i < 180; ++i)
@@ -90,19 +92,19 @@ void RollerOnCam::reset(std::span<double> z, const LockCoords<Time>& y) const {
   z[0] = foot(p, z[0]) - psi;
 }
 
-void RollerOnCam::accept_step(std::span<double> z, const LockCoords<Time>& y) const {
-  const CamProfile::Vec2 p(y.x.v, y.y.v);
-  z[0] = foot(p, y.memory[0]) - std::atan2(p[1], p[0]);
+void RollerOnCam::accept_step(std::span<double> z, PhiCoords y) const {
+  const CamProfile::Vec2 p(y[0].x.v, y[0].y.v);
+  z[0] = foot(p, y[0].memory[0]) - std::atan2(p[1], p[0]);
 }
 
-void FaceOnCam::reset(std::span<double> z, const LockCoords<Time>& y) const {
-  const double alpha = angle_of_normal(y).v;
+void FaceOnCam::reset(std::span<double> z, PhiCoords y) const {
+  const double alpha = angle_of_normal(y[0]).v;
   z[0] = profile.facing(alpha, alpha) - alpha;  // a convex profile has one such point
 }
 
-void FaceOnCam::accept_step(std::span<double> z, const LockCoords<Time>& y) const {
-  const double alpha = angle_of_normal(y).v;
-  z[0] = profile.facing(alpha, alpha + y.memory[0]) - alpha;
+void FaceOnCam::accept_step(std::span<double> z, PhiCoords y) const {
+  const double alpha = angle_of_normal(y[0]).v;
+  z[0] = profile.facing(alpha, alpha + y[0].memory[0]) - alpha;
 }
 
 namespace {
@@ -116,8 +118,9 @@ Key radius_key() {
 }  // namespace
 
 CamRoller::CamRoller(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> radius, double roller)
-    : PhiLock(std::move(name), p, s, Mask::none, RollerOnCam{CamProfile(std::move(radius)), roller}) {
-  if (!phi().profile.radius()) throw ModelError("link '" + this->name() + "': no law for its radius was given");
+    : FunctionLock(std::move(name), p, s, Mask::none, rows_of(RollerOnCam(CamProfile(std::move(radius)), roller))) {
+  if (!phi_of<RollerOnCam>(function()).profile.radius())
+    throw ModelError("link '" + this->name() + "': no law for its radius was given");
   if (!(roller >= 0) || std::isinf(roller))
     throw ParameterError({.kind = "link", .name = this->name()}, "roller",
                          "is " + text::brief(roller) + " m; it must not be negative");
@@ -135,8 +138,9 @@ std::unique_ptr<Lock> CamRoller::make(const Attachment& attachment, const Params
 }
 
 CamFlat::CamFlat(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> radius)
-    : PhiLock(std::move(name), p, s, Mask::none, FaceOnCam{CamProfile(std::move(radius))}) {
-  if (!phi().profile.radius()) throw ModelError("link '" + this->name() + "': no law for its radius was given");
+    : FunctionLock(std::move(name), p, s, Mask::none, rows_of(FaceOnCam(CamProfile(std::move(radius))))) {
+  if (!phi_of<FaceOnCam>(function()).profile.radius())
+    throw ModelError("link '" + this->name() + "': no law for its radius was given");
 }
 
 TypeInfo CamFlat::info() {
@@ -148,8 +152,5 @@ TypeInfo CamFlat::info() {
 std::unique_ptr<Lock> CamFlat::make(const Attachment& attachment, const Params& p) {
   return std::make_unique<CamFlat>(attachment.name, attachment.p(), attachment.s(), p.law("radius"));
 }
-
-template class PhiLock<RollerOnCam>;
-template class PhiLock<FaceOnCam>;
 
 }  // namespace lockstep

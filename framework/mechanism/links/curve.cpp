@@ -5,8 +5,10 @@
 #include <cmath>
 #include <limits>
 
+#include <lockstep/detail/phi_function.h>
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/mechanism/links/curve_functions.h"
 
 namespace lockstep {
 namespace {
@@ -16,12 +18,9 @@ constexpr double kNoPoint = std::numeric_limits<double>::quiet_NaN();
 // No units: the parameter of the user's curve may be anything.
 std::vector<Quantity> of_curve() { return {{"s", ""}, {"rate", "1/s"}}; }
 
-template <class Function, class Memory>
-double seen_on(const Function& function, const Inputs& in, Memory memory, int k) {
-  const Time s = function.seen(in, memory, [](const auto& phi, const LockCoords<Time>& y) {
-    TranslationValue at;
-    return phi.curve.parameter(y, phi.curve.frame(y.memory), at);
-  });
+double seen_on(const CurvePoint& curve, const LockCoords<Time>& y, int k) {
+  TranslationValue at;
+  const Time s = curve.parameter(y, curve.frame(y.memory), at);
   return k == 0 ? s.v : s.d;
 }
 
@@ -113,12 +112,14 @@ Key near_key() { return {"near", Form::number, Unit::none, 0, "an s near which P
 }  // namespace
 
 PointOnCurve::PointOnCurve(std::string name, Marker& p, Marker& s, LawPtr<TranslationLaw> path, double near)
-    : PhiLock(std::move(name), p, s, Mask::none, OnCurve{CurvePoint(std::move(path), near)}) {
-  if (!phi().curve.path()) throw ModelError("link '" + this->name() + "': no path was given");
+    : FunctionLock(std::move(name), p, s, Mask::none, rows_of(OnCurve(CurvePoint(std::move(path), near)))) {
+  if (!phi_of<OnCurve>(function()).curve.path()) throw ModelError("link '" + this->name() + "': no path was given");
 }
 
 std::vector<Quantity> PointOnCurve::quantities() const { return of_curve(); }
-double PointOnCurve::quantity(int k, const Inputs& in) const { return seen_on(function(), in, memory(in), k); }
+double PointOnCurve::quantity(int k, const Inputs& in) const {
+  return seen_on(phi_of<OnCurve>(function()).curve, function().along_motion(in, memory(in))[0], k);
+}
 
 TypeInfo PointOnCurve::info() {
   return {"point_on_curve",
@@ -132,14 +133,17 @@ std::unique_ptr<Lock> PointOnCurve::make(const Attachment& attachment, const Par
 }
 
 PathFollower::PathFollower(std::string name, Marker& p, Marker& s, Options options)
-    : PhiLock(std::move(name), p, s, Mask::none,
-              OnPath{CurvePoint(std::move(options.path), options.near), std::move(options.turn)}) {
-  if (!phi().curve.path()) throw ModelError("link '" + this->name() + "': no path was given");
-  if (!phi().turn) throw ModelError("link '" + this->name() + "': no law for the axes along its path was given");
+    : FunctionLock(std::move(name), p, s, Mask::none,
+                   rows_of(OnPath(CurvePoint(std::move(options.path), options.near), std::move(options.turn)))) {
+  if (!phi_of<OnPath>(function()).curve.path()) throw ModelError("link '" + this->name() + "': no path was given");
+  if (!phi_of<OnPath>(function()).turn)
+    throw ModelError("link '" + this->name() + "': no law for the axes along its path was given");
 }
 
 std::vector<Quantity> PathFollower::quantities() const { return of_curve(); }
-double PathFollower::quantity(int k, const Inputs& in) const { return seen_on(function(), in, memory(in), k); }
+double PathFollower::quantity(int k, const Inputs& in) const {
+  return seen_on(phi_of<OnPath>(function()).curve, function().along_motion(in, memory(in))[0], k);
+}
 
 TypeInfo PathFollower::info() {
   Key turning{"turning", Form::rotation_law, Unit::angle, kRequired, "q(s), S axes: a rotation law whose time is s"};
@@ -154,8 +158,5 @@ std::unique_ptr<Lock> PathFollower::make(const Attachment& attachment, const Par
       attachment.name, attachment.p(), attachment.s(),
       Options{.path = p.translation_law("path"), .turn = p.rotation_law("turning"), .near = p.number("near")});
 }
-
-template class PhiLock<OnCurve>;
-template class PhiLock<OnPath>;
 
 }  // namespace lockstep

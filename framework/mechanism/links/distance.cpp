@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/joints.h>
 
+#include <lockstep/detail/phi_function.h>
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/mechanism/links/joint_functions.h"
 
 namespace lockstep {
 namespace {
@@ -14,19 +16,19 @@ double distance_at_start(const Marker& p, const Marker& s) {
 }  // namespace
 
 Distance::Distance(std::string name, Marker& p, Marker& s, double length)
-    : PhiLock(std::move(name), p, s, Mask::none, DistanceFunction{{}, length}) {}
+    : FunctionLock(std::move(name), p, s, Mask::none, rows_of(DistanceFunction({}, length))) {}
 
 Distance::Distance(std::string name, Marker& p, Marker& s, LawPtr<MotionLaw> length)
-    : PhiLock(std::move(name), p, s, Mask::none, DistanceFunction{std::move(length), 0}) {
-  if (!phi().law)
+    : FunctionLock(std::move(name), p, s, Mask::none, rows_of(DistanceFunction(std::move(length), 0))) {
+  if (!phi_of<DistanceFunction>(function()).law)
     throw ModelError("link '" + this->name() + "': no law for its length was given; give one, or a number");
 }
 
 Distance::Distance(std::string name, Marker& p, Marker& s) : Distance(std::move(name), p, s, distance_at_start(p, s)) {}
 
 RowPlan Distance::plan_rows() {
-  RowPlan plan = PhiLock::plan_rows();
-  const double length = phi().length_at(0.0);
+  RowPlan plan = FunctionLock::plan_rows();
+  const double length = phi_of<DistanceFunction>(function()).length_at(0.0);
   if (!(length > 0))
     throw ModelError("link '" + name() + "': length " + text::brief(length) +
                      " m at t = 0; a distance must be above zero (two points that coincide are a spherical joint)");
@@ -46,7 +48,5 @@ std::unique_ptr<Lock> Distance::make(const Attachment& attachment, const Params&
   if (!params.has("length")) return std::make_unique<Distance>(attachment.name, attachment.p(), attachment.s());
   return std::make_unique<Distance>(attachment.name, attachment.p(), attachment.s(), params.law("length"));
 }
-
-template class PhiLock<DistanceFunction>;
 
 }  // namespace lockstep

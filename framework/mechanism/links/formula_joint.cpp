@@ -22,11 +22,9 @@ constexpr int kTime = 3, kRotation = 4, kTurn = 8;
 
 /// phi = formulas of the relative coordinates and the time.
 template <int n, Reads reads, bool counts>
-struct FormulaRows {
+struct FormulaRows : PhiHooks {
   std::array<FormulaFunction, std::size_t(n)> formulas;
-  static constexpr int kRows = n;
-  static constexpr Reads kReads = reads;
-  static constexpr bool kCountsTurns = counts;
+  static constexpr PhiSpec spec{.rows = n, .reads = reads, .counts_turns = counts};
 
   template <class T>
   auto operator()(const LockCoords<T>& y) const -> std::conditional_t<n == 1, T, std::array<T, std::size_t(n)>> {
@@ -43,7 +41,7 @@ struct FormulaRows {
       return rows;
     }
   }
-  void breakpoints(double t0, double t1, std::vector<double>& out) const {
+  void breakpoints(double t0, double t1, std::vector<double>& out) const override {
     for (const FormulaFunction& f : formulas) f.breakpoints(kTime, t0, t1, out);
   }
 };

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/couplings.h>
 
+#include <lockstep/detail/phi_function.h>
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/mechanism/links/gear_functions.h"
 
 namespace lockstep {
 namespace {
@@ -19,7 +21,8 @@ Gear::Mesh mesh_of(const std::string& word) {
 }  // namespace
 
 Gear::Gear(const CoupledPairs& pairs, double ratio, Mesh mesh)
-    : PhiCoupling(pairs, {1.0, (mesh == Mesh::internal ? -1.0 : 1.0) * positive(pairs, "ratio", ratio)}) {}
+    : FunctionCoupling(
+          pairs, rows_of(TurnsOfTwo(1.0, (mesh == Mesh::internal ? -1.0 : 1.0) * positive(pairs, "ratio", ratio)))) {}
 
 TypeInfo Gear::info() {
   return {"gear",
@@ -53,8 +56,8 @@ std::unique_ptr<Lock> Gear::make(const Attachment& attachment, const Params& p) 
 }
 
 Belt::Belt(const CoupledPairs& pairs, Options o)
-    : PhiCoupling(pairs, {positive(pairs, "radius_1", o.radius1),
-                          (o.crossed ? 1.0 : -1.0) * positive(pairs, "radius_2", o.radius2)}) {}
+    : FunctionCoupling(pairs, rows_of(TurnsOfTwo(positive(pairs, "radius_1", o.radius1),
+                                                 (o.crossed ? 1.0 : -1.0) * positive(pairs, "radius_2", o.radius2)))) {}
 
 TypeInfo Belt::info() {
   return {"belt",
@@ -71,7 +74,7 @@ std::unique_ptr<Lock> Belt::make(const Attachment& attachment, const Params& p) 
 }
 
 Differential::Differential(const CoupledPairs& pairs, double ratio)
-    : PhiCoupling(pairs, {1.0, positive(pairs, "ratio", ratio), -(1.0 + ratio)}) {}
+    : FunctionCoupling(pairs, rows_of(TurnsOfThree(1.0, positive(pairs, "ratio", ratio), -(1.0 + ratio)))) {}
 
 TypeInfo Differential::info() {
   return {"differential",
@@ -82,8 +85,5 @@ TypeInfo Differential::info() {
 std::unique_ptr<Lock> Differential::make(const Attachment& attachment, const Params& p) {
   return std::make_unique<Differential>(attachment, p.number("ratio"));
 }
-
-template class PhiCoupling<TurnsOfTwo>;
-template class PhiCoupling<TurnsOfThree>;
 
 }  // namespace lockstep

@@ -3,8 +3,10 @@
 
 #include <cmath>
 
+#include <lockstep/detail/phi_function.h>
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/mechanism/links/gear_functions.h"
 
 namespace lockstep {
 namespace {
@@ -19,10 +21,11 @@ double checked_radius(const std::string& link, double radius) {
 }  // namespace
 
 RollingRack::RollingRack(std::string name, Marker& p, Marker& s, double radius)
-    : PhiLock(name, p, s, Mask::y | Mask::z | Mask::e1 | Mask::e2, RollingPinion{checked_radius(name, radius)}) {}
+    : FunctionLock(name, p, s, Mask::y | Mask::z | Mask::e1 | Mask::e2,
+                   rows_of(RollingPinion(checked_radius(name, radius)))) {}
 
 RackAndPinion::RackAndPinion(const CoupledPairs& pairs, double radius)
-    : PhiCoupling(pairs, PinionAndSlide{checked_radius(pairs.name, radius)}) {}
+    : FunctionCoupling(pairs, rows_of(PinionAndSlide(checked_radius(pairs.name, radius)))) {}
 
 TypeInfo RackAndPinion::info() {
   return {"rack_and_pinion",
@@ -35,8 +38,5 @@ std::unique_ptr<Lock> RackAndPinion::make(const Attachment& attachment, const Pa
     return std::make_unique<RollingRack>(attachment.name, attachment.p(), attachment.s(), p.number("radius"));
   return std::make_unique<RackAndPinion>(attachment, p.number("radius"));
 }
-
-template class PhiLock<RollingPinion>;
-template class PhiCoupling<PinionAndSlide>;
 
 }  // namespace lockstep

@@ -4,19 +4,16 @@
 #include <cmath>
 
 #include <lockstep/body.h>
+#include <lockstep/detail/phi_function.h>
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/mechanism/links/joint_functions.h"
 
 namespace lockstep {
 
-void ScrewThread::breakpoints(double t0, double t1, std::vector<double>& out) const {
-  if (slip) slip->breakpoints(t0, t1, out);
-}
-
-std::string ScrewThread::diagnose(double t) const { return law_fault("the law of its slip", slip, t); }
-
 Screw::Screw(std::string name, Marker& p, Marker& s, double lead, LawPtr<MotionLaw> slip)
-    : PhiLock(std::move(name), p, s, Mask::x | Mask::y | Mask::e1 | Mask::e2, ScrewThread{lead, std::move(slip)}) {
+    : FunctionLock(std::move(name), p, s, Mask::x | Mask::y | Mask::e1 | Mask::e2,
+                   rows_of(ScrewThread(lead, std::move(slip)))) {
   if (!std::isfinite(lead))
     throw ParameterError({.kind = "link", .name = this->name()}, "lead",
                          "is " + text::brief(lead) + " m; it must be a finite number");
@@ -25,8 +22,7 @@ Screw::Screw(std::string name, Marker& p, Marker& s, double lead, LawPtr<MotionL
 std::vector<Quantity> Screw::quantities() const { return {{"angle", "rad"}, {"rate", "rad/s"}}; }
 
 double Screw::quantity(int k, const Inputs& in) const {
-  const Time angle =
-      function().seen(in, memory(in), [](const ScrewThread&, const LockCoords<Time>& y) { return y.angle_z(); });
+  const Time angle = function().along_motion(in, memory(in))[0].angle_z();
   return k == 0 ? angle.v : angle.d;
 }
 
@@ -41,7 +37,5 @@ std::unique_ptr<Lock> Screw::make(const Attachment& attachment, const Params& p)
   return std::make_unique<Screw>(attachment.name, attachment.p(), attachment.s(), p.number("lead"),
                                  p.has("slip") ? p.law("slip") : LawPtr<MotionLaw>{});
 }
-
-template class PhiLock<ScrewThread>;
 
 }  // namespace lockstep

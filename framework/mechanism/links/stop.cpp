@@ -4,8 +4,10 @@
 #include <cmath>
 
 #include <lockstep/detail/kernel.h>
+#include <lockstep/detail/phi_function.h>
 #include <lockstep/error.h>
 #include <lockstep/text.h>
+#include "framework/mechanism/links/joint_functions.h"
 #include "framework/mechanism/params/read.h"
 
 namespace lockstep {
@@ -20,12 +22,12 @@ double finite(const std::string& name, double limit) {
 }  // namespace
 
 SlideStop::SlideStop(std::string name, Marker& p, Marker& s, Options o)
-    : PhiLock(name, p, s, Mask::none, StopAlong{o.axis, finite(name, o.limit), o.low ? 1.0 : -1.0}) {
+    : FunctionLock(name, p, s, Mask::none, rows_of(StopAlong{o.axis, finite(name, o.limit), o.low ? 1.0 : -1.0})) {
   set_unilateral({});
 }
 
 TurnStop::TurnStop(std::string name, Marker& p, Marker& s, Options o)
-    : PhiLock(name, p, s, Mask::none, StopAbout{finite(name, o.limit), o.low ? 1.0 : -1.0}) {
+    : FunctionLock(name, p, s, Mask::none, rows_of(StopAbout{finite(name, o.limit), o.low ? 1.0 : -1.0})) {
   set_unilateral({});
 }
 
@@ -58,8 +60,5 @@ std::unique_ptr<Lock> Stop::make(const Attachment& attachment, const Params& par
   return std::make_unique<SlideStop>(attachment.name, attachment.p(), attachment.s(),
                                      SlideStop::Options{.axis = axis_index(axis), .limit = limit, .low = low});
 }
-
-template class PhiLock<StopAlong>;
-template class PhiLock<StopAbout>;
 
 }  // namespace lockstep

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/joints.h>
 
+#include <lockstep/detail/phi_function.h>
+#include "framework/mechanism/links/joint_functions.h"
+
 namespace lockstep {
 
-Universal::Universal(std::string name, Marker& p, Marker& s) : PhiLock(std::move(name), p, s, Mask::xyz, Cross{}) {}
+Universal::Universal(std::string name, Marker& p, Marker& s)
+    : FunctionLock(std::move(name), p, s, Mask::xyz, rows_of(Cross{})) {}
 
 TypeInfo Universal::info() {
   return {"universal", "Hooke's joint, origins coincide; free: turning about x of S and about y of P", {}};
@@ -12,7 +16,5 @@ TypeInfo Universal::info() {
 std::unique_ptr<Lock> Universal::make(const Attachment& attachment, const Params&) {
   return std::make_unique<Universal>(attachment.name, attachment.p(), attachment.s());
 }
-
-template class PhiLock<Cross>;
 
 }  // namespace lockstep

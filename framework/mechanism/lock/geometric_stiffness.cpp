@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Geometric stiffness of the rows of a lock.
-#include <lockstep/detail/phi_function.h>
+#include "framework/mechanism/lock/stiffness.h"
 
 namespace lockstep {
 

@@ -5,10 +5,10 @@
 
 #include <lockstep/body.h>
 #include <lockstep/detail/export.h>
-#include <lockstep/detail/phi_function.h>
 #include <lockstep/error.h>
 #include "framework/foundation/support/clones.h"
 #include "framework/mechanism/lock/dispatch.h"
+#include "framework/mechanism/lock/pair_setup.h"
 
 namespace lockstep {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/author/lock.h>
-#include <lockstep/detail/phi_function.h>
+#include "framework/mechanism/lock/stiffness.h"
 
 namespace lockstep {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <lockstep/detail/phi_function.h>
+#include "framework/mechanism/lock/pair_setup.h"
 
 #include <lockstep/error.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Planar mechanisms: which rows lie in the plane, and what leaves it. What types say of themselves decides
-// (stays_in_plane, turns_about, kStaysInPlane); what lies where is read at the start.
+// (stays_in_plane, turns_about, PhiSpec); what lies where is read at the start.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -115,7 +115,7 @@ Refusal silence_of(const char* kind, const T& thing, const std::vector<const Mar
     words =
         silence(fmt::format("'{}'", thing.type()), thing.origin(), plane,
                 "stays_in_plane() say so: \"bool stays_in_plane(lockstep::Plane) const override { return true; }\", or "
-                "its function: \"static constexpr bool kStaysInPlane = true;\"");
+                "the spec of its function: \".stays_in_plane = true\"");
   return ModelError({.thing = {.kind = kind, .name = thing.name()}, .problem = words});
 }
 

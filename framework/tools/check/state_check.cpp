@@ -249,7 +249,7 @@ void StateCheck::turn_about_z(int slot, const Marker& s, double sense, const std
     else if (remembering_ != nullptr)
       add("turns", what, "accept_step() and start_memory(), or count_angles(), which counts an angle for it");
     else if (is_link_)
-      add("turns", what, "its angles: kCountsTurns = true and y.angle_z(), so that they run on past a full turn");
+      add("turns", what, "its angles: .counts_turns = true and y.angle_z(), so that they run on past a full turn");
     else
       report_.note(what + "; if it is to run on past full turns, count them: count_angles()");
   }

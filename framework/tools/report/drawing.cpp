@@ -4,7 +4,11 @@
 #include <nlohmann/json.hpp>
 
 #include <lockstep/couplings.h>
+#include <lockstep/detail/phi_function.h>
 #include <lockstep/joints.h>
+#include "framework/mechanism/links/cam_functions.h"
+#include "framework/mechanism/links/curve_functions.h"
+#include "framework/mechanism/links/gear_functions.h"
 #include "framework/tools/report/outline.h"
 
 namespace lockstep::report {
@@ -58,8 +62,9 @@ Json pitch_circles(const Gear& gear) {
   const Pose first = home(pairs[0].first), second = home(pairs[1].first);
   const Vec3 axis = rotation(first.q).col(2), across = second.x - first.x;
   if (std::abs(std::abs(axis.dot(rotation(second.q).col(2))) - 1) > 1e-6) return Json::array();
-  const double distance = (across - across.dot(axis) * axis).norm(), ratio = std::abs(gear.phi().b / gear.phi().a);
-  const bool internal = gear.phi().a * gear.phi().b < 0;
+  const auto& turns = phi_of<TurnsOfTwo>(gear.function());
+  const double distance = (across - across.dot(axis) * axis).norm(), ratio = std::abs(turns.b / turns.a);
+  const bool internal = turns.a * turns.b < 0;
   if (!(distance > 0) || (internal && ratio == 1)) return Json::array();
   const double radius = internal ? distance / std::abs(ratio - 1) : distance / (1 + ratio);
   return Json::array({circle(0, "p", radius), circle(1, "p", radius * ratio)});
@@ -70,25 +75,28 @@ Json pitch_circles(const Gear& gear) {
 Json drawing_of(const Lock& link, std::pair<double, double> path_range) {
   Json json = Json::object();
   if (const auto* curve = dynamic_cast<const PointOnCurve*>(&link))
-    json["curves"] = Json::array({path(curve->phi().curve, path_range)});
+    json["curves"] = Json::array({path(phi_of<OnCurve>(curve->function()).curve, path_range)});
   else if (const auto* follower = dynamic_cast<const PathFollower*>(&link))
-    json["curves"] = Json::array({path(follower->phi().curve, path_range)});
+    json["curves"] = Json::array({path(phi_of<OnPath>(follower->function()).curve, path_range)});
   else if (const auto* roller = dynamic_cast<const CamRoller*>(&link)) {
-    json["curves"] = Json::array({profile(roller->phi().profile)});
-    if (roller->phi().roller > 0) json["curves"].push_back(circle(0, "p", roller->phi().roller));
+    const auto& on = phi_of<RollerOnCam>(roller->function());
+    json["curves"] = Json::array({profile(on.profile)});
+    if (on.roller > 0) json["curves"].push_back(circle(0, "p", on.roller));
   } else if (const auto* flat = dynamic_cast<const CamFlat*>(&link))
-    json["curves"] = Json::array({profile(flat->phi().profile)});
+    json["curves"] = Json::array({profile(phi_of<FaceOnCam>(flat->function()).profile)});
   else if (const auto* gear = dynamic_cast<const Gear*>(&link))
     json["curves"] = pitch_circles(*gear);
   else if (const auto* belt = dynamic_cast<const Belt*>(&link)) {
-    const double a = std::abs(belt->phi().a), b = std::abs(belt->phi().b);
+    const auto& turns = phi_of<TurnsOfTwo>(belt->function());
+    const double a = std::abs(turns.a), b = std::abs(turns.b);
     json["curves"] = Json::array({circle(0, "p", a), circle(1, "p", b)});
-    json["belt"] = {{"radii", {a, b}}, {"crossed", belt->phi().a * belt->phi().b > 0}};
+    json["belt"] = {{"radii", {a, b}}, {"crossed", turns.a * turns.b > 0}};
   } else if (const auto* rolling = dynamic_cast<const RollingRack*>(&link)) {
-    json["curves"] = Json::array({circle(0, "p", std::abs(rolling->phi().radius))});
-    json["rack"] = rolling->phi().radius;
+    const double radius = phi_of<RollingPinion>(rolling->function()).radius;
+    json["curves"] = Json::array({circle(0, "p", std::abs(radius))});
+    json["rack"] = radius;
   } else if (const auto* rack = dynamic_cast<const RackAndPinion*>(&link))
-    json["curves"] = Json::array({circle(0, "p", std::abs(rack->phi().radius))});
+    json["curves"] = Json::array({circle(0, "p", std::abs(phi_of<PinionAndSlide>(rack->function()).radius))});
   return json;
 }
 

@@ -4,26 +4,24 @@
 
 #include <array>
 #include <cmath>
-#include <concepts>
+#include <optional>
 #include <span>
 #include <string>
-#include <type_traits>
-#include <utility>
 #include <vector>
 
 #include <lockstep/author/jet.h>
 #include <lockstep/author/law.h>
-#include <lockstep/author/lock.h>
 #include <lockstep/author/relative.h>
+#include <lockstep/detail/rows.h>
 
 namespace lockstep {
 
-// phi: a function of the relative coordinates of pairs of markers: what it is given, and what it may define about
-// itself (theory, section 7).
+// phi: a function of the relative coordinates of pairs of markers: what it is given, and what it defines about itself
+// (theory, section 7).
 //
 //   struct ScrewThread {                                       // advance per turn along z
 //     double lead;
-//     static constexpr bool kCountsTurns = true;               // angle_z() runs on past full turns
+//     static constexpr PhiSpec spec{.counts_turns = true};     // angle_z() runs on past full turns
 //     template <class T> T operator()(const LockCoords<T>& y) const { return y.z - lead / kTwoPi * y.angle_z(); }
 //   };
 //
@@ -51,9 +49,9 @@ struct LockCoords {
       t;                           ///< time, s
   double near_rest = 0;            ///< where rest_z() is expected, rad: as it was integrated (CountedAngle)
   double turns = 0;                ///< whole turns of angle_z()
-  const double* memory = nullptr;  ///< the kMemory numbers of phi itself in State::z
+  const double* memory = nullptr;  ///< the numbers of phi itself in State::z, PhiSpec::memory of them
 
-  /// Turn of P about the z axis of S, rad. With kCountsTurns = true it runs on past full turns, with false it is within
+  /// Turn of P about the z axis of S, rad. With counts_turns = true it runs on past full turns, with false it is within
   /// half a turn of zero. Singular where z_P = -z_S.
   T angle_z() const { return rest_z() + kTwoPi * turns; }
   /// angle_z() less its whole turns, rad: a sum of many turns keeps its digits where these are added by themselves.
@@ -76,90 +74,73 @@ inline Jet<N> function_of(const Jet<N>& a, const Jet<N>& b, double f, double fa,
   return r;
 }
 
-/// What a function Phi may define about itself. All of it is optional; what is misspelt, or does not fit the function,
-/// does not compile. Constants: kPairs, kRows, kReads, kCountsTurns, kStaysInPlane, kKind, kMemory as below, and kNames,
-/// the names of its rows in messages and channels. Functions:
-///   - initialise(link, y...) is called by setup() with the coordinates of the start: phase angles, refusals;
-///   - reset(z, y...) and accept_step(z, y...) write its kMemory numbers at the start and after accepted steps;
-///   - breakpoints(t0, t1, out) and diagnose(t) are those of Driven, for laws.
-template <class Phi>
-struct PhiTraits {
-  /// Pairs of markers that it takes, 1 to 3; default 1.
-  static constexpr int kPairs = [] {
-    if constexpr (requires { Phi::kPairs; }) return int(Phi::kPairs);
-    return 1;
-  }();
-  /// Functions that it returns, as std::array<T, kRows> from 2 on; default 1.
-  static constexpr int kRows = [] {
-    if constexpr (requires { Phi::kRows; }) return int(Phi::kRows);
-    return 1;
-  }();
-  /// Whether angle_z() runs on past full turns, as a CountedAngle of each pair. To be defined where angle_z() is called;
-  /// otherwise false.
-  static constexpr bool kCountsTurns = [] {
-    if constexpr (requires { Phi::kCountsTurns; }) return bool(Phi::kCountsTurns);
-    return false;
-  }();
+/// The coordinates that a function reads of each of its pairs.
+struct PairReads {
+  std::array<Reads, 3> of;  ///< of pair 1, 2, 3
+  /// The same of every pair.
+  constexpr PairReads(Reads every) : of{every, every, every} {}  // NOLINT: one value stands for all
+  /// Those of each pair.
+  constexpr PairReads(Reads first, Reads second, Reads third = Reads::both) : of{first, second, third} {}
+};
+
+/// What a function says about itself, in its member `static constexpr PhiSpec spec`.
+struct PhiSpec {
+  int pairs = 1;  ///< pairs of markers that it takes, 1 to 3
+  int rows = 1;   ///< functions that it returns, as std::array<T, rows> from 2 on
+  /// Coordinates that it reads of each pair. What is not read costs nothing; setup() refuses a function that reads it.
+  PairReads reads = Reads::both;
+  /// Whether angle_z() runs on past full turns, as a CountedAngle of each pair. setup() refuses a function that calls
+  /// angle_z() and does not say it.
+  std::optional<bool> counts_turns{};
   /// Whether a mechanism that moves in a plane stays there by it, at any time and in any position: see
-  /// Lock::stays_in_plane. Default false, unknown, which keeps the mechanism in space.
-  static constexpr bool kStaysInPlane = [] {
-    if constexpr (requires { Phi::kStaysInPlane; }) return bool(Phi::kStaysInPlane);
-    return false;
-  }();
-  /// Numbers that it keeps in State::z and reads as y.memory[0], ...; default 0.
-  static constexpr int kMemory = [] {
-    if constexpr (requires { Phi::kMemory; }) return int(Phi::kMemory);
-    return 0;
-  }();
-  /// What its rows measure: RowKind::translation for lengths, m; default function.
-  static constexpr RowKind kKind = [] {
-    if constexpr (requires { Phi::kKind; }) return RowKind(Phi::kKind);
-    return RowKind::function;
-  }();
-  /// Coordinates that it reads of each pair; in Phi a std::array of Reads, or one for all pairs; default both. What is
-  /// not read costs nothing.
-  static constexpr std::array<Reads, kPairs> kReads = [] {
-    std::array<Reads, kPairs> reads;
-    reads.fill(Reads::both);
-    if constexpr (requires { Phi::kReads[0]; })
-      for (std::size_t k = 0; k < reads.size(); ++k) reads[k] = Phi::kReads[k];
-    else if constexpr (requires { Phi::kReads; })
-      reads.fill(Phi::kReads);
-    return reads;
-  }();
+  /// Lock::stays_in_plane. False: unknown, which keeps the mechanism in space.
+  bool stays_in_plane = false;
+  RowKind kind = RowKind::function;           ///< what its rows measure: RowKind::translation for lengths, m
+  int memory = 0;                             ///< numbers that it keeps in State::z, see PhiHooks::reset
+  std::array<const char*, kMaxRows> names{};  ///< of its rows; default "phi", or "phi1", "phi2", ...
 
   /// Whether it reads this half of the coordinates of a pair.
-  static constexpr bool reads(int pair, Reads half) { return (unsigned(kReads[pair]) & unsigned(half)) != 0; }
-  /// Whether it reads this half of any pair.
-  static constexpr bool reads(Reads half) {
-    for (int k = 0; k < kPairs; ++k)
-      if (reads(k, half)) return true;
-    return false;
-  }
+  constexpr bool reads_of(int pair, Reads half) const { return lockstep::reads(reads.of[pair], half); }
   /// First of the seven coordinates of a pair that it reads.
-  static constexpr int first(int pair) { return reads(pair, Reads::translation) ? 0 : 3; }
+  constexpr int first(int pair) const { return reads_of(pair, Reads::translation) ? 0 : 3; }
   /// One past the last of them.
-  static constexpr int end(int pair) { return reads(pair, Reads::rotation) ? 7 : 3; }
+  constexpr int end(int pair) const { return reads_of(pair, Reads::rotation) ? 7 : 3; }
   /// Where the coordinates of a pair begin among its variables, those it reads of all pairs.
-  static constexpr int start(int pair) {
+  constexpr int start(int pair) const {
     int n = 0;
     for (int k = 0; k < pair; ++k) n += end(k) - first(k);
     return n;
   }
+  constexpr int variables() const { return start(pairs); }  ///< number of coordinates that it reads
   /// Whether the turns of a pair are counted.
-  static constexpr bool counts(int pair) { return kCountsTurns && reads(pair, Reads::rotation); }
-  static constexpr int kVariables = start(kPairs);         ///< number of coordinates that it reads
-  static constexpr int kWidth = (kVariables + 1) / 2 * 2;  ///< length of gradients, an even number: whole packs
-
-  /// Row k: kKind, and the name that kNames gives it; default "phi", or "phi1", "phi2", ...
-  static LinkRow row(int k) {
-    if constexpr (requires { Phi::kNames[0]; })
-      return {kKind, Phi::kNames[k]};
-    else
-      return {kKind, kRows == 1 ? "phi" : "phi" + std::to_string(k + 1)};
+  constexpr bool counts(int pair) const { return counts_turns.value_or(false) && reads_of(pair, Reads::rotation); }
+  /// Whether there is a name for each row, or none.
+  constexpr bool names_fit() const {
+    int n = 0;
+    while (n < kMaxRows && names[n] != nullptr) ++n;
+    return n == 0 || n == rows;
   }
-  static_assert(kPairs >= 1 && kPairs <= 3, "kPairs: a function takes one to three pairs");
-  static_assert(kRows >= 1 && kRows <= kMaxRows, "kRows: a link has at most kMaxRows rows");
+};
+
+/// The coordinates of each pair, with their rates.
+using PhiCoords = std::span<const LockCoords<Time>>;
+
+/// What a function derives from that does more than return its rows: it overrides what it needs.
+struct LOCKSTEP_API PhiHooks {
+  PhiHooks() = default;
+  PhiHooks(const PhiHooks&) = default;             ///< has no data
+  PhiHooks& operator=(const PhiHooks&) = default;  ///< has no data
+  virtual ~PhiHooks();
+  /// Called by setup() with the coordinates of the start: phase angles, refusals that name the link.
+  virtual void initialise(const std::string& link, PhiCoords y);
+  /// Writes its memory at the start.
+  virtual void reset(std::span<double> z, PhiCoords y) const;
+  /// Updates its memory after an accepted step.
+  virtual void accept_step(std::span<double> z, PhiCoords y) const;
+  /// As Driven::breakpoints, for laws in the function.
+  virtual void breakpoints(double t0, double t1, std::vector<double>& out) const;
+  /// As Driven::diagnose.
+  virtual std::string diagnose(double t) const;
 };
 
 }  // namespace lockstep

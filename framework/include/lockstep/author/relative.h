@@ -97,6 +97,9 @@ enum class Reads {
   both = 3          ///< all seven
 };
 
+/// Whether `which` includes `half`, translation or rotation.
+constexpr bool reads(Reads which, Reads half) { return (unsigned(which) & unsigned(half)) != 0; }
+
 /// The relative coordinates of P seen from S, their rates and their rows.
 template <class T>
 struct RelativeKinematicsT {
@@ -160,9 +163,6 @@ struct PulledRow {
   double Ct = 0,          ///< phi_y Ct_y
       Qhat = 0;           ///< phi_y Qhat_y
 };
-
-/// Whether `which` includes `half`, translation or rotation.
-constexpr bool reads(Reads which, Reads half) { return (unsigned(which) & unsigned(half)) != 0; }
 
 /// Motion of a marker on its slot at time t: at(t) if kMoving, otherwise a reference to its `home`.
 template <bool kMoving>

@@ -15,9 +15,8 @@ using namespace lockstep;
 ///   phi = angle_1 + depth sin(angle_1) + angle_2
 struct TemplateCouplingFunction {
   double depth;
-  static constexpr int kPairs = 2;                  // joints that it couples
-  static constexpr Reads kReads = Reads::rotation;  // turns alone; Reads::both where x y z occur as well
-  static constexpr bool kCountsTurns = true;        // angle_z() runs on past full turns
+  // Two joints; turns alone, Reads::both where x y z occur as well; angle_z() runs on past full turns.
+  static constexpr PhiSpec spec{.pairs = 2, .reads = Reads::rotation, .counts_turns = true};
 
   template <class T>
   T operator()(const LockCoords<T>& a, const LockCoords<T>& b) const {

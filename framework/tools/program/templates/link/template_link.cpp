@@ -14,8 +14,8 @@ using namespace lockstep;
 ///   phi = z - height (1 - cos(2 pi x/length))/2
 struct TemplateLinkFunction {
   double height, length;
-  static constexpr Reads kReads = Reads::translation;     // x y z alone; Reads::both where e or angle_z() occur
-  static constexpr RowKind kKind = RowKind::translation;  // phi is a length; RowKind::function for anything else
+  // x y z alone, Reads::both where e or angle_z() occur; phi is a length, RowKind::function for anything else.
+  static constexpr PhiSpec spec{.reads = Reads::translation, .kind = RowKind::translation};
 
   template <class T>
   T operator()(const LockCoords<T>& y) const {
