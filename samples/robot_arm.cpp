@@ -4,6 +4,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <lockstep/integrators.h>
 #include <lockstep/lockstep.h>
 #include "samples/shared/output.h"
 #include "samples/shared/robot_arm.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/author/loader.h>
+#include <lockstep/author/plugin.h>
 #include "tests/fuzz/answered.h"
 #include "tests/fuzz/scratch_file.h"
 #include "tests/fuzz/targets.h"

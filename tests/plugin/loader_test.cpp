@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iterator>
 
+#include <lockstep/author/plugin.h>
 #include <lockstep/error.h>
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"

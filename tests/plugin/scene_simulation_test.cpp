@@ -14,6 +14,7 @@
 #include <lockstep/error.h>
 #include <lockstep/forces.h>
 #include <lockstep/joints.h>
+#include <lockstep/recorder.h>
 #include <lockstep/scene.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"

@@ -9,11 +9,12 @@
 #include <string>
 #include <vector>
 
+#include <lockstep/author/relative.h>
 #include <lockstep/dynamics.h>
-#include <lockstep/solvers.h>
+#include <lockstep/frame_laws.h>
 #include <lockstep/joints.h>
 #include <lockstep/laws.h>
-#include <lockstep/frame_laws.h>
+#include <lockstep/solvers.h>
 #include "tests/support/counted.h"
 
 namespace lockstep::economies {

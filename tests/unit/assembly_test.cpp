@@ -4,6 +4,8 @@
 #include <limits>
 #include <memory>
 
+#include <lockstep/author/phi_links.h>
+#include <lockstep/integrators.h>
 #include <lockstep/lockstep.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"

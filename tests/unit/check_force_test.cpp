@@ -3,6 +3,7 @@
 #include <lockstep/author/check.h>
 
 #include <lockstep/author/force.h>
+#include <lockstep/author/formula.h>
 #include <lockstep/author/registry.h>
 #include <lockstep/author/relative.h>
 #include <lockstep/error.h>

@@ -4,6 +4,7 @@
 
 #include <lockstep/author/phi_links.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/author/relative.h>
 #include <lockstep/error.h>
 #include <lockstep/joints.h>
 #include "tests/support/catch.h"

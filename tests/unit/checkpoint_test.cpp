@@ -9,6 +9,7 @@
 #include <sstream>
 #include <string>
 
+#include <lockstep/author/registry.h>
 #include <lockstep/error.h>
 #include <lockstep/forces.h>
 #include <lockstep/joints.h>

@@ -3,6 +3,7 @@
 
 #include <complex>
 
+#include <lockstep/author/relative.h>
 #include <lockstep/forces.h>
 #include "tests/support/catch.h"
 #include "tests/support/force_bench.h"

@@ -4,6 +4,7 @@
 #include <complex>
 
 #include <lockstep/author/phi_links.h>
+#include <lockstep/author/relative.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/joints.h>
 #include <lockstep/solvers.h>

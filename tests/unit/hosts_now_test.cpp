@@ -15,6 +15,7 @@
 #include <lockstep/joints.h>
 #include <lockstep/laws.h>
 #include <lockstep/simulation.h>
+#include <lockstep/step_loop.h>
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <lockstep/author/phi_links.h>
+#include <lockstep/author/registry.h>
 #include <lockstep/error.h>
 #include <lockstep/joints.h>
 #include "framework/mechanism/links/joint_functions.h"
@@ -71,8 +72,10 @@ struct Expected {
 
 template <class L>
 Expected joint(const char* type, std::vector<int> free, std::vector<std::string> rows) {
-  CHECK(L::info().name == type);
-  CHECK(!L::info().help.empty());
+  CHECK(L::kType == std::string(type));
+  const Registry registry = builtin_registry();
+  REQUIRE(registry.links.find(type) != nullptr);
+  CHECK(!registry.links.find(type)->info.help.empty());
   return {type, [](Pair& pair) -> MarkerLock& { return pair.system.add<L>("joint", *pair.p, *pair.s, kJoint); },
           std::move(free), std::move(rows)};
 }

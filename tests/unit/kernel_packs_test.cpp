@@ -155,7 +155,6 @@ Numbers all_of(const B1& O1, const B2& O2, const P& p, const S& s, const D& d, c
     out.put(kernel::rotation_row(h, p.A, A_SD, vec::Quaternion{vec::Zero{}, axis}));
   };
   rotation_row(vec::Unit<0>{}), rotation_row(vec::Unit<1>{}), rotation_row(vec::Unit<2>{});
-  out.put(kernel::relative_angular_velocity(O1, O2, p, s));
   return out;
 }
 

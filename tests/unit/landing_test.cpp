@@ -4,8 +4,9 @@
 #include <memory>
 #include <string>
 
-#include <lockstep/lockstep.h>
+#include <lockstep/integrators.h>
 #include <lockstep/laws.h>
+#include <lockstep/lockstep.h>
 #include "tests/support/catch.h"
 
 namespace landing_test {

@@ -2,10 +2,12 @@
 // Simulation, the facade: what it resolves by name is what the layers below it are made of.
 #include <lockstep/simulation.h>
 
-#include <lockstep/solvers.h>
+#include <lockstep/assembly.h>
 #include <lockstep/error.h>
-#include <lockstep/joints.h>
 #include <lockstep/integrators.h>
+#include <lockstep/joints.h>
+#include <lockstep/recorder.h>
+#include <lockstep/solvers.h>
 #include "tests/support/messages.h"
 
 namespace short_way_test {

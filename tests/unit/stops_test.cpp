@@ -3,6 +3,7 @@
 #include <lockstep/joints.h>
 
 #include <lockstep/detail/phi_function.h>
+#include <lockstep/integrators.h>
 #include <lockstep/lockstep.h>
 #include "framework/description/scene/system_of.h"
 #include "framework/mechanism/links/joint_functions.h"

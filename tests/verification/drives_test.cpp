@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include <lockstep/integrators.h>
 #include <lockstep/lockstep.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"

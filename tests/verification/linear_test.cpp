@@ -12,6 +12,7 @@
 #include <lockstep/laws.h>
 #include <lockstep/linearization.h>
 #include <lockstep/modes.h>
+#include <lockstep/recorder.h>
 #include <lockstep/simulation.h>
 #include <lockstep/solvers.h>
 #include "tests/support/catch.h"

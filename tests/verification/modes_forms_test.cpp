@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <lockstep/dynamics.h>
 #include <lockstep/forces.h>
 #include <lockstep/joints.h>
 #include <lockstep/laws.h>

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <lockstep/author/loader.h>
+#include <lockstep/author/registry.h>
 
 namespace lockstep {
 

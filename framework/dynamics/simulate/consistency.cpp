@@ -10,6 +10,7 @@
 #include <numeric>
 #include <span>
 
+#include <lockstep/author/relative.h>
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/solvers/scales.h"

@@ -3,6 +3,9 @@
 
 namespace lockstep {
 
+bool are_parallel(const Vec3& a, const Vec3& b, double tolerance) { return cross(a, b).norm() <= tolerance; }
+bool are_perpendicular(const Vec3& a, const Vec3& b, double tolerance) { return std::abs(a.dot(b)) <= tolerance; }
+
 // (1.12)
 Vec3 rotation_vector(const Quat& q) {
   const double sign = q.w < 0 ? -1.0 : 1.0;

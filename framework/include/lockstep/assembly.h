@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/detail/kernel.h>
+#include <lockstep/author/mask.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/finding.h>
 

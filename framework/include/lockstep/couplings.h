@@ -7,9 +7,12 @@
 
 #include <lockstep/author/function_links.h>
 #include <lockstep/author/law.h>
-#include <lockstep/author/params.h>
 
 namespace lockstep {
+
+struct Attachment;
+class Params;
+struct TypeInfo;
 
 // Links 'cam_roller' and 'cam_flat': a disc cam about z of S, its profile a law r(psi), and a follower on it.
 

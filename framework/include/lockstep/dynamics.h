@@ -11,6 +11,7 @@
 
 #include <lockstep/author/solver.h>
 #include <lockstep/body.h>
+#include <lockstep/dynamics_options.h>
 #include <lockstep/system.h>
 
 namespace lockstep {
@@ -106,36 +107,6 @@ class LOCKSTEP_API Evaluation {
   std::vector<const Force*> reacting_;
   int redundant_ = Kkt::kUnknown;
 };
-
-// Stabilisation and formulation: the choices that the equations of motion leave open.
-
-/// How drift off the constraints is removed.
-struct Stabilization {
-  /// The method.
-  enum class Kind {
-    project,    ///< the end of every step is projected onto the constraints
-    baumgarte,  ///< Baumgarte's terms are added to the acceleration rows
-    none        ///< the drift stays
-  };
-  Kind kind = Kind::project;  ///< the method
-  double alpha = 5,           ///< Baumgarte's rates, 1/s: Cdd + 2 alpha Cd + beta^2 C = 0 (2.15)
-      beta = 5;               ///< the other of the two, 1/s
-  double tolerance = 1e-10;   ///< |C| that a projection may leave, m (Evaluation::norm)
-};
-
-/// Unknowns of the equations of motion.
-enum class Formulation {
-  omega,       ///< six velocities per body
-  quaternion,  ///< the paper's seven coordinates per body, with a unit-length row each
-  joint,       ///< the free coordinates of the joints, and the rows of links that close loops (Dynamics::why_not_joint)
-  automatic    ///< joint where it costs less by a rule on counts and the integrator takes it, else omega
-};
-/// "omega", "quaternion", "joint", "auto".
-LOCKSTEP_API std::string to_string(Formulation);
-/// The formulation of such a word. Throws ModelError for any other.
-LOCKSTEP_API Formulation formulation_from(std::string_view word);
-/// These words, in the order of the enumeration.
-LOCKSTEP_API std::vector<std::string> formulation_names();
 
 // KktAssembler: writes the gathered rows and the masses as the saddle-point matrix of a formulation.
 //
@@ -314,12 +285,6 @@ struct Redundancy {
 };
 
 // Dynamics: what an integrator asks of a mechanism: rates, projections, and factors of its own.
-
-/// Formulation and stabilisation.
-struct DynamicsOptions {
-  Formulation formulation = Formulation::automatic;  ///< unknowns of the equations of motion
-  Stabilization stabilization{};                     ///< how drift off the constraints is removed
-};
 
 /// Accelerations and multipliers at one state, with the evaluation that they belong to. Views of a Dynamics, valid
 /// until it evaluates or projects again.

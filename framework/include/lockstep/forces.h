@@ -2,16 +2,18 @@
 // The built-in forces.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include <lockstep/author/force.h>
-#include <lockstep/author/params.h>
 
 namespace lockstep {
+
+template <class T>
+struct Ends;
+struct TypeInfo;
 
 // Effort: the only difference between forces and torques of motors and applied loads.
 
@@ -20,27 +22,6 @@ enum class Effort {
   force,   ///< N: on P's body at the origin of P, the opposite on S's body at the same point
   torque,  ///< N m: on P's body, the opposite on S's body
 };
-
-/// "force" or "torque": the key in scenes, and the word in messages and channels.
-inline const char* word(Effort e) { return e == Effort::force ? "force" : "torque"; }
-/// "N" or "N m".
-inline const char* unit(Effort e) { return e == Effort::force ? "N" : "N m"; }
-
-/// Exerts f, N or N m, world axes, on P's body and the opposite on S's.
-template <class T, class Load>
-void exert(Effort e, const Vec3T<T>& f, const Ends<T>& at, Load& load) {
-  if (e == Effort::force)
-    load.force(f, at.P.x());
-  else
-    load.torque(f);
-}
-
-/// Velocity of the origin of P, m/s, or angular velocity of P, rad/s, as seen from S, in world axes.
-template <class T>
-Vec3T<T> rate_from_s(Effort e, const Ends<T>& at) {
-  if (e == Effort::torque) return at.P.w() - at.S.w();
-  return at.P.v() - at.S.v() - cross(at.S.w(), Vec3T<T>(at.P.x() - at.S.x()));
-}
 
 // Forces 'applied_force' and 'applied_torque': a force at a marker or a torque on its body, constant or by laws.
 
@@ -78,12 +59,6 @@ class LOCKSTEP_API Applied : public FormulaForce<Applied> {
   template <class T, class Load>
   void act(const Ends<T>&, Load&) const;
 
- protected:
-  /// The keys of an effort: its vector, laws and axes.
-  static Keys keys(Effort);
-  /// The vector from parameters with these keys. Throws SceneError.
-  static AppliedVector read(Effort, const Params&);
-
  private:
   Vec3 in_its_axes(double t) const;
   Effort effort_;
@@ -113,7 +88,7 @@ class LOCKSTEP_API AppliedForce final : public Applied {
   AppliedForce(std::string name, Marker& p, Options options);
   /// Acts between the bodies of P and S. Throws likewise.
   AppliedForce(std::string name, Marker& p, Marker& s, Options options);
-  std::string_view type() const override { return info().name; }
+  std::string_view type() const override { return "applied_force"; }
   static const TypeInfo& info();                                         ///< name and keys of its type
   static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 };
@@ -139,7 +114,7 @@ class LOCKSTEP_API AppliedTorque final : public Applied {
   AppliedTorque(std::string name, Marker& p, Options options);
   /// Acts between the bodies of P and S. Throws likewise.
   AppliedTorque(std::string name, Marker& p, Marker& s, Options options);
-  std::string_view type() const override { return info().name; }
+  std::string_view type() const override { return "applied_torque"; }
   static const TypeInfo& info();                                         ///< name and keys of its type
   static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 };
@@ -173,7 +148,7 @@ class LOCKSTEP_API Bushing final : public FormulaForce<Bushing> {
   /// Throws ParameterError for a number that is not finite or a negative damping; ModelError as MarkerForce does.
   Bushing(std::string name, Marker& p, Marker& s, Options options);
 
-  std::string_view type() const override { return info().name; }
+  std::string_view type() const override { return "bushing"; }
   /// x y z (d, m), angle_x angle_y angle_z (th, rad), force_on_p_link_x .. z (N), torque_on_p_link_x .. z (N m), in S
   /// axes, and power (W)
   std::vector<Quantity> quantities() const override;
@@ -225,7 +200,7 @@ class LOCKSTEP_API JointFriction final : public Force, public Reacting {
   /// Throws ParameterError for an invalid number, ModelError for a link in which nothing rubs.
   JointFriction(std::string name, const Lock& link, Options options);
 
-  std::string_view type() const override { return info().name; }
+  std::string_view type() const override { return "joint_friction"; }
   std::vector<const Marker*> markers() const override { return {p_, s_}; }
   /// Those that apply to the link: normal_force, friction_force (on P along the sliding, signed where there is one
   /// direction), sliding_speed; radial_force, axial_force, friction_torque (on P about the axis), turning_rate.
@@ -271,34 +246,7 @@ class LOCKSTEP_API JointFriction final : public Force, public Reacting {
   MarkerFrame P_, S_;
 };
 
-// LinearSpring: spring, damper and actuator in one coordinate q: a length, N and m, or an angle, N m and rad.
-
-/// A spring, damper and actuator that pull their coordinate q back; qd is its rate.
-///
-///     force         T = k (q - q0) + T0 + c qd + law(t)
-///     potential     V = 1/2 k (q - q0)^2 + T0 (q - q0)
-///     dissipation   D = c qd^2
-///     supply        -law(t) qd
-struct LinearSpring {
-  double stiffness,  ///< k, N/m or N m/rad
-      damping,       ///< c, N s/m or N m s/rad
-      free,          ///< q0, m or rad
-      preload;       ///< T0, N or N m
-
-  /// T, N or N m, at q with the rate qd and the value of the law; energies go to `load`.
-  template <class T, class Load>
-  T force(const T& q, const T& rate, double law, Load& load) const {
-    const T x = q - free, elastic = stiffness * x;
-    load.stores((0.5 * elastic + preload) * x);
-    load.dissipates(damping * rate * rate);
-    load.supplies(-law * rate);
-    return elastic + preload + damping * rate + law;
-  }
-};
-
-
 // Forces 'force_motor' and 'torque_motor': a force or a torque by a law between two bodies, along an axis.
-
 
 class Motor;
 extern template class LOCKSTEP_API FormulaForce<Motor>;
@@ -337,7 +285,7 @@ class LOCKSTEP_API ForceMotor final : public Motor {
   };
   /// Throws ParameterError without a law; ModelError as MarkerForce does.
   ForceMotor(std::string name, Marker& p, Marker& s, Options options);
-  std::string_view type() const override { return info().name; }
+  std::string_view type() const override { return "force_motor"; }
   static const TypeInfo& info();                                         ///< name and keys of its type
   static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 };
@@ -357,14 +305,12 @@ class LOCKSTEP_API TorqueMotor final : public Motor {
   };
   /// Throws ParameterError without a law; ModelError as MarkerForce does.
   TorqueMotor(std::string name, Marker& p, Marker& s, Options options);
-  std::string_view type() const override { return info().name; }
+  std::string_view type() const override { return "torque_motor"; }
   static const TypeInfo& info();                                         ///< name and keys of its type
   static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 };
 
-
 // Force 'spring_damper': spring, damper and linear actuator between two points.
-
 
 class SpringDamper;
 extern template class LOCKSTEP_API FormulaForce<SpringDamper>;
@@ -395,7 +341,7 @@ class LOCKSTEP_API SpringDamper final : public FormulaForce<SpringDamper> {
   /// MarkerForce does.
   SpringDamper(std::string name, Marker& p, Marker& s, Options options);
 
-  std::string_view type() const override { return info().name; }
+  std::string_view type() const override { return "spring_damper"; }
   std::vector<Quantity> quantities() const override;  ///< length, m; rate, m/s; force, N; power, W
   /// Throws ModelError for markers that coincide at the start while the force is not zero there.
   void setup() override;
@@ -413,6 +359,7 @@ class LOCKSTEP_API SpringDamper final : public FormulaForce<SpringDamper> {
 
 // Force 'torsion_spring_damper': spring, damper and rotary actuator about an axis, full turns counted.
 
+class CountedAngle;
 class TorsionSpringDamper;
 extern template class LOCKSTEP_API FormulaForce<TorsionSpringDamper>;
 
@@ -441,7 +388,7 @@ class LOCKSTEP_API TorsionSpringDamper final : public FormulaForce<TorsionSpring
   /// Throws ParameterError for a number that is not finite or a negative damping; ModelError as MarkerForce does.
   TorsionSpringDamper(std::string name, Marker& p, Marker& s, Options options);
 
-  std::string_view type() const override { return info().name; }
+  std::string_view type() const override { return "torsion_spring_damper"; }
   std::vector<Quantity> quantities() const override;  ///< angle, rad; rate, rad/s; torque, N m; power, W
   /// Throws ModelError when P or S is on a particle, or z_P = -z_S at the start.
   void setup() override;
@@ -450,15 +397,12 @@ class LOCKSTEP_API TorsionSpringDamper final : public FormulaForce<TorsionSpring
   template <class T, class Load>
   void act(const Ends<T>&, Load&) const;
 
-  void count_angles(AngleCounter& counter) override { angle_ = &counter.count(p(), *MarkerForce::s(), 2); }
+  void count_angles(AngleCounter& counter) override;
 
   static const TypeInfo& info();                                         ///< name and keys of its type
   static std::unique_ptr<Force> make(const Attachment&, const Params&);  ///< the force from checked parameters
 
  private:
-  // Where the angle is expected; within half a turn of zero where no system counts it.
-  double near_angle(std::span<const double> s) const { return angle_ ? angle_->expected(s) : 0.0; }
-
   Options options_;
   const CountedAngle* angle_ = nullptr;
 };

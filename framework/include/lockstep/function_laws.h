@@ -15,14 +15,7 @@ namespace lockstep {
 
 /// The rotation q = r/|r| of r(t), of any length but zero, with its derivatives: by (1.8) and (1.9) w and a are the
 /// vector parts of 2 q' qd and 2 q' qdd.
-inline RotationValue rotation_value(const QuatT<Time>& r) {
-  const QuatT<Time> on_sphere = normalized(r);
-  const auto part = [&](double Time::*k) {
-    return Quat{on_sphere.w.*k, on_sphere.x.*k, on_sphere.y.*k, on_sphere.z.*k};
-  };
-  const Quat q = part(&Time::v), w = conjugate(q) * part(&Time::d), a = conjugate(q) * part(&Time::h);
-  return {q, {2 * w.x, 2 * w.y, 2 * w.z}, {2 * a.x, 2 * a.y, 2 * a.z}};
-}
+LOCKSTEP_API RotationValue rotation_value(const QuatT<Time>& r);
 
 // Laws from a user's function of time, with exact derivatives: the function is evaluated on Jet<0>, which has value,
 // first and second derivative. Write it for any number type: `[](auto t) { return 0.1 * sin(3.0 * t); }`.

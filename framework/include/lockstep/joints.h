@@ -7,9 +7,12 @@
 
 #include <lockstep/author/function_links.h>
 #include <lockstep/author/lock.h>
-#include <lockstep/author/params.h>
 
 namespace lockstep {
+
+struct Attachment;
+class Params;
+struct TypeInfo;
 
 // Link 'distance'.
 
@@ -34,7 +37,7 @@ class LOCKSTEP_API Distance final : public FunctionLock {
 // The joints: each is a mask and a name. P is on body 1, S on body 2; axes are those of S. "Free" lists the motions of
 // P that are left free, seen from S.
 
-/// A joint that is only a mask. The class Self defines kType, its type in scenes, and kHelp, a line of help.
+/// A joint that is only a mask. The class Self defines kType, its type in scenes.
 template <class Self, Mask kMask>
 class MaskJoint : public MarkerLock {
  public:
@@ -42,93 +45,69 @@ class MaskJoint : public MarkerLock {
   MaskJoint(std::string name, Marker& p, Marker& s) : MarkerLock(std::move(name), p, s, kMask) {}
   /// Self::kType.
   std::string_view type() const override { return Self::kType; }
-  /// Its line of help; it has no keys in scenes.
-  static TypeInfo info() { return {Self::kType, Self::kHelp, {}}; }
-  /// Its maker for the registry.
-  static std::unique_ptr<Lock> make(const Attachment& attachment, const Params&) {
-    return std::make_unique<Self>(attachment.name, attachment.p(), attachment.s());
-  }
 };
 
 /// A weld: P coincides with S in position and orientation. Free: nothing. With move() and turn() it imposes a whole
 /// motion.
 struct LOCKSTEP_API Fixed final : MaskJoint<Fixed, Mask::all> {
-  static constexpr const char* kType = "fixed";                        ///< type
-  static constexpr const char* kHelp = "holds P in S; free: nothing";  ///< help
+  static constexpr const char* kType = "fixed";  ///< type
   using MaskJoint::MaskJoint;
 };
 /// The origin of P stays on the z axis of S. Free: sliding along z, all turns.
 struct LOCKSTEP_API PointOnLine final : MaskJoint<PointOnLine, Mask::x | Mask::y> {
-  static constexpr const char* kType = "point_on_line";                                                     ///< type
-  static constexpr const char* kHelp = "origin of P on the z axis of S; free: sliding along z, all turns";  ///< help
+  static constexpr const char* kType = "point_on_line";  ///< type
   using MaskJoint::MaskJoint;
 };
 /// The origin of P stays in the xy plane of S. Free: sliding along x and y, all turns.
 struct LOCKSTEP_API PointOnPlane final : MaskJoint<PointOnPlane, Mask::z> {
   static constexpr const char* kType = "point_on_plane";  ///< type
-  /// Help.
-  static constexpr const char* kHelp = "origin of P in the xy plane of S; free: sliding along x and y, all turns";
   using MaskJoint::MaskJoint;
 };
 /// A planar joint: the xy planes of P and S coincide. Free: sliding along x and y, turning about z.
 struct LOCKSTEP_API PlaneOnPlane final : MaskJoint<PlaneOnPlane, Mask::z | Mask::e1 | Mask::e2> {
   static constexpr const char* kType = "plane_on_plane";  ///< type
-  static constexpr const char* kHelp =
-      "planar joint, xy planes of P and S coincide; free: sliding along x and y, turning about z";  ///< help
   using MaskJoint::MaskJoint;
 };
 /// A hinge. Free: turning about z.
 struct LOCKSTEP_API Revolute final : MaskJoint<Revolute, Mask::xyz | Mask::e1 | Mask::e2> {
-  static constexpr const char* kType = "revolute";                           ///< type
-  static constexpr const char* kHelp = "hinge; free: turning about z of S";  ///< help
+  static constexpr const char* kType = "revolute";  ///< type
   using MaskJoint::MaskJoint;
 };
 /// A shaft in a bore. Free: turning about z, sliding along z.
 struct LOCKSTEP_API Cylindrical final : MaskJoint<Cylindrical, Mask::x | Mask::y | Mask::e1 | Mask::e2> {
-  static constexpr const char* kType = "cylindrical";                                                    ///< type
-  static constexpr const char* kHelp = "shaft in a bore; free: turning about and sliding along z of S";  ///< help
+  static constexpr const char* kType = "cylindrical";  ///< type
   using MaskJoint::MaskJoint;
 };
 /// The axes of P stay parallel to those of S. Free: sliding along x, y and z.
 struct LOCKSTEP_API AngularAlignment final : MaskJoint<AngularAlignment, Mask::e123> {
-  static constexpr const char* kType = "angular_alignment";                                                 ///< type
-  static constexpr const char* kHelp = "axes of P parallel to those of S; free: sliding along x, y and z";  ///< help
+  static constexpr const char* kType = "angular_alignment";  ///< type
   using MaskJoint::MaskJoint;
 };
 /// An Oldham coupling: two parallel shafts along z turn together. Free: sliding along x and y.
 struct LOCKSTEP_API Oldham final : MaskJoint<Oldham, Mask::z | Mask::e123> {
   static constexpr const char* kType = "oldham";  ///< type
-  /// Help.
-  static constexpr const char* kHelp = "parallel shafts along z turn together; free: sliding along x and y of S";
   using MaskJoint::MaskJoint;
 };
 /// A slider. Free: sliding along z.
 struct LOCKSTEP_API Prismatic final : MaskJoint<Prismatic, Mask::x | Mask::y | Mask::e123> {
-  static constexpr const char* kType = "prismatic";                           ///< type
-  static constexpr const char* kHelp = "slider; free: sliding along z of S";  ///< help
+  static constexpr const char* kType = "prismatic";  ///< type
   using MaskJoint::MaskJoint;
 };
 /// A constant-velocity joint: shafts along z_P and z_S meet in one point and turn at equal rates at every bend below
 /// half a turn (4.21). Free: swinging about all axes normal to z.
 struct LOCKSTEP_API Rzeppa final : MaskJoint<Rzeppa, Mask::xyz | Mask::e3> {
   static constexpr const char* kType = "rzeppa";  ///< type
-  static constexpr const char* kHelp =
-      "constant-velocity joint, shafts along z meet in one point; free: swinging about axes normal to z";  ///< help
   using MaskJoint::MaskJoint;
 };
 /// The rotational row of a Rzeppa joint: shafts along z_P and z_S turn at equal rates wherever they are. Free: sliding
 /// along x, y and z, swinging about all axes normal to z.
 struct LOCKSTEP_API Homokinetic final : MaskJoint<Homokinetic, Mask::e3> {
   static constexpr const char* kType = "homokinetic";  ///< type
-  /// Help.
-  static constexpr const char* kHelp =
-      "shafts along z turn at equal rates wherever they are; free: all translations, swinging about axes normal to z";
   using MaskJoint::MaskJoint;
 };
 /// A ball joint: the origins of P and S coincide. Free: all turns.
 struct LOCKSTEP_API Spherical final : MaskJoint<Spherical, Mask::xyz> {
-  static constexpr const char* kType = "spherical";                                      ///< type
-  static constexpr const char* kHelp = "ball joint, origins coincide; free: all turns";  ///< help
+  static constexpr const char* kType = "spherical";  ///< type
   using MaskJoint::MaskJoint;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Every public header in one.
+// All that who builds and runs mechanisms needs. Who writes types includes headers of author/.
 #pragma once
 
 /// @namespace lockstep
@@ -7,42 +7,15 @@
 
 #include <lockstep/analysis.h>
 #include <lockstep/assembly.h>
-#include <lockstep/author/check.h>
-#include <lockstep/author/force.h>
-#include <lockstep/author/formula.h>
-#include <lockstep/author/function_links.h>
-#include <lockstep/author/integrator.h>
-#include <lockstep/author/jet.h>
-#include <lockstep/author/law.h>
-#include <lockstep/author/law_checks.h>
 #include <lockstep/author/loader.h>
-#include <lockstep/author/lock.h>
-#include <lockstep/author/mask.h>
-#include <lockstep/author/memory.h>
-#include <lockstep/author/params.h>
-#include <lockstep/author/phi.h>
-#include <lockstep/author/phi_links.h>
-#include <lockstep/author/registry.h>
-#include <lockstep/author/relative.h>
-#include <lockstep/author/solver.h>
-#include <lockstep/author/stepping.h>
 #include <lockstep/batch.h>
 #include <lockstep/body.h>
 #include <lockstep/branches.h>
 #include <lockstep/charts.h>
 #include <lockstep/combined_laws.h>
 #include <lockstep/couplings.h>
-#include <lockstep/detail/counted_angle.h>
-#include <lockstep/detail/equations.h>
-#include <lockstep/detail/export.h>
-#include <lockstep/detail/kernel.h>
-#include <lockstep/detail/lock_facets.h>
-#include <lockstep/detail/newton.h>
-#include <lockstep/detail/phi_function.h>
-#include <lockstep/detail/phi_rows.h>
-#include <lockstep/detail/rows.h>
-#include <lockstep/detail/vec.h>
 #include <lockstep/dynamics.h>
+#include <lockstep/dynamics_options.h>
 #include <lockstep/equilibrium.h>
 #include <lockstep/error.h>
 #include <lockstep/explain.h>
@@ -50,14 +23,11 @@
 #include <lockstep/forces.h>
 #include <lockstep/frame_laws.h>
 #include <lockstep/function_laws.h>
-#include <lockstep/integrators.h>
 #include <lockstep/joints.h>
 #include <lockstep/kinematics.h>
 #include <lockstep/laws.h>
-#include <lockstep/linearization.h>
 #include <lockstep/log.h>
 #include <lockstep/math.h>
-#include <lockstep/modes.h>
 #include <lockstep/recorder.h>
 #include <lockstep/report.h>
 #include <lockstep/scene.h>
@@ -69,6 +39,7 @@
 #include <lockstep/step_loop.h>
 #include <lockstep/sweep.h>
 #include <lockstep/system.h>
+#include <lockstep/table.h>
 #include <lockstep/text.h>
 #include <lockstep/uniqueness.h>
 #include <lockstep/version.h>

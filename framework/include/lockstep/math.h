@@ -45,13 +45,9 @@ inline Vec3T<typename A::Scalar> cross(const Eigen::MatrixBase<A>& a, const Eige
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 /// Whether a direction lies along another or against it; both of length 1, or one of them shorter.
-inline bool are_parallel(const Vec3& a, const Vec3& b, double tolerance = kParallel) {
-  return cross(a, b).norm() <= tolerance;
-}
+LOCKSTEP_API bool are_parallel(const Vec3& a, const Vec3& b, double tolerance = kParallel);
 /// Whether two directions are at right angles; lengths likewise.
-inline bool are_perpendicular(const Vec3& a, const Vec3& b, double tolerance = kParallel) {
-  return std::abs(a.dot(b)) <= tolerance;
-}
+LOCKSTEP_API bool are_perpendicular(const Vec3& a, const Vec3& b, double tolerance = kParallel);
 
 /// a~, the matrix of the cross product: a~ b = a x b.
 template <class A>

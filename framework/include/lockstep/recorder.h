@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <functional>
-#include <iosfwd>
 #include <limits>
 #include <memory>
 #include <span>
@@ -12,7 +11,9 @@
 #include <vector>
 
 #include <lockstep/detail/export.h>
+#include <lockstep/finding.h>
 #include <lockstep/step_loop.h>
+#include <lockstep/table.h>
 
 namespace lockstep {
 
@@ -48,73 +49,7 @@ LOCKSTEP_API Channel make_channel(System&, const std::string& name);
 /// All channels of a system except those of pairs ("M.x@N"); those of links' rows only where it is set up.
 LOCKSTEP_API std::vector<ChannelHelp> channel_help(const System&);
 
-// Table: columns of numbers with name and unit; what a recorder fills, a CSV file holds and a chart draws.
-
-/// One column of a table.
-struct Column {
-  std::string name,            ///< "Bx"
-      unit;                    ///< "N"; "" without dimension
-  std::vector<double> values;  ///< one per row
-};
-
-/// Columns of numbers with name and unit.
-class LOCKSTEP_API Table {
- public:
-  /// Adds a column at the right. Throws ModelError for a name that is empty or taken, and when there are rows already.
-  void add_column(const std::string& name, const std::string& unit = {});
-  /// Reserves memory for n rows in all; beyond them columns grow geometrically.
-  void reserve(std::size_t n);
-  /// Adds a row: one number per column.
-  void add_row(std::span<const double> row);
-  void clear_rows();  ///< removes all rows; the columns stay
-
-  std::size_t n_rows() const { return columns_.empty() ? 0 : columns_.front().values.size(); }  ///< number of rows
-  std::size_t n_columns() const { return columns_.size(); }                                     ///< number of columns
-  const std::vector<Column>& columns() const { return columns_; }                               ///< from left to right
-  bool has(const std::string& name) const;  ///< whether there is a column of this name
-  std::vector<std::string> names() const;   ///< of the columns, from left to right
-
-  /// The column of this name. Throws ModelError with the closest name.
-  const Column& column(const std::string& name) const;
-  /// The values of the column of this name. Throws ModelError with the closest name.
-  const std::vector<double>& operator[](const std::string& name) const { return column(name).values; }
-  /// The value in the first row. Throws ModelError for an unknown column or a table without rows.
-  double first(const std::string& name) const;
-  /// The value in the last row. Throws ModelError for an unknown column or a table without rows.
-  double last(const std::string& name) const;
-  double change(const std::string& name) const { return last(name) - first(name); }  ///< last() minus first()
-
- private:
-  std::vector<Column> columns_;
-};
-
-/// Title of a column: "Bx [N]", or its name alone when the unit is "".
-LOCKSTEP_API std::string column_title(const Column&);
-
-/// Writes a table as CSV: the header `t [s],Bx [N]`, then one line per row, every number in the shortest form that
-/// reads back as the same double. A title with a comma, a quote or a line end is put in quotes.
-LOCKSTEP_API void write_csv(std::ostream&, const Table&);
-/// Writes a table to a CSV file. Throws FileError with the file's name.
-LOCKSTEP_API void write_csv(const std::string& file, const Table&);
-/// Reads a CSV file; its first line is the header, with or without units. Throws FileError with file and line: a cell
-/// that is not a number, a row of another length, a header that cannot be a table's.
-LOCKSTEP_API Table read_csv(const std::string& file);
-/// The same from a stream. `file`: its name in messages.
-LOCKSTEP_API Table read_csv(std::istream&, const std::string& file);
-
 // Recorder: an observer that fills a table. Names become functions once; an output is one row of numbers.
-
-/// A column to record: a channel, under its own name or another ("Bx": "B.force_on_p_world_x").
-struct Request {
-  std::string name,  ///< of the column
-      channel;       ///< name of the channel
-  /// A channel under its own name.
-  Request(const char* own) : name(own), channel(own) {}  // NOLINT: a bare name is a request
-  /// A channel under its own name.
-  Request(std::string own) : name(own), channel(std::move(own)) {}  // NOLINT
-  /// The channel `of`, under the name `given`.
-  Request(std::string given, std::string of) : name(std::move(given)), channel(std::move(of)) {}
-};
 
 /// An observer that fills a table: one row per output time.
 class LOCKSTEP_API Recorder : public Observer {
@@ -223,6 +158,13 @@ class LOCKSTEP_API EnergyAudit final : public Observer {
  private:
   struct Books;
   std::unique_ptr<Books> books_;
+};
+
+/// What is found of a run that went through.
+struct RunVerdict {
+  Audit audit;                      ///< energy and drift
+  std::vector<Finding> findings{};  ///< what speaks against the result, and notes
+  bool right = true;                ///< neither NOT CONSERVED nor DRIFTED: exit code 9 of the program
 };
 
 }  // namespace lockstep

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include <lockstep/assembly.h>
+#include <lockstep/author/mask.h>
 #include <lockstep/author/registry.h>
-#include <lockstep/detail/kernel.h>
 #include <lockstep/solid.h>
 #include <lockstep/step_loop.h>
 #include <lockstep/system.h>

@@ -8,13 +8,26 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/assembly.h>
-#include <lockstep/author/registry.h>
-#include <lockstep/recorder.h>
-#include <lockstep/scene.h>
-#include <lockstep/step_loop.h>
+#include <lockstep/detail/export.h>
+#include <lockstep/dynamics_options.h>
+#include <lockstep/table.h>
 
 namespace lockstep {
+
+class ControlInput;
+class Dynamics;
+class Observer;
+class Recorder;
+class Registry;
+class StepLoop;
+class System;
+struct AssemblyReport;
+struct Event;
+struct Mechanism;
+struct RunSettings;
+struct RunVerdict;
+struct SimulationReport;
+struct State;
 
 /// Methods by name, tolerances and outputs of a simulation.
 struct SimulationOptions {
@@ -22,20 +35,13 @@ struct SimulationOptions {
   /// The same for the linear solver. One that is named means the formulation omega, unless `dynamics` names another.
   /// Empty: as of a scene that names none, schur (with the formulation quaternion sparse), or joint coordinates.
   std::string solver{};
-  double tolerance = 1e-8;            ///< relative error of a step, for integrators that control it
-  double absolute_tolerance = 0;      ///< m, m/s, rad, rad/s; 0: a hundredth of `tolerance`
+  double tolerance = 1e-8;        ///< relative error of a step, for integrators that control it
+  double absolute_tolerance = 0;  ///< m, m/s, rad, rad/s; 0: a hundredth of `tolerance`
   double step = 0;    ///< s; integrators with fixed steps need one, for the others it is the largest step (0: no limit)
   double output = 0;  ///< interval between rows of the table, s; 0: a row at every step
   long max_steps = 0;          ///< the run ends with a StepError after so many; 0: no limit
   DynamicsOptions dynamics{};  ///< formulation and stabilisation
   bool assemble = true;  ///< the start is brought onto the constraints; otherwise one that violates them is refused
-};
-
-/// What is found of a run that went through.
-struct RunVerdict {
-  Audit audit;                       ///< energy and drift
-  std::vector<Finding> findings{};   ///< what speaks against the result, and notes
-  bool right = true;                 ///< neither NOT CONSERVED nor DRIFTED: exit code 9 of the program
 };
 
 /// A run of a scene, or of one system. Its parts stay accessible: recorder(), loop(), dynamics().
@@ -53,7 +59,9 @@ class LOCKSTEP_API Simulation {
  public:
   /// The system must outlive the simulation; the registry is read only here. Throws ModelError or SceneError for an
   /// unknown name or key, a tolerance that is not positive, or a fixed step that is not given.
-  explicit Simulation(System& system, SimulationOptions options = {}, const Registry& registry = builtin_registry());
+  Simulation(System& system, SimulationOptions options, const Registry& registry);
+  /// The same by the built-in registry.
+  explicit Simulation(System& system, SimulationOptions options = {});
   /// Runs a scene as the program does: its start, events, tolerance, step, formulation, outputs and columns. Energy, drift,
   /// tolerance and singular configurations are watched: verdict(). In liblockstep-run. Throws SceneError with the
   /// place in the file of a channel that does not exist.
@@ -100,17 +108,17 @@ class LOCKSTEP_API Simulation {
   void on_row(std::function<void(std::span<const double>)> tell, bool keep = false);
 
   // -- after any of these no column can be added
-  const State& state();                   ///< at the present time; before the run the assembled start
-  void set_state(State);                  ///< sets another start, which is assembled when the options say so
-  const AssemblyReport& assembly();       ///< what assembling the start changed
-  Event& add_event(Event event);          ///< as StepLoop::add_event
-  void add_observer(Observer& observer);  ///< not owned
+  const State& state();                       ///< at the present time; before the run the assembled start
+  void set_state(State);                      ///< sets another start, which is assembled when the options say so
+  const AssemblyReport& assembly();           ///< what assembling the start changed
+  Event& add_event(Event event);              ///< as StepLoop::add_event
+  void add_observer(Observer& observer);      ///< not owned
   const SimulationReport& advance(double h);  ///< as StepLoop::advance
   void activate(const std::string& name);     ///< as StepLoop::activate
   void deactivate(const std::string& name);   ///< as StepLoop::deactivate
-  Recorder& recorder();                   ///< fills the table; reading it does not begin the run
-  StepLoop& loop();                       ///< runs the mechanism
-  Dynamics& dynamics();                   ///< by which the loop evaluates
+  Recorder& recorder();                       ///< fills the table; reading it does not begin the run
+  StepLoop& loop();                           ///< runs the mechanism
+  Dynamics& dynamics();                       ///< by which the loop evaluates
 
   struct Parts;  ///< what it holds
 

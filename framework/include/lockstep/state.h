@@ -95,57 +95,21 @@ struct State {
   std::shared_ptr<const Coordinates> coordinates{};  ///< what q and v are, if not as above
 
   /// Pose of a slot in the world, slot >= 0; its quaternion as it is stored.
-  Pose slot_pose(int slot) const {
-    if (coordinates) {
-      const Motion m = coordinates->motion(*this, slot);
-      return {m.x, m.e};
-    }
-    return {q.segment<3>(7 * slot), Quat::from(q.segment<4>(7 * slot + 3))};
-  }
+  LOCKSTEP_API Pose slot_pose(int slot) const;
   /// Velocity of a slot's origin, world, m/s, and its angular velocity, slot axes, rad/s.
-  Twist slot_twist(int slot) const {
-    if (coordinates) {
-      const Motion m = coordinates->motion(*this, slot);
-      return {m.v, m.w};
-    }
-    return {v.segment<3>(6 * slot), v.segment<3>(6 * slot + 3)};
-  }
+  LOCKSTEP_API Twist slot_twist(int slot) const;
   /// Sets the pose of a slot in the world; p.q must be unit. Throws ModelError for a state in other coordinates than the
   /// slots' own.
-  void set_slot_pose(int slot, const Pose& p) {
-    if (coordinates) refuse_setting();
-    q.segment<3>(7 * slot) = p.x;
-    q.segment<4>(7 * slot + 3) = p.q.coefficients();
-  }
+  LOCKSTEP_API void set_slot_pose(int slot, const Pose& p);
   /// Sets the twist of a slot, as slot_twist() gives it. Throws likewise.
-  void set_slot_twist(int slot, const Twist& o) {
-    if (coordinates) refuse_setting();
-    v.segment<3>(6 * slot) = o.v;
-    v.segment<3>(6 * slot + 3) = o.w;
-  }
+  LOCKSTEP_API void set_slot_twist(int slot, const Twist& o);
 
  private:
-  [[noreturn]] LOCKSTEP_API void refuse_setting() const;
+  [[noreturn]] void refuse_setting() const;
 };
 
-/// Writes the motion of a slot >= 0 to `out`, with the quaternion normalised.
-inline void read_motion(const State& state, int slot, Motion& out) {
-  if (state.coordinates) {
-    out = state.coordinates->motion(state, slot);
-    return;
-  }
-  out.x = state.q.segment<3>(7 * slot);
-  out.e = normalized(Quat::from(state.q.segment<4>(7 * slot + 3)));
-  out.A = rotation(out.e);
-  out.v = state.v.segment<3>(6 * slot);
-  out.w = state.v.segment<3>(6 * slot + 3);
-}
 /// Motion of a slot, with the quaternion normalised; the ground is at rest at the origin.
-inline Motion slot_motion(const State& state, int slot) {
-  Motion out;
-  if (slot != kGround) read_motion(state, slot, out);
-  return out;
-}
+LOCKSTEP_API Motion slot_motion(const State& state, int slot);
 
 /// Writes a state for a checkpoint, in whatever coordinates it is; the coordinates themselves are not written.
 LOCKSTEP_API void put_state(const State&, Snapshot&);

@@ -18,6 +18,7 @@
 #include <lockstep/author/force.h>
 #include <lockstep/author/lock.h>
 #include <lockstep/body.h>
+#include <lockstep/detail/counted_angle.h>
 #include <lockstep/detail/rows.h>
 #include <lockstep/error.h>
 #include <lockstep/state.h>

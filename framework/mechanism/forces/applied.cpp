@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/forces.h>
 
+#include <lockstep/author/params.h>
 #include <lockstep/text.h>
+#include "framework/mechanism/forces/effort.h"
 
 namespace lockstep {
 
@@ -72,7 +74,9 @@ void Applied::act(const Ends<T>& at, Load& load) const {
   load.supplies(-vector_.value.dot(at.P.v()));
 }
 
-Keys Applied::keys(Effort effort) {
+namespace {
+
+Keys keys(Effort effort) {
   const Unit unit = effort == Effort::force ? Unit::force : Unit::torque;
   return {{word(effort), Form::vector3, unit, kOptional, "constant part, in the axes given by \"axes\""},
           {"law", Form::law, unit, kOptional, "law along \"direction\", added"},
@@ -87,7 +91,7 @@ Keys Applied::keys(Effort effort) {
            {"world", "body", "marker"}}};
 }
 
-AppliedVector Applied::read(Effort effort, const Params& params) {
+AppliedVector read(Effort effort, const Params& params) {
   const char* const value_key = word(effort);
   AppliedVector r;
   if (!params.has(value_key) && !params.has("law") && !params.has("laws"))
@@ -108,7 +112,6 @@ AppliedVector Applied::read(Effort effort, const Params& params) {
   return r;
 }
 
-namespace {
 AppliedVector vector_of(AppliedForce::Options o) {
   return {o.force, std::move(o.law), o.direction, std::move(o.laws), o.axes};
 }

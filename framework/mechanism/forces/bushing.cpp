@@ -3,6 +3,9 @@
 
 #include <cmath>
 
+#include <lockstep/author/params.h>
+#include "framework/mechanism/forces/effort.h"
+
 namespace lockstep {
 
 Bushing::Bushing(std::string name, Marker& p, Marker& s, Options options)
@@ -22,7 +25,8 @@ const TypeInfo& Bushing::info() {
       {{"stiffness", Form::vector3, Unit::stiffness, Value::List{0, 0, 0}, "along the axes of S"},
        {"damping", Form::vector3, Unit::damping, Value::List{0, 0, 0}, "along the axes of S, not negative"},
        {"torsion_stiffness", Form::vector3, Unit::torsion_stiffness, Value::List{0, 0, 0}, "about the axes of S"},
-       {"torsion_damping", Form::vector3, Unit::torsion_damping, Value::List{0, 0, 0}, "about the axes of S, not negative"}}};
+       {"torsion_damping", Form::vector3, Unit::torsion_damping, Value::List{0, 0, 0},
+        "about the axes of S, not negative"}}};
   return info;
 }
 

@@ -7,6 +7,7 @@
 #include <lockstep/error.h>
 #include "framework/mechanism/expression/dimensions.h"
 #include "framework/mechanism/expression/evaluate.h"
+#include "framework/mechanism/forces/effort.h"
 
 namespace lockstep {
 

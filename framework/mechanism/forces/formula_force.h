@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include <lockstep/author/force.h>
+#include <lockstep/author/formula.h>
 #include <lockstep/author/mask.h>
 #include <lockstep/author/params.h>
 #include <lockstep/forces.h>

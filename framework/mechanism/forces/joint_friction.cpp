@@ -6,7 +6,10 @@
 #include <tuple>
 
 #include <lockstep/author/force.h>
+#include <lockstep/author/params.h>
+#include <lockstep/author/relative.h>
 #include <lockstep/text.h>
+#include "framework/mechanism/forces/effort.h"
 
 namespace lockstep {
 

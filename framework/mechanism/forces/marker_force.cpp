@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include <lockstep/author/params.h>
 #include <lockstep/body.h>
 #include <lockstep/text.h>
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/forces.h>
 
+#include <lockstep/author/params.h>
+#include "framework/mechanism/forces/effort.h"
+
 namespace lockstep {
 
 Motor::Motor(std::string name, Marker& p, Marker& s, Effort effort, LawPtr<MotionLaw> law)
@@ -40,9 +43,10 @@ ForceMotor::ForceMotor(std::string name, Marker& p, Marker& s, Options options)
     : Motor(std::move(name), p, s, Effort::force, std::move(options.force)) {}
 
 const TypeInfo& ForceMotor::info() {
-  static const TypeInfo info{"force_motor",
-                             "force by a law along z of S on P's body at P, the opposite on S's body at the same point",
-                             {{"force", Form::law, Unit::force, kRequired, "law of the force on p's body along z of s"}}};
+  static const TypeInfo info{
+      "force_motor",
+      "force by a law along z of S on P's body at P, the opposite on S's body at the same point",
+      {{"force", Form::law, Unit::force, kRequired, "law of the force on p's body along z of s"}}};
   return info;
 }
 
@@ -55,9 +59,10 @@ TorqueMotor::TorqueMotor(std::string name, Marker& p, Marker& s, Options options
     : Motor(std::move(name), p, s, Effort::torque, std::move(options.torque)) {}
 
 const TypeInfo& TorqueMotor::info() {
-  static const TypeInfo info{"torque_motor",
-                             "torque by a law about z of S on P's body, the opposite on S's body",
-                             {{"torque", Form::law, Unit::torque, kRequired, "law of the torque on p's body about z of s"}}};
+  static const TypeInfo info{
+      "torque_motor",
+      "torque by a law about z of S on P's body, the opposite on S's body",
+      {{"torque", Form::law, Unit::torque, kRequired, "law of the torque on p's body about z of s"}}};
   return info;
 }
 

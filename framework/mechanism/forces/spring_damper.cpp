@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/forces.h>
 
+#include <lockstep/author/params.h>
 #include <lockstep/text.h>
+#include "framework/mechanism/forces/effort.h"
 
 namespace lockstep {
 

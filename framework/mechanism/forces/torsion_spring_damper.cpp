@@ -3,6 +3,10 @@
 
 #include <cmath>
 
+#include <lockstep/author/params.h>
+#include <lockstep/detail/counted_angle.h>
+#include "framework/mechanism/forces/effort.h"
+
 namespace lockstep {
 
 TorsionSpringDamper::TorsionSpringDamper(std::string name, Marker& p, Marker& s, Options options)
@@ -31,6 +35,8 @@ std::unique_ptr<Force> TorsionSpringDamper::make(const Attachment& attachment, c
   if (k.has("torque")) o.torque = k.law("torque");
   return std::make_unique<TorsionSpringDamper>(attachment.name, p_of(attachment, k), s_of(attachment, k), std::move(o));
 }
+
+void TorsionSpringDamper::count_angles(AngleCounter& counter) { angle_ = &counter.count(p(), *MarkerForce::s(), 2); }
 
 bool TorsionSpringDamper::stays_in_plane(Plane plane) const {
   return markers_stay_in(plane, false) && axis_stays_in_plane(Axis::rz, S_.A0.row(plane.n)) &&
@@ -64,7 +70,7 @@ void TorsionSpringDamper::act(const Ends<T>& at, Load& load) const {
   const Vec3T<T> g = has_angle ? Vec3T<T>(T(1.0 / sum) * (z_P + z_S)) : Vec3T<T>(Vec3T<T>::Zero());
   const T rate = g.dot(at.P.w() - at.S.w());
   T angle = 2.0 * atan2(e.z, e.w);
-  angle += kTwoPi * std::round((near_angle(at.s) - value_of(angle)) / kTwoPi);
+  angle += kTwoPi * std::round(((angle_ ? angle_->expected(at.s) : 0.0) - value_of(angle)) / kTwoPi);
   const T torque = LinearSpring{k, c, th0, T0}.force(angle, rate, value(law, at.t), load);
   load.torque(-torque * g);
   load.shows(angle, rate, has_angle ? torque : T(0));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include <lockstep/author/params.h>
 #include <lockstep/detail/phi_function.h>
 #include <lockstep/error.h>
 #include <lockstep/text.h>

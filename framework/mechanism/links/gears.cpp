@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/couplings.h>
 
+#include <lockstep/author/params.h>
 #include <lockstep/detail/phi_function.h>
 #include <lockstep/error.h>
 #include <lockstep/text.h>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/joints.h>
 
+#include <lockstep/author/params.h>
+
 namespace lockstep {
 
 TypeInfo GenericLock::info() {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include <lockstep/author/params.h>
 #include <lockstep/detail/phi_function.h>
 #include <lockstep/error.h>
 #include <lockstep/text.h>

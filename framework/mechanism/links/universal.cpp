@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/joints.h>
 
+#include <lockstep/author/params.h>
 #include <lockstep/detail/phi_function.h>
 #include "framework/mechanism/links/joint_functions.h"
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include <lockstep/author/relative.h>
 #include "framework/foundation/math/limits.h"
 
 namespace lockstep {

@@ -9,12 +9,16 @@
 
 namespace lockstep {
 
+LinkFunction::LinkFunction(std::unique_ptr<PhiRows> function) : function_(std::move(function)) {}
+LinkFunction::~LinkFunction() = default;
+int LinkFunction::n_memory() const { return function_->spec().memory; }
+void LinkFunction::start_memory(std::span<double> z) const { function_->start_memory(z); }
+void LinkFunction::accept_step(const Inputs& in, std::span<double> z) const { function_->accept_step(in, z); }
+
 FunctionLock::FunctionLock(std::string name, Marker& p, Marker& s, Mask mask, std::unique_ptr<PhiRows> function)
-    : MarkerLock(std::move(name), p, s, mask), function_(std::move(function)) {
+    : MarkerLock(std::move(name), p, s, mask), LinkFunction(std::move(function)) {
   function_->take({{&p, &s}});
 }
-
-FunctionLock::~FunctionLock() = default;
 
 void FunctionLock::gather(Group links, const Inputs& in, RowSpan out) const {
   if (overlaps(rows(), Mask::all)) MarkerLock::gather(links, in, out);
@@ -45,9 +49,6 @@ std::string FunctionLock::diagnose(double t) const {
 
 void FunctionLock::count_angles(AngleCounter& counter) { function_->count_angles(counter, unilateral() == nullptr); }
 const Remembering* FunctionLock::remembering() const { return n_memory() > 0 ? this : nullptr; }
-int FunctionLock::n_memory() const { return function_->spec().memory; }
-void FunctionLock::start_memory(std::span<double> z) const { function_->start_memory(z); }
-void FunctionLock::accept_step(const Inputs& in, std::span<double> z) const { function_->accept_step(in, z); }
 
 RowPlan FunctionLock::plan_rows() {
   RowPlan plan = MarkerLock::plan_rows();
@@ -101,11 +102,9 @@ std::vector<MarkerPair> checked_pairs(const CoupledPairs& coupled, std::size_t n
 }  // namespace
 
 FunctionCoupling::FunctionCoupling(const CoupledPairs& coupled, std::unique_ptr<PhiRows> function)
-    : Lock(coupled.name), function_(std::move(function)) {
+    : Lock(coupled.name), LinkFunction(std::move(function)) {
   function_->take(checked_pairs(coupled, static_cast<std::size_t>(function_->spec().pairs)));
 }
-
-FunctionCoupling::~FunctionCoupling() = default;
 
 std::vector<MarkerPair> FunctionCoupling::pairs() const { return function_->pairs(); }
 
@@ -137,9 +136,6 @@ void FunctionCoupling::count_angles(AngleCounter& counter) {
   function_->count_angles(counter, unilateral() == nullptr);
 }
 const Remembering* FunctionCoupling::remembering() const { return n_memory() > 0 ? this : nullptr; }
-int FunctionCoupling::n_memory() const { return function_->spec().memory; }
-void FunctionCoupling::start_memory(std::span<double> z) const { function_->start_memory(z); }
-void FunctionCoupling::accept_step(const Inputs& in, std::span<double> z) const { function_->accept_step(in, z); }
 
 RowPlan FunctionCoupling::plan_rows() {
   function_->setup(name());

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include <lockstep/author/relative.h>
 #include <lockstep/body.h>
 #include <lockstep/detail/export.h>
 #include <lockstep/error.h>
@@ -24,6 +25,8 @@ MarkerLock::MarkerLock(std::string name, Marker& p, Marker& s, Mask mask)
                      "'; a link joins two bodies, put P or S on another one");
 }
 MarkerLock::~MarkerLock() = default;
+
+bool MarkerLock::has_laws() const { return (laws_ & with::all_laws) != 0; }
 
 const ImposedMotion& MarkerLock::imposed() const {
   static const ImposedMotion kNone;

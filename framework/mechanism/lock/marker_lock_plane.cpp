@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <lockstep/author/lock.h>
+#include <lockstep/author/relative.h>
 #include <lockstep/detail/export.h>
 #include <lockstep/error.h>
 #include <lockstep/text.h>

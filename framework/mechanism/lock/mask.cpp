@@ -21,9 +21,7 @@ std::string listed(const std::array<std::string_view, 6>& words) {
   return text::join(std::vector<std::string>(words.begin(), words.end()));
 }
 
-[[noreturn]] void refuse(const std::string& key, const std::string& problem) {
-  throw ParameterError({}, key, problem);
-}
+[[noreturn]] void refuse(const std::string& key, const std::string& problem) { throw ParameterError({}, key, problem); }
 }  // namespace
 
 Mask mask_from(std::string_view words) {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include <lockstep/detail/counted_angle.h>
+#include <lockstep/author/relative.h>
 #include <lockstep/error.h>
 #include "framework/mechanism/lock/pair_setup.h"
 #include "framework/mechanism/lock/stiffness.h"

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/author/lock.h>
 
+#include <lockstep/author/relative.h>
+
 namespace lockstep {
 namespace {
 

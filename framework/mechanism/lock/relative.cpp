@@ -19,6 +19,11 @@ bool MarkerFrame::stays_in_plane(Plane plane) const {
          (!rotation_law || rotation_law->turns_about(normal));
 }
 
+void MarkerFrame::breakpoints(double t0, double t1, std::vector<double>& out) const {
+  if (translation_law) translation_law->breakpoints(t0, t1, out);
+  if (rotation_law) rotation_law->breakpoints(t0, t1, out);
+}
+
 bool MarkerFrame::parallel() const {
   return !translation_law && !rotation_law && q0.w > 0 && A0.isApprox(Mat3::Identity(), 1e-15);
 }

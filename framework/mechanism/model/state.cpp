@@ -2,6 +2,7 @@
 #include <lockstep/state.h>
 
 #include <lockstep/error.h>
+#include "framework/mechanism/model/read_motion.h"
 
 namespace lockstep {
 
@@ -10,6 +11,40 @@ Coordinates::~Coordinates() = default;
 void State::refuse_setting() const {
   throw ModelError("a pose or twist cannot be set in a state in coordinates of the formulation '" +
                    std::string(coordinates->name()) + "'; convert it first (Dynamics::to_slots)");
+}
+
+Pose State::slot_pose(int slot) const {
+  if (coordinates) {
+    const Motion m = coordinates->motion(*this, slot);
+    return {m.x, m.e};
+  }
+  return {q.segment<3>(7 * slot), Quat::from(q.segment<4>(7 * slot + 3))};
+}
+
+Twist State::slot_twist(int slot) const {
+  if (coordinates) {
+    const Motion m = coordinates->motion(*this, slot);
+    return {m.v, m.w};
+  }
+  return {v.segment<3>(6 * slot), v.segment<3>(6 * slot + 3)};
+}
+
+void State::set_slot_pose(int slot, const Pose& p) {
+  if (coordinates) refuse_setting();
+  q.segment<3>(7 * slot) = p.x;
+  q.segment<4>(7 * slot + 3) = p.q.coefficients();
+}
+
+void State::set_slot_twist(int slot, const Twist& o) {
+  if (coordinates) refuse_setting();
+  v.segment<3>(6 * slot) = o.v;
+  v.segment<3>(6 * slot + 3) = o.w;
+}
+
+Motion slot_motion(const State& state, int slot) {
+  Motion out;
+  if (slot != kGround) read_motion(state, slot, out);
+  return out;
 }
 
 void put_state(const State& state, Snapshot& out) {

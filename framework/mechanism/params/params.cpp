@@ -198,6 +198,8 @@ void check_type_info(const TypeInfo& info) {
 Params::Params(std::initializer_list<std::pair<const char*, Value>> members)
     : object_(std::make_shared<const Value>(Value::object(members))) {}
 
+void Params::put_law(const std::string& key, MadeLaw law) { laws_[key] = std::move(law); }
+
 Params Params::unchecked(Value object) {
   return part(std::make_shared<const Value>(std::move(object)), std::make_shared<const Keys>(), {});
 }

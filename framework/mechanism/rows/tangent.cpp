@@ -57,6 +57,24 @@ void TangentSum::insert(int row, int column) {
   blocks_.emplace_back();
 }
 
+void TangentSum::add_K(int row, int column, const Mat6& K) {
+  if (row != kGround && column != kGround) block(row, column).K += K;
+}
+
+void TangentSum::add_D(int row, int column, const Mat6& D) {
+  if (row != kGround && column != kGround) block(row, column).D += D;
+}
+
+void TangentSum::add_K(int row, Half r, int column, Half c, const Mat3& K) {
+  if (row != kGround && column != kGround)
+    block(row, column).K.block<3, 3>(static_cast<int>(r), static_cast<int>(c)) += K;
+}
+
+void TangentSum::add_D(int row, Half r, int column, Half c, const Mat3& D) {
+  if (row != kGround && column != kGround)
+    block(row, column).D.block<3, 3>(static_cast<int>(r), static_cast<int>(c)) += D;
+}
+
 Differences& TangentSum::differences(const Inputs& in) {
   if (!differences_.fresh) {
     differences_.motions.assign(in.motions.begin(), in.motions.end());

@@ -7,6 +7,7 @@
 #include <lockstep/system.h>
 #include <lockstep/text.h>
 #include "framework/foundation/math/limits.h"
+#include "framework/mechanism/model/read_motion.h"
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {

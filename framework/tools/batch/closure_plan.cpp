@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include <lockstep/author/lock.h>
+#include <lockstep/detail/kernel.h>
 #include "framework/tools/batch/link_numbers.h"
 
 namespace lockstep::lanes {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <lockstep/author/registry.h>
+#include <lockstep/detail/kernel.h>
 #include <lockstep/error.h>
 #include <lockstep/step_loop.h>
 #include <lockstep/text.h>

@@ -3,6 +3,7 @@
 
 #include <typeinfo>
 
+#include <lockstep/detail/kernel.h>
 #include <lockstep/joints.h>
 #include "framework/dynamics/tree/rows_in_plane.h"
 #include "framework/tools/batch/link_numbers.h"

@@ -12,6 +12,7 @@
 #include <filesystem>
 
 #include <lockstep/author/loader.h>
+#include <lockstep/author/plugin.h>
 #include <lockstep/author/registry.h>
 #include <lockstep/error.h>
 #include "framework/description/registry/survey.h"

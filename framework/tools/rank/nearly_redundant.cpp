@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <lockstep/analysis.h>
+#include <lockstep/detail/kernel.h>
 #include <lockstep/error.h>
 #include "framework/dynamics/evaluate/row_space.h"
 #include "framework/dynamics/solvers/graph.h"

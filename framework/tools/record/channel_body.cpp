@@ -6,6 +6,7 @@
 #include <memory>
 
 #include <lockstep/author/params.h>
+#include <lockstep/author/relative.h>
 #include "framework/tools/record/channel_entry.h"
 
 namespace lockstep::channels {

@@ -6,6 +6,8 @@
 #include <lockstep/author/registry.h>
 #include <lockstep/error.h>
 #include <lockstep/log.h>
+#include <lockstep/recorder.h>
+#include <lockstep/scene.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/simulate/start_positions.h"
 #include "framework/mechanism/params/read.h"
@@ -105,6 +107,8 @@ RunVerdict Simulation::Parts::verdict() const {
 
 Simulation::Simulation(System& system, SimulationOptions options, const Registry& registry)
     : parts_(std::make_unique<SystemParts>(system, options, registry)) {}
+Simulation::Simulation(System& system, SimulationOptions options)
+    : Simulation(system, std::move(options), builtin_registry()) {}
 Simulation::Simulation(Simulation&&) noexcept = default;
 Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 Simulation::~Simulation() = default;

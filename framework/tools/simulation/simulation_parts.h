@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <lockstep/recorder.h>
+#include <lockstep/scene.h>
 #include <lockstep/simulation.h>
 
 namespace lockstep {

@@ -10,11 +10,9 @@
 #include <type_traits>
 #include <vector>
 
-#include <lockstep/author/formula.h>
 #include <lockstep/author/lock.h>
-#include <lockstep/author/params.h>
-#include <lockstep/author/relative.h>
 #include <lockstep/detail/export.h>
+#include <lockstep/detail/markers.h>
 #include <lockstep/detail/rows.h>
 #include <lockstep/error.h>
 
@@ -23,6 +21,8 @@ namespace lockstep {
 // Reacting: the facet of a force that depends on the reactions of links, as friction does.
 
 class Force;
+class Params;
+struct Attachment;
 
 /// What friction holds at rest: a force or a moment along some directions, up to a limit.
 struct Grip {
@@ -238,10 +238,12 @@ LOCKSTEP_API Marker& s_of(const Attachment&, const Params&);
 /// Whether the attachment has a marker S.
 LOCKSTEP_API bool has_s(const Attachment&);
 
+struct ForceAccount;
+
 // FormulaForce: a force between markers from one formula.
 
 /// A force between markers from one formula: F derives from FormulaForce<F> and has act(ends, load), as namespace
-/// formula says. Wrench, tangent and energies come from it. The first of F's quantities() are those that act() shows;
+/// formula says (formula.h, which who writes such a force includes). Wrench, tangent and energies come from it. The first of F's quantities() are those that act() shows;
 /// one more at the end, "power", is the power given to the two bodies, W.
 template <class F>
 class FormulaForce : public MarkerForce, public Observable {
@@ -265,49 +267,9 @@ class FormulaForce : public MarkerForce, public Observable {
   double quantity(int k, const Inputs& in) const override;
 
  private:
-  auto act() const {
-    return [this](const auto& at, auto& load) { static_cast<const F&>(*this).act(at, load); };
-  }
+  auto act() const;
   ForceAccount account(const Inputs& in) const;
 };
-
-// Defined outside of the class: files do not compile these again for a force that is declared `extern template`.
-
-template <class F>
-ForceAccount FormulaForce<F>::account(const Inputs& in) const {
-  return formula::account(P_, S_, in, act());
-}
-
-template <class F>
-void FormulaForce<F>::apply(const Inputs& in, WrenchSum& out) const {
-  formula::apply(P_, S_, in, act(), out);
-}
-
-template <class F>
-void FormulaForce<F>::tangent(const Inputs& in, TangentSum& out) const {
-  formula::tangent(P_, S_, in, act(), out);
-}
-
-template <class F>
-double FormulaForce<F>::potential(const Inputs& in) const {
-  return account(in).potential;
-}
-
-template <class F>
-double FormulaForce<F>::dissipation(const Inputs& in) const {
-  return account(in).dissipation;
-}
-
-template <class F>
-double FormulaForce<F>::supply(const Inputs& in) const {
-  return account(in).supply;
-}
-
-template <class F>
-double FormulaForce<F>::quantity(int k, const Inputs& in) const {
-  const ForceAccount all = account(in);
-  return k < all.n_shown ? all.shown[k] : all.power;
-}
 
 // FunctionForce: a force from a function.
 

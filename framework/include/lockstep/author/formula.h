@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <span>
 
+#include <lockstep/author/force.h>
 #include <lockstep/author/jet.h>
 #include <lockstep/author/relative.h>
 #include <lockstep/detail/export.h>
@@ -203,5 +204,48 @@ void tangent(const MarkerFrame& P, const MarkerFrame& S, const Inputs& in, const
 }
 
 }  // namespace formula
+
+// FormulaForce (force.h): files do not compile these again for a force that is declared `extern template`.
+
+template <class F>
+auto FormulaForce<F>::act() const {
+  return [this](const auto& at, auto& load) { static_cast<const F&>(*this).act(at, load); };
+}
+
+template <class F>
+ForceAccount FormulaForce<F>::account(const Inputs& in) const {
+  return formula::account(P_, S_, in, act());
+}
+
+template <class F>
+void FormulaForce<F>::apply(const Inputs& in, WrenchSum& out) const {
+  formula::apply(P_, S_, in, act(), out);
+}
+
+template <class F>
+void FormulaForce<F>::tangent(const Inputs& in, TangentSum& out) const {
+  formula::tangent(P_, S_, in, act(), out);
+}
+
+template <class F>
+double FormulaForce<F>::potential(const Inputs& in) const {
+  return account(in).potential;
+}
+
+template <class F>
+double FormulaForce<F>::dissipation(const Inputs& in) const {
+  return account(in).dissipation;
+}
+
+template <class F>
+double FormulaForce<F>::supply(const Inputs& in) const {
+  return account(in).supply;
+}
+
+template <class F>
+double FormulaForce<F>::quantity(int k, const Inputs& in) const {
+  const ForceAccount all = account(in);
+  return k < all.n_shown ? all.shown[k] : all.power;
+}
 
 }  // namespace lockstep

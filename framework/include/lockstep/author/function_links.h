@@ -16,14 +16,28 @@ namespace lockstep {
 class PhiRows;
 struct Attachment;
 
+/// The function of a link, with its memory.
+class LOCKSTEP_API LinkFunction : public Remembering {
+ public:
+  const PhiRows& function() const { return *function_; }  ///< rows of phi
+  int n_memory() const override;                          ///< that of phi
+  /// What PhiHooks::reset writes.
+  void start_memory(std::span<double> z) const override;
+  /// What PhiHooks::accept_step writes.
+  void accept_step(const Inputs& in, std::span<double> z) const override;
+
+ protected:
+  /// Takes the rows of phi.
+  explicit LinkFunction(std::unique_ptr<PhiRows> function);
+  ~LinkFunction();
+  std::unique_ptr<PhiRows> function_;  ///< rows of phi
+};
+
 /// A joint whose rows are those of a mask and its drives, as in MarkerLock, and those of a function of the relative
 /// coordinates, phi(y, t) = 0 (theory, section 7). Jacobian, Ct, right side and geometric stiffness follow from those of
 /// the lock and the exact derivatives of phi.
-class LOCKSTEP_API FunctionLock : public MarkerLock, public Remembering {
+class LOCKSTEP_API FunctionLock : public MarkerLock, public LinkFunction {
  public:
-  ~FunctionLock() override;
-  const PhiRows& function() const { return *function_; }  ///< rows of phi
-
   /// Rows of the mask and the drives, then of phi.
   void gather(Group links, const Inputs& in, RowSpan out) const override;
   /// That of the lock and (9.11) that of phi.
@@ -38,11 +52,6 @@ class LOCKSTEP_API FunctionLock : public MarkerLock, public Remembering {
   void count_angles(AngleCounter& counter) override;
   /// This where phi has a memory, else null.
   const Remembering* remembering() const override;
-  int n_memory() const override;  ///< that of phi
-  /// What PhiHooks::reset writes.
-  void start_memory(std::span<double> z) const override;
-  /// What PhiHooks::accept_step writes.
-  void accept_step(const Inputs& in, std::span<double> z) const override;
 
  protected:
   /// Of a function of one pair. Throws ModelError: both markers are on one body.
@@ -54,7 +63,6 @@ class LOCKSTEP_API FunctionLock : public MarkerLock, public Remembering {
   const double* memory(const Inputs& in) const { return in.z.data() + first_memory(); }
 
  private:
-  std::unique_ptr<PhiRows> function_;
   int first_ = 0;  // first row of the function
 };
 
@@ -74,11 +82,8 @@ LOCKSTEP_API CoupledPairs across(std::string name, std::initializer_list<std::re
 
 /// A link whose rows are those of a function of two or three pairs of markers, phi(y1, y2, y3, t) = 0 (theory, (7.3)):
 /// gears, belts, differentials. The joints of the pairs are separate links.
-class LOCKSTEP_API FunctionCoupling : public Lock, public Driven, public Remembering, public TangentFormula {
+class LOCKSTEP_API FunctionCoupling : public Lock, public LinkFunction, public Driven, public TangentFormula {
  public:
-  ~FunctionCoupling() override;
-  const PhiRows& function() const { return *function_; }  ///< rows of phi
-
   /// The pairs that it couples.
   std::vector<std::pair<const Marker*, const Marker*>> pairs() const override;
   /// Rows of phi.
@@ -99,11 +104,6 @@ class LOCKSTEP_API FunctionCoupling : public Lock, public Driven, public Remembe
   void count_angles(AngleCounter& counter) override;
   /// This where phi has a memory, else null.
   const Remembering* remembering() const override;
-  int n_memory() const override;  ///< that of phi
-  /// What PhiHooks::reset writes.
-  void start_memory(std::span<double> z) const override;
-  /// What PhiHooks::accept_step writes.
-  void accept_step(const Inputs& in, std::span<double> z) const override;
 
  protected:
   /// Throws ModelError: a pair that is missing, too many or given twice, a pair on one body, more than kMaxSlots bodies.
@@ -112,9 +112,6 @@ class LOCKSTEP_API FunctionCoupling : public Lock, public Driven, public Remembe
   RowPlan plan_rows() override;
   /// Its numbers in State::z at these inputs.
   const double* memory(const Inputs& in) const { return in.z.data() + first_memory(); }
-
- private:
-  std::unique_ptr<PhiRows> function_;
 };
 
 }  // namespace lockstep

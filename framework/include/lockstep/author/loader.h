@@ -7,11 +7,13 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/author/plugin.h>
-#include <lockstep/author/registry.h>
 #include <lockstep/detail/export.h>
 
+struct lockstep_abi_record;
+
 namespace lockstep {
+
+class Registry;
 
 // Where plugins may come from. One search path for the program and for every other host.
 

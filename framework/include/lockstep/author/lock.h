@@ -13,12 +13,10 @@
 #include <vector>
 
 #include <lockstep/author/law.h>
-#include <lockstep/author/relative.h>
 #include <lockstep/body.h>
-#include <lockstep/detail/counted_angle.h>
 #include <lockstep/detail/export.h>
-#include <lockstep/detail/kernel.h>
 #include <lockstep/detail/lock_facets.h>
+#include <lockstep/detail/markers.h>
 #include <lockstep/detail/rows.h>
 #include <lockstep/state.h>
 
@@ -37,6 +35,8 @@ struct Unilateral {
 
 // Lock: a constraint between bodies, the root of all links. A link is what the user handles; a lock is the constraint
 // it is made of.
+
+class AngleCounter;
 
 /// One row of a link.
 struct LinkRow {
@@ -214,7 +214,7 @@ class LOCKSTEP_API MarkerLock : public Lock,
   void hold() override;
 
   bool turned() const override { return imposed().turn != nullptr; }
-  bool has_laws() const override { return (laws_ & with::all_laws) != 0; }
+  bool has_laws() const override;
   const ImposedMotion& imposed() const override;
   Mask mask() const override { return mask_; }
   Mask rows() const override { return rows_; }

@@ -235,7 +235,7 @@ class LOCKSTEP_API Params {
   /// Members of an object that was checked already, null: none, and the table of their keys. Checks nothing again.
   static Params part(std::shared_ptr<const Value> object, std::shared_ptr<const Keys> keys, std::string owner);
   /// Sets the law that was made from the value of a key.
-  void put_law(const std::string& key, MadeLaw law) { laws_[key] = std::move(law); }
+  void put_law(const std::string& key, MadeLaw law);
 
   bool has(std::string_view key) const;       ///< whether it is given; a default does not count
   double number(std::string_view key) const;  ///< in SI units

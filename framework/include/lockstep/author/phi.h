@@ -11,7 +11,7 @@
 
 #include <lockstep/author/jet.h>
 #include <lockstep/author/law.h>
-#include <lockstep/author/relative.h>
+#include <lockstep/detail/markers.h>
 #include <lockstep/detail/rows.h>
 
 namespace lockstep {

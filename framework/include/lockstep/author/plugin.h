@@ -11,6 +11,7 @@
 
 #include <Eigen/Core>
 
+#include <lockstep/author/formula.h>
 #include <lockstep/author/phi_links.h>
 #include <lockstep/author/registry.h>
 #include <lockstep/error.h>

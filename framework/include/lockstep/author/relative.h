@@ -4,61 +4,24 @@
 
 #include <lockstep/body.h>
 #include <lockstep/detail/kernel.h>
+#include <lockstep/detail/markers.h>
 
 namespace lockstep {
 
-// MarkerFrame: a marker as a frame of its slot. Kernels see slots only, and need no special case for bodies that share
-// one or that are fixed.
-
-/// A marker as a frame of the slot of its body.
-struct MarkerFrame {
-  int slot = kGround;          ///< slot of its body; kGround if that is fixed
-  Vec3 u0 = Vec3::Zero();      ///< origin without laws, slot axes, m
-  Quat q0;                     ///< marker axes without laws -> slot axes
-  Mat3 A0 = Mat3::Identity();  ///< A(q0)
-  LawPtr<TranslationLaw>
-      translation_law;               ///< moves the origin along the axes of A0; null: none. Shared with the marker
-  LawPtr<RotationLaw> rotation_law;  ///< turns the axes; null: none. Shared with the marker
-  MarkerMotion home;                 ///< at(t) of a marker without laws
-
-  MarkerFrame() = default;
-  /// Of a marker on a body that has its slot already (System::setup).
-  LOCKSTEP_API explicit MarkerFrame(const Marker& m);
-
-  /// Whether its laws keep a mechanism that moves in this plane there, as they say of themselves.
-  LOCKSTEP_API bool stays_in_plane(Plane plane) const;
-  /// Whether it is at rest with the axes of the slot and q0 = +1: q0 = -1 is the same rotation, but changes the sign of
-  /// e.
-  LOCKSTEP_API bool parallel() const;
-
-  /// Origin, axes and their rates at time t: u = u0 + A0 x(t), q = q0 q(t).
-  MarkerMotion at(double t) const {
-    MarkerMotion m;
-    m.u = u0, m.q = q0, m.A = A0;
-    if (translation_law) {
-      const TranslationValue l = translation_law->at(t);
-      m.u += A0 * l.x, m.ud = A0 * l.v, m.udd = A0 * l.a;
-    }
-    if (rotation_law) {
-      const RotationValue l = rotation_law->at(t);
-      m.q = q0 * l.q, m.A = rotation(m.q), m.w = l.w, m.a = l.a;
-    }
-    return m;
+inline MarkerMotion MarkerFrame::at(double t) const {
+  MarkerMotion m;
+  m.u = u0, m.q = q0, m.A = A0;
+  if (translation_law) {
+    const TranslationValue l = translation_law->at(t);
+    m.u += A0 * l.x, m.ud = A0 * l.v, m.udd = A0 * l.a;
   }
-  /// Appends the instants in (t0, t1) where one of its laws jumps.
-  void breakpoints(double t0, double t1, std::vector<double>& out) const {
-    if (translation_law) translation_law->breakpoints(t0, t1, out);
-    if (rotation_law) rotation_law->breakpoints(t0, t1, out);
+  if (rotation_law) {
+    const RotationValue l = rotation_law->at(t);
+    m.q = q0 * l.q, m.A = rotation(m.q), m.w = l.w, m.a = l.a;
   }
-};
+  return m;
+}
 
-/// Motion of a marker in the world.
-struct MarkerInWorld {
-  Vec3 x,  ///< origin, m
-      v,   ///< its velocity, world axes, m/s
-      w;   ///< angular velocity, world axes, rad/s
-  Mat3 A;  ///< marker axes -> world
-};
 /// A marker on its slot at one instant, on any scalar. Each quantity is computed when it is asked for.
 template <class T>
 struct MarkerOn {
@@ -77,9 +40,6 @@ struct MarkerOn {
   /// Angular velocity of the slot, world axes, rad/s.
   Vec3T<T> slot_rate() const { return slot.A * slot.w; }
 };
-/// Motion of a marker in the world at these inputs.
-LOCKSTEP_API MarkerInWorld in_world(const MarkerFrame& f, const Inputs& in);
-
 // Relative kinematics of a pair of markers: the seven coordinates of P seen from S, with everything that a function of
 // them needs (theory, (7.1)). The markers' own laws are included, imposed laws are not.
 
@@ -89,16 +49,6 @@ using Vec7T = Eigen::Matrix<T, 7, 1>;
 /// Jacobian of the seven relative coordinates on three velocities.
 template <class T>
 using Mat73T = Eigen::Matrix<T, 7, 3>;
-
-/// Which of the relative coordinates are wanted; the others cost nothing.
-enum class Reads {
-  translation = 1,  ///< x y z
-  rotation = 2,     ///< e0 e1 e2 e3
-  both = 3          ///< all seven
-};
-
-/// Whether `which` includes `half`, translation or rotation.
-constexpr bool reads(Reads which, Reads half) { return (unsigned(which) & unsigned(half)) != 0; }
 
 /// The relative coordinates of P seen from S, their rates and their rows.
 template <class T>

@@ -9,8 +9,8 @@
 #include <string>
 #include <utility>
 
-#include <lockstep/author/relative.h>
 #include <lockstep/detail/export.h>
+#include <lockstep/detail/markers.h>
 #include <lockstep/math.h>
 #include <lockstep/state.h>
 

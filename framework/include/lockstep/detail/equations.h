@@ -221,12 +221,6 @@ LOCKSTEP_INLINE auto angular_velocities(const B1& O1, const B2& O2, const P& p, 
   return AngularVelocities{WP - WD, WP + WD, WPd - WDd, WPd + WDd};
 }
 
-/// (4.10) Angular velocity of P relative to S, S axes, rad/s: A_S^T (A2^T A1 (w1 + A_P pi) - w2) - sigma
-template <class B1, class B2, class P, class S>
-LOCKSTEP_INLINE auto relative_angular_velocity(const B1& O1, const B2& O2, const P& p, const S& m) {
-  return transpose_times(m.A, transpose_times(O2.A, O1.A * (O1.w + p.A * p.w)) - O2.w) - m.w;
-}
-
 /// (1/2) (q a - b q) for vectors a and b: less = a - b, sum = a + b.
 template <class Q, class L, class S>
 LOCKSTEP_INLINE auto turning(const Q& q, const L& less, const S& sum) {

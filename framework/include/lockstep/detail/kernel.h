@@ -5,6 +5,7 @@
 #include <lockstep/author/mask.h>
 #include <lockstep/detail/equations.h>
 #include <lockstep/detail/export.h>
+#include <lockstep/detail/markers.h>
 #include <lockstep/detail/vec.h>
 #include <lockstep/math.h>
 #include <lockstep/state.h>
@@ -17,50 +18,6 @@ namespace lockstep {
 // Translation and rotation are separate functions, so that a joint with rows of one kind does not pay for the other.
 // Both are templates on the laws that are present: an absent law costs nothing, and a row that is left out costs no
 // jacobian.
-
-/// Motion of a marker on its slot at one instant.
-template <class T>
-struct MarkerMotionT {
-  Vec3T<T> u = Vec3T<T>::Zero(),      ///< origin, slot axes, m
-      ud = Vec3T<T>::Zero(),          ///< its velocity on the slot, slot axes, m/s
-      udd = Vec3T<T>::Zero();         ///< its acceleration, m/s^2
-  Mat3T<T> A = Mat3T<T>::Identity();  ///< marker axes -> slot axes
-  QuatT<T> q;                         ///< quaternion of A
-  Vec3T<T> w = Vec3T<T>::Zero(),  ///< angular velocity relative to the slot, marker axes, rad/s: pi of P, sigma of S
-      a = Vec3T<T>::Zero();       ///< its derivative, rad/s^2: pid of P, sigmad of S
-};
-/// On doubles.
-using MarkerMotion = MarkerMotionT<double>;
-
-/// The same of a marker at rest on its slot, which has no rates.
-template <class T>
-struct MarkerAtRestT {
-  Vec3T<T> u = Vec3T<T>::Zero();      ///< origin, slot axes, m
-  Mat3T<T> A = Mat3T<T>::Identity();  ///< marker axes -> slot axes
-  QuatT<T> q;                         ///< quaternion of A
-};
-/// On doubles.
-using MarkerAtRest = MarkerAtRestT<double>;
-
-/// Imposed translation p(t) of P, S axes (q_Delta of the paper).
-template <class T>
-struct ImposedTranslationT {
-  Vec3T<T> p = Vec3T<T>::Zero(),  ///< m
-      pd = Vec3T<T>::Zero(),      ///< m/s
-      pdd = Vec3T<T>::Zero();     ///< m/s^2
-};
-/// On doubles.
-using ImposedTranslation = ImposedTranslationT<double>;
-/// Imposed rotation q_D(t) of the frame D relative to S (q_sDelta of the paper).
-template <class T>
-struct ImposedRotationT {
-  QuatT<T> q;                         ///< D axes -> S axes
-  Mat3T<T> A = Mat3T<T>::Identity();  ///< A(q)
-  Vec3T<T> w = Vec3T<T>::Zero(),      ///< angular velocity delta of D relative to S, D axes, rad/s
-      a = Vec3T<T>::Zero();           ///< its derivative deltad, rad/s^2
-};
-/// On doubles.
-using ImposedRotation = ImposedRotationT<double>;
 
 /// What an instance of the kernel is compiled for.
 namespace with {

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include <lockstep/author/law.h>
-#include <lockstep/author/relative.h>
+#include <lockstep/author/mask.h>
 #include <lockstep/body.h>
 #include <lockstep/detail/export.h>
-#include <lockstep/detail/kernel.h>
+#include <lockstep/detail/markers.h>
 #include <lockstep/detail/rows.h>
 #include <lockstep/state.h>
 
@@ -60,10 +60,7 @@ struct Drive {
 };
 
 /// Whether a motion along or about this axis stays in the plane with this normal, of length 1; both in S axes.
-inline bool axis_stays_in_plane(Axis axis, const Vec3& normal, double tolerance = kParallel) {
-  const Vec3 along = Vec3::Unit(axis_index(axis) % 3);
-  return is_rotation(axis) ? are_parallel(along, normal, tolerance) : are_perpendicular(along, normal, tolerance);
-}
+LOCKSTEP_API bool axis_stays_in_plane(Axis axis, const Vec3& normal, double tolerance = kParallel);
 
 /// The laws of a lock: where P is held on the rows of the mask, and what its drives do.
 struct LOCKSTEP_API ImposedMotion {

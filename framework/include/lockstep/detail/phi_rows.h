@@ -11,6 +11,7 @@
 #include <lockstep/author/lock.h>
 #include <lockstep/author/phi.h>
 #include <lockstep/author/relative.h>
+#include <lockstep/detail/counted_angle.h>
 #include <lockstep/detail/rows.h>
 
 namespace lockstep {

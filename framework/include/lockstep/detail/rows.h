@@ -353,7 +353,7 @@ class WrenchSum {
   void force(int slot, const Vec3& F, const Vec3& x) const {
     if (slot == kGround) return;
     const Motion& O = motion(slot);
-    f_.segment<3>(6 * slot) += F;
+    for (int i = 0; i < 3; ++i) f_[6 * slot + i] += F[i];
     add_moment(slot, cross(Vec3(x - O.x), F));
   }
   /// Adds the moment tau (world axes, N m).
@@ -363,8 +363,7 @@ class WrenchSum {
   /// Adds a generalised force with the parts v (world) and w (slot axes), as in the row of a jacobian.
   void along(int slot, const Vec3& v, const Vec3& w) const {
     if (slot == kGround) return;
-    f_.segment<3>(6 * slot) += v;
-    f_.segment<3>(6 * slot + 3) += w;
+    for (int i = 0; i < 3; ++i) f_[6 * slot + i] += v[i], f_[6 * slot + 3 + i] += w[i];
   }
 
  private:
@@ -424,23 +423,13 @@ class LOCKSTEP_API TangentSum {
 
   // -- writing; blocks of the ground are ignored; with a new pair (row, column) comes (column, row)
   /// Adds d(force and moment on slot `row`)/d(translation and turn of slot `column`).
-  void add_K(int row, int column, const Mat6& K) {
-    if (row != kGround && column != kGround) block(row, column).K += K;
-  }
+  void add_K(int row, int column, const Mat6& K);
   /// Adds d(force and moment on slot `row`)/d(v and w of slot `column`).
-  void add_D(int row, int column, const Mat6& D) {
-    if (row != kGround && column != kGround) block(row, column).D += D;
-  }
+  void add_D(int row, int column, const Mat6& D);
   /// The same for one quarter of the block.
-  void add_K(int row, Half r, int column, Half c, const Mat3& K) {
-    if (row != kGround && column != kGround)
-      block(row, column).K.block<3, 3>(static_cast<int>(r), static_cast<int>(c)) += K;
-  }
+  void add_K(int row, Half r, int column, Half c, const Mat3& K);
   /// The same for one quarter of the block.
-  void add_D(int row, Half r, int column, Half c, const Mat3& D) {
-    if (row != kGround && column != kGround)
-      block(row, column).D.block<3, 3>(static_cast<int>(r), static_cast<int>(c)) += D;
-  }
+  void add_D(int row, Half r, int column, Half c, const Mat3& D);
 
   // -- reading
   int n_slots() const { return static_cast<int>(neighbours_.size()); }  ///< as in lay_out()
