@@ -105,7 +105,7 @@ struct State {
   LOCKSTEP_API void set_slot_twist(int slot, const Twist& o);
 
  private:
-  [[noreturn]] void refuse_setting() const;
+  [[noreturn]] LOCKSTEP_API void refuse_setting() const;
 };
 
 /// Motion of a slot, with the quaternion normalised; the ground is at rest at the origin.
