@@ -53,6 +53,20 @@ struct NeverWritten : Plain {
 };
 template class PhiLock<NeverWritten>;
 
+// refused: are called of a function that derives from PhiHooks
+struct NeverCalled : Plain {
+  static constexpr PhiSpec spec{};
+  std::string diagnose(double) const { return {}; }
+};
+template class PhiLock<NeverCalled>;
+
+// refused: reset() writes a memory: give its size by PhiSpec::memory
+struct MemoryOfNoSize : Plain, PhiHooks {
+  static constexpr PhiSpec spec{};
+  void reset(std::span<double>, PhiCoords) const override {}
+};
+template class PhiLock<MemoryOfNoSize>;
+
 // refused: a function has one name for each of its rows, or none
 struct OneNameTooMany : Plain {
   static constexpr PhiSpec spec{.names = {"one", "two"}};

@@ -17,6 +17,18 @@
 
 namespace lockstep {
 
+/// Whether Phi has a member that is named as a hook, which nothing would call.
+template <class Phi>
+concept HasUncalledHook =
+    !std::derived_from<Phi, PhiHooks> &&
+    (
+        requires { &Phi::initialise; } || requires { &Phi::reset; } || requires { &Phi::accept_step; } ||
+        requires { &Phi::breakpoints; } || requires { &Phi::diagnose; });
+/// Whether Phi writes a memory.
+template <class Phi>
+concept WritesMemory =
+    std::derived_from<Phi, PhiHooks> && !std::same_as<decltype(&Phi::reset), decltype(&PhiHooks::reset)>;
+
 /// A function phi of the relative coordinates of its pairs. Gradients are jets; nobody writes a jacobian.
 template <class Phi>
 class PhiFunction final : public PhiRows {
@@ -27,6 +39,10 @@ class PhiFunction final : public PhiRows {
   static_assert(kSpec.names_fit(), "a function has one name for each of its rows, or none");
   static_assert(kSpec.memory == 0 || std::derived_from<Phi, PhiHooks>,
                 "a function with a memory derives from PhiHooks and writes it by reset() and accept_step()");
+  static_assert(
+      !HasUncalledHook<Phi>,
+      "initialise, reset, accept_step, breakpoints and diagnose are called of a function that derives from PhiHooks");
+  static_assert(kSpec.memory > 0 || !WritesMemory<Phi>, "reset() writes a memory: give its size by PhiSpec::memory");
 
   /// Of this function.
   explicit PhiFunction(Phi phi) : PhiRows(kSpec), phi_(std::move(phi)) {
