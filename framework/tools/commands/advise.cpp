@@ -113,11 +113,15 @@ struct Choice {
 };
 struct Advised {
   double error;
-  std::string kind;
+  ErrorKind kind;
   std::optional<Choice> cheapest, second;
   std::optional<WorkPrecisionRun> nearest;  // if none met the error
   const WorkPrecision* measured;
 };
+std::string hint_of(const Advised& a) {
+  if (!a.cheapest) return "give more time (--budget), or take a wider error";
+  return a.cheapest->cost.confirmed ? "" : "not confirmed by a finer run; give more time with --budget";
+}
 const Fields<Advised>& advise_fields() {
   static const Fields<Choice> kChoice =
       Fields<Choice>{}
@@ -128,10 +132,13 @@ const Fields<Advised>& advise_fields() {
                                                  [](const Json& block) { return "\n" + block.dump(2); }}});
   static const Fields<Advised> kFields = Fields<Advised>{
       {"error", "", "error", &Advised::error},
-      {"of", "", "of", &Advised::kind},
+      {"unit", "", "  in", [](const Advised& a) { return unit_of(a.kind); }},
+      {"of", "", "of", [](const Advised& a) { return to_string(a.kind); }},
       {"cheapest", "cheapest", &Advised::cheapest, kChoice},
-      {"runner_up", "runner-up", &Advised::second,
-       kChoice}}.with([](const Advised& a) -> const WorkPrecision& { return *a.measured; }, measurement_fields());
+      {"runner_up", "runner-up", &Advised::second, kChoice},
+      {"nearest", "no run met the error, the best", &Advised::nearest, measured_run_fields()},
+      {"hint", "", "next",
+       hint_of}}.with([](const Advised& a) -> const WorkPrecision& { return *a.measured; }, measurement_fields());
   return kFields;
 }
 
@@ -159,7 +166,7 @@ Result advise(const Arguments& args) {
   };
   Result out(
       loaded, advise_fields(),
-      Advised{error, to_string(kind), choice(advice.best), choice(advice.second),
+      Advised{error, kind, choice(advice.best), choice(advice.second),
               advice.best == nullptr && nearest != nullptr ? std::optional(*nearest) : std::nullopt, result.get()});
   out.even_if_quiet = true;
   if (!report.empty()) out.files = {report};

@@ -85,7 +85,7 @@ const Fields<AtlasPlan>& atlas_fields() {
       {"stabilization", "", "stabilisation", [](const Panel& p) { return to_string(p.second->stabilization); }},
       Field<Panel>("left_out", "", "left out", [](const Panel& p) { return p.second->unsuited; }).optional(),
       Field<Panel>("counts", "", "runs", counts, counts_text).optional(),
-      {"passed", "", "passed singular positions", [](const Panel& p) { return n_passed(*p.second); }},
+      {"passed", "", "passed singular positions with plain stages", [](const Panel& p) { return n_passed(*p.second); }},
       Field<Panel>("outcomes", "", "", of_cells([](const AtlasCell& c) { return std::string(words_of(c.outcome)); }))
           .optional(),
       Field<Panel>("passed_singular_positions", "", "", of_cells([](const AtlasCell& c) { return c.passed; }))

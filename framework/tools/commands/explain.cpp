@@ -22,8 +22,8 @@ const Fields<LawAccount>& law_fields() {
   static const Fields<LawAccount> kFields{{"what", "", "of", &LawAccount::what},
                                           {"unit", "", "unit", &LawAccount::unit},
                                           {"value", "", "value", &LawAccount::value},
-                                          {"rate", "", "rate", &LawAccount::rate},
-                                          {"second", "", "second derivative", &LawAccount::second}};
+                                          {"rate", "", "rate [per s]", &LawAccount::rate},
+                                          {"second", "", "second derivative [per s^2]", &LawAccount::second}};
   return kFields;
 }
 

@@ -72,6 +72,8 @@ const Fields<Linearized>& linearize_fields() {
 
 Result linearize_scene(const Arguments& args) {
   const Loaded loaded = load(args);
+  if (args.has("--json") && !args["--csv"].empty())
+    throw UsageError("--json and --csv: the numbers are printed or written, not both; give one of the two");
   if (!args["--csv"].empty()) check_overwrites(args["--csv"], loaded.scene);
   MechanismWithInputs built = build_with_inputs(loaded.scene, loaded.registry, args.all("--inputs"));
   std::vector<Channel> outputs;

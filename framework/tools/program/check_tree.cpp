@@ -66,11 +66,13 @@ TreeReport tree_of(const System& system, const std::vector<bool>& modes) {
 }
 
 const Fields<Branch>& branch_fields() {
-  static const Fields<Branch> kFields{{"body", "", "body", &Branch::body},
-                                      {"parent", "", "on", &Branch::parent},
-                                      {"link", "", "by link", &Branch::link},
-                                      {"coordinates", "", "coordinates", &Branch::coordinates},
-                                      {"rows", "", "rows left", &Branch::rows}};
+  static const Fields<Branch> kFields{
+      {"body", "", "body", &Branch::body},
+      {"parent", "", "on", &Branch::parent},
+      {"link", "", "by link", &Branch::link},
+      {"coordinates", "", "coordinates", &Branch::coordinates},
+      {"held", "", "driven throughout, or held", [](const Branch& b) { return b.coordinates.empty(); }},
+      {"rows", "", "rows left", &Branch::rows}};
   return kFields;
 }
 

@@ -39,6 +39,13 @@ State counted_start(Dynamics& dynamics, Mechanism& m, const State& typed, Mobili
 
 bool is_near(const BranchPoint& position) { return position.singular || position.nearness < kNearPosition; }
 
+std::string plane_text(const Json& normal) {
+  if (normal.get_ref<const std::string&>().empty()) return "";
+  return "normal " + normal.get<std::string>() + "; rows out of it are left out (--full counts them too)";
+}
+
+std::string unique_text(const Json& all) { return all.get<bool>() ? "all are unique" : ""; }
+
 std::string position_text(const Json& position) {
   if (position["in"]) return "the start lies in one: " + position["what"].get<std::string>();
   if (!position["near"]) return "";
@@ -52,6 +59,7 @@ MobilityFindings mobility_of(Dynamics& dynamics, Mechanism& m, const State& type
   const State counted = counted_start(dynamics, m, typed, found);
   const MobilityReport& r = found.mobility = mobility(dynamics, counted);
   found.choice = m.run.nearly_redundant;
+  if (const Plane plane = m.system.plane()) found.plane = "xyz"[plane.n];
   if (r.redundant > 0 || !found.near.all.empty()) found.reactions = uniqueness(dynamics, counted);
   for (const NearDependency& d : found.near.all) CommandFindings::add(finding_of(d, m.run.nearly_redundant));
   found.columns_not_unique = columns_not_unique(m.run, found.reactions);
@@ -73,7 +81,7 @@ const Fields<MobilityFindings>& mobility_fields() {
   using Found = MobilityFindings;
   static const Fields<Dependency> kDependency{{"rows", "", "rows", &Dependency::rows},
                                               {"too_many", "", "too many", &Dependency::too_many},
-                                              {"nearly", "", "", &Dependency::nearly},
+                                              {"nearly", "", "nearly", &Dependency::nearly},
                                               {"pivot", "", "", &Dependency::pivot}};
   static const Fields<MobilityReport> kReport{
       {"bodies", "", "bodies that move", &MobilityReport::bodies},
@@ -92,15 +100,17 @@ const Fields<MobilityFindings>& mobility_fields() {
                                        {"branches", "", "", &Found::branches},
                                        {"all_branches", "", "", [](const Found& f) { return f.position.all; }}};
   const auto near = [](const Found& f) { return decided(f.near.all, f.choice); };
+  const auto all_unique = [](const Found& f) { return f.mobility.redundant == 0 && f.reactions.all_unique(); };
   const auto position = [](const Found& f) { return f.position.known ? std::optional(f) : std::nullopt; };
   static const Fields<Found> kFields =
-      Fields<Found>{}
+      Fields<Found>{{"plane", "", "plane", &Found::plane, plane_text}}
           .with(&Found::mobility, kReport)
           .with(std::identity(),
                 Fields<Found>{
                     {"free_motions", "", "free motions", [](const Found& f) { return f.moves.free; }},
                     {"singular_position", "singular position", position, kPosition, position_text},
                     {"nearly_redundant", "", near, near_fields()},
+                    {"reactions_unique", "", "reactions", all_unique, unique_text},
                     {"rows_not_unique", "", "reactions not unique", [](const Found& f) { return f.reactions.rows; }},
                     {"columns_not_unique", "", "recorded of these", &Found::columns_not_unique}});
   return kFields;

@@ -26,6 +26,7 @@ struct MobilityFindings {
   NearlyRedundant choice = NearlyRedundant::automatic;  ///< what the run asks for
   std::vector<std::string> columns_not_unique;          ///< recorded columns of reactions that are not unique
   DriveReport moves;
+  std::string plane;           ///< "z": its normal; "" in space
   std::exception_ptr refused;  ///< why a run would not start; null where it would
 };
 /// Counted where a run begins: a start typed with eight digits leaves none of a loop's freedoms. One that cannot be
