@@ -69,7 +69,8 @@ TEST_CASE("what advise names meets the error", "[benchmark]") {
     const Result r = call("advise '" + path + "' --error " + error + " --budget 20 --separately --quiet");
     INFO(r.text);
     REQUIRE(r.exit == 0);
-    for (const char* word : {"cheapest ", "runner-up ", "evaluations", "\"integrator\": ", "agree to"})
+    for (const char* word :
+         {"  cheapest:\n", "  runner-up:\n", "    evaluations  ", "\"integrator\": ", "they agree to  "})
       CHECK(contains(r.text, word));
     fs::remove(kFolder + "/advised.csv");
     const Result run = call(advised(r.text) + " --record advised.csv --quiet");
@@ -95,7 +96,14 @@ TEST_CASE("advise charts what is named, with its keys, and says when nothing mee
       call("advise '" + path + "' --integrators semi_implicit_euler --steps 0.02:0.01 --error 1e-9 --quiet");
   INFO(never.text);
   CHECK(never.exit == 1);
-  CHECK(contains(never.text, "no run met a position error of 1e-09 m; the best came to "));
+  CHECK(value_of(never.text, "error") == "1e-09");
+  CHECK(value_of(never.text, "in") == "m");
+  CHECK(value_of(never.text, "of") == "position");
+  const std::size_t nearest = never.text.find("  no run met the error, the best:\n");
+  REQUIRE(nearest != std::string::npos);
+  CHECK(std::atof(value_of(never.text.substr(nearest), "error").c_str()) > 1e-9);
+  CHECK(contains(value_of(never.text.substr(nearest), "error"), " m, "));
+  CHECK(contains(value_of(never.text, "next"), "--budget"));
 }
 
 TEST_CASE("wrong words of the measuring verbs are usage errors", "[benchmark]") {
@@ -139,9 +147,14 @@ TEST_CASE("chart leaves every error of every combination in its table", "[benchm
   }
   CHECK(n_lines >= 2 * 2 * 3);  // formulations, stabilisations and a run at least of each
   CHECK(n_front >= 1);
-  for (const char* word :
-       {"best with each integrator", "best with each solver", "best with each formulation", "  1e-06 m "})
-    CHECK(contains(r.text, word));
+  const std::size_t best = r.text.find("  best CPU with each:\n"), cheapest = r.text.find("  cheapest:\n");
+  REQUIRE(best != std::string::npos);
+  REQUIRE(cheapest != std::string::npos);
+  CHECK(row_of(r.text.substr(best), "by") == "by value below 1e-3 m below 1e-6 m below 1e-9 m");
+  for (const char* by : {"integrator", "solver", "formulation"})
+    CHECK_FALSE(row_of(r.text.substr(best, r.text.find("\n  files", best) - best), by).empty());
+  CHECK(row_of(r.text.substr(cheapest), "error below [m]").starts_with("error below [m] integrator"));
+  CHECK_FALSE(row_of(r.text.substr(cheapest, best - cheapest), "1e-06").empty());
   testing::require_gnuplot();
   REQUIRE(contains(r.text, "ring_chart.png"));
   for (const char* picture : {"", "_evaluations", "_formulations", "_stabilizations", "_solvers"})
@@ -155,7 +168,10 @@ TEST_CASE("of a method whose error still falls a chart does not say never", "[be
                         "--solvers schur --steps 0.02:0.005 --budget 20 --out falling");
   INFO(r.text);
   REQUIRE(r.exit == 0);
-  CHECK(contains(r.text, "not tried"));
+  const std::size_t best = r.text.find("  best CPU with each:\n");
+  REQUIRE(best != std::string::npos);
+  CHECK(contains(r.text.substr(best), "semi_implicit_euler"));
+  CHECK(contains(r.text.substr(best), "not tried"));
   CHECK_FALSE(contains(r.text, "never"));
 }
 
@@ -273,9 +289,8 @@ TEST_CASE("a step of a fixed method is no limit for the adaptive one that is nam
   const Result r = call("run '" + path + "' --integrator dopri5 --tolerance 1e-6 --record ring.csv");
   INFO(r.text);
   REQUIRE(r.exit == 0);
-  const std::size_t at = r.text.find(" s in ");
-  REQUIRE(at != std::string::npos);
-  CHECK(std::atoi(r.text.c_str() + at + 6) < 1000);
+  REQUIRE_FALSE(value_of(r.text, "steps").empty());
+  CHECK(std::stoi(value_of(r.text, "steps")) < 1000);
 }
 
 }  // namespace benchmark_test

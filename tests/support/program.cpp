@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include "tests/support/catch.h"
 #include "tests/support/paths.h"
@@ -59,5 +60,22 @@ std::string scene_file(const std::string& name, const std::string& members) {
 }
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+std::string value_of(const std::string& text, const std::string& label) {
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t begin = line.find_first_not_of(' '), after = begin + label.size();
+    if (begin == std::string::npos || line.compare(begin, label.size() + 2, label + "  ") != 0) continue;
+    return line.substr(line.find_first_not_of(' ', after));
+  }
+  return "";
+}
+
+std::string row_of(const std::string& text, const std::string& first) {
+  std::istringstream cells(value_of(text, first));
+  std::string row = first;
+  for (std::string word; cells >> word;) row += " " + word;
+  return row == first ? "" : row;
+}
 
 }  // namespace lockstep::testing

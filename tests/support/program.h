@@ -31,5 +31,9 @@ extern const std::string kFourBar;
 extern const std::string kArm, kHinge;
 
 bool contains(const std::string& text, const std::string& part);
+/// What a result printed as text has for a label, "1 m" of "  step  1 m"; "" without that label.
+std::string value_of(const std::string& text, const std::string& label);
+/// The cells of the line of a table that begins with this one, each apart by one blank; "" without such a line.
+std::string row_of(const std::string& text, const std::string& first);
 
 }  // namespace lockstep::testing
