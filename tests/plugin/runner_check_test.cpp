@@ -110,7 +110,7 @@ TEST_CASE("joint coordinates: proposed where scene and method take them, run wit
   CHECK(branch(tree, "--planar off", "body") == "body on by link coordinates driven throughout, or held");
   CHECK(branch(tree, "--planar off", "cart") == "cart ground S yes");
   CHECK(branch(tree, "--planar off", "rod") == "rod cart A rx, ry and rz");
-  CHECK(branch(tree, "--planar off", "free") == "free ground x, y, z, rx, ry and rz");  // by no link
+  CHECK(branch(tree, "--planar off", "free") == "free x, y, z, rx, ry and rz");  // on no link, and no body
   CHECK(formulation(tree, "") == "joint, in the plane with normal z: 4 unknown velocities, no rows");
   const std::string omega = "\", \"formulation\": \"omega\"}",
                     proposal = "\"formulation\": \"auto\" integrates the joints'";

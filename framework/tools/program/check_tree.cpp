@@ -47,10 +47,7 @@ TreeReport tree_of(const System& system, const std::vector<bool>& modes) {
   for (const TreeNode& n : tree->nodes()) {
     Branch b;
     b.body = system.body_of_slot(n.slot).name;
-    b.parent = "ground";
-    if (n.parent >= 0) {
-      b.parent = report.branches[n.parent].body;
-    }
+    if (n.link >= 0) b.parent = n.parent >= 0 ? report.branches[n.parent].body : "ground";
     const Lock* link = n.link >= 0 ? system.links()[n.link].get() : nullptr;
     if (link != nullptr) b.link = link->name();
     b.coordinates = free_axes(n, system.plane());
