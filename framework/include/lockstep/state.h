@@ -40,7 +40,7 @@ struct InputsT {
   std::span<const double> angles{};  ///< likewise the angles themselves, rad, but for whole turns
 
   /// Motion of slot k, kGround for the ground.
-  const MotionT<T>& slot(int k) const { return motions[k + 1]; }  // kGround = -1 is the first
+  const MotionT<T>& slot(int k) const { return motions[static_cast<std::size_t>(k + 1)]; }  // kGround = -1 is the first
 };
 using Inputs = InputsT<double>;  ///< what links and forces see of a state, in numbers
 

@@ -224,7 +224,7 @@ class LOCKSTEP_API System final : public AngleCounter {
   void leave_out(const Lock&, unsigned rows);
   /// Rows that were left out, a bit for each.
   unsigned left_out(const Lock& link) const {
-    const std::size_t k = link.number();
+    const auto k = static_cast<std::size_t>(link.number());
     return link.number() >= 0 && k < left_out_.size() ? left_out_[k] : 0U;
   }
   /// Says that rows hold which nearly depend on others, with the least singular value of rows of length 1; 0: none do. The
@@ -271,7 +271,7 @@ class LOCKSTEP_API System final : public AngleCounter {
   void changed() { ready_ = false; }
   long revision() const { return revision_; }                      ///< counts the setups that did something
   int n_slots() const { return static_cast<int>(slots_.size()); }  ///< how many slots move
-  const Slot& slot(int k) const { return slots_[k]; }              ///< slot k, 0 <= k < n_slots()
+  const Slot& slot(int k) const { return slots_[static_cast<std::size_t>(k)]; }  ///< slot k, 0 <= k < n_slots()
   /// The first body of slot k; names the slot in messages.
   const Body& body_of_slot(int k) const { return *slot(k).bodies.front(); }
   /// Unknown velocities: 6 per body, 3 per particle; planar 3 and 2.

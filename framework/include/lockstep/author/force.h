@@ -147,7 +147,9 @@ class LOCKSTEP_API Force {
   /// Where State::z says whether it acts (1) or not (0); -1: it always does. Set by System::setup.
   int switch_memory() const { return switch_memory_; }
   /// Whether it acts at these inputs.
-  bool acts(const Inputs& in) const { return switch_memory_ < 0 || in.z[switch_memory_] != 0; }
+  bool acts(const Inputs& in) const {
+    return switch_memory_ < 0 || in.z[static_cast<std::size_t>(switch_memory_)] != 0;
+  }
 
  private:
   std::string name_, origin_;

@@ -122,7 +122,7 @@ struct AccountLoad : ForceAccount {
 
  private:
   void give(double to_bodies, double to_markers) { power += to_bodies, supply += to_bodies - to_markers; }
-  void show(double value) { shown.at(n_shown++) = value; }
+  void show(double value) { shown.at(static_cast<std::size_t>(n_shown++)) = value; }
   void show(const Vec3& value) {
     for (const double x : value) show(x);
   }
@@ -245,7 +245,7 @@ double FormulaForce<F>::supply(const Inputs& in) const {
 template <class F>
 double FormulaForce<F>::quantity(int k, const Inputs& in) const {
   const ForceAccount all = account(in);
-  return k < all.n_shown ? all.shown[k] : all.power;
+  return k < all.n_shown ? all.shown[static_cast<std::size_t>(k)] : all.power;
 }
 
 }  // namespace lockstep

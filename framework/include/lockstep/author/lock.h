@@ -134,7 +134,7 @@ class LOCKSTEP_API Lock {
   void share_rows(const Lock& with);
   void set_indices(int number, int first_state, int first_memory);                   ///< called by System::setup
   int row_count() const { return rows_ ? static_cast<int>(rows_->size()) : 0; }      ///< number of rows, in space
-  const LinkRow& row(int k) const { return (*rows_)[k]; }                            ///< row k in space
+  const LinkRow& row(int k) const { return (*rows_)[static_cast<std::size_t>(k)]; }  ///< row k in space
   RowKind row_kind(int k) const { return row(k).kind; }                              ///< what row k measures
   const std::string& row_name(int k) const { return row(k).name; }                   ///< "x", "e1", "phi"
   const SlotList& slots() const { return slots_; }                                   ///< moving slots that it touches
@@ -276,7 +276,7 @@ class LOCKSTEP_API MarkerLock : public Lock,
   std::span<const double> own_states(const Inputs& in) const {
     const int n = n_states();
     if (n == 0) return {};
-    return in.s.subspan(first_state(), static_cast<std::size_t>(n));
+    return in.s.subspan(static_cast<std::size_t>(first_state()), static_cast<std::size_t>(n));
   }
   template <unsigned kWith>
   static void gather_translations(Group, const Inputs&, RowSpan out);
@@ -352,8 +352,10 @@ class LOCKSTEP_API Reactions {
   std::array<double, kMaxRows> of(const Lock& link) const {
     std::array<double, kMaxRows> lambda{};
     if (entry(link) < 0) return lambda;
-    const RowEntry& e = rows_.entries[entry(link)];
-    for (int k = 0; k < e.m; ++k) lambda[e.own[k]] = lambda_[e.first_row + k];
+    const RowEntry& e = rows_.entries[static_cast<std::size_t>(entry(link))];
+    for (int k = 0; k < e.m; ++k)
+      lambda[static_cast<std::size_t>(e.own[static_cast<std::size_t>(k)])] =
+          lambda_[static_cast<std::size_t>(e.first_row + k)];
     return lambda;
   }
 
@@ -371,7 +373,7 @@ class LOCKSTEP_API Reactions {
   LinkWrench on_body_of(const MarkerFrame& at, const Lock& link, const Inputs& in, int part = kJoint) const;
 
  private:
-  int entry(const Lock& link) const { return rows_.entry_of_link[link.number()]; }
+  int entry(const Lock& link) const { return rows_.entry_of_link[static_cast<std::size_t>(link.number())]; }
   const RowTable& rows_;
   std::span<const double> lambda_;
 };

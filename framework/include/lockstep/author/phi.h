@@ -100,7 +100,9 @@ struct PhiSpec {
   std::array<const char*, kMaxRows> names{};  ///< of its rows; default "phi", or "phi1", "phi2", ...
 
   /// Whether it reads this half of the coordinates of a pair.
-  constexpr bool reads_of(int pair, Reads half) const { return lockstep::reads(reads.of[pair], half); }
+  constexpr bool reads_of(int pair, Reads half) const {
+    return lockstep::reads(reads.of[static_cast<std::size_t>(pair)], half);
+  }
   /// First of the seven coordinates of a pair that it reads.
   constexpr int first(int pair) const { return reads_of(pair, Reads::translation) ? 0 : 3; }
   /// One past the last of them.
@@ -117,7 +119,7 @@ struct PhiSpec {
   /// Whether there is a name for each row, or none.
   constexpr bool names_fit() const {
     int n = 0;
-    while (n < kMaxRows && names[n] != nullptr) ++n;
+    while (n < kMaxRows && names[static_cast<std::size_t>(n)] != nullptr) ++n;
     return n == 0 || n == rows;
   }
 };

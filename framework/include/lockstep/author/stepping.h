@@ -96,12 +96,12 @@ class LOCKSTEP_API Stages {
   void sum(double h, const Weights& w, StateRate& out) const;
   /// The end of the step: combine() with b.
   void end(const State& y, double h, State& out) const { combine(y, h, b_, out); }
-  const StateRate& k(int i) const { return k_[i]; }  ///< rates of stage i
+  const StateRate& k(int i) const { return k_[static_cast<std::size_t>(i)]; }  ///< rates of stage i
   /// Sets the rates of stage i to k, found by other means, with perfect conditioning. Throws ModelError for rates of
   /// another size.
   void put(int i, const StateRate& k);
   /// Conditioning of stage i; perfect where it is not watched.
-  const Conditioning& conditioning(int i) const { return conditioning_[i]; }
+  const Conditioning& conditioning(int i) const { return conditioning_[static_cast<std::size_t>(i)]; }
   const Tableau& tableau() const { return tableau_; }  ///< the coefficients
 
  private:

@@ -82,7 +82,7 @@ class LOCKSTEP_API CountedAngle {
   virtual double rate_of_pose(const Inputs&) const = 0;  ///< its rate, rad/s; 0 if it has no value
 
  private:
-  double at(std::span<const double> s, int k) const { return s[first() + k]; }
+  double at(std::span<const double> s, int k) const { return s[static_cast<std::size_t>(first() + k)]; }
 
   std::string name_;
   int first_ = 0, number_ = 0;

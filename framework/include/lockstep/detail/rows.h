@@ -60,16 +60,16 @@ struct SlotList {
   void add(int k) {
     if (k == kGround || position(k) >= 0) return;
     assert(n < kMaxSlots);
-    slot[n++] = k;
+    slot[static_cast<std::size_t>(n++)] = k;
   }
   /// Position of slot k in the list; -1 for the ground and for a slot that is not in the list.
   int position(int k) const {
     for (int i = 0; i < n; ++i)
-      if (slot[i] == k) return i;
+      if (slot[static_cast<std::size_t>(i)] == k) return i;
     return -1;
   }
   /// Slot at position i.
-  int operator[](int i) const { return slot[i]; }
+  int operator[](int i) const { return slot[static_cast<std::size_t>(i)]; }
 };
 
 /// The shape of a block of rows: what its numbers mean and where they are.
@@ -88,7 +88,7 @@ struct RowShape {
   double sign_of(int i) const { return i == 0 ? sign : -1.0; }  ///< the sign on the i-th slot; triple, pair
 
  private:
-  std::size_t at(int column) const { return column * ld(); }
+  std::size_t at(int column) const { return static_cast<std::size_t>(column * ld()); }
 };
 
 /// A view of the rows of one link: a RowBlock may be written, a RowView only read.
@@ -367,7 +367,7 @@ class WrenchSum {
   }
 
  private:
-  const Motion& motion(int slot) const { return motions_[slot + 1]; }
+  const Motion& motion(int slot) const { return motions_[static_cast<std::size_t>(slot + 1)]; }
   // A^T M. By components: an expression of Eigen's would be compiled in every file that includes this.
   void add_moment(int slot, const Vec3& M) const {
     const Mat3& A = motion(slot).A;
