@@ -148,7 +148,7 @@ TEST_CASE("lanes make the same table as single runs", "[runner][sweep]") {
   const Called many = call(words + "--record lanes.csv"), single = call(words + "--record single.csv --lanes off");
   INFO(many.text << single.text);
   CHECK(many.exit == 0);
-  CHECK(value_of(many.text, "eight at a time") == "11");
+  CHECK(value_of(many.text, "eight at a time, in lanes") == "11");
   CHECK(value_of(single.text, "one by one") == "as asked for");
   const auto a = results_of("lanes.csv"), b = results_of("single.csv");
   REQUIRE(a.size() == 12);
@@ -267,12 +267,13 @@ TEST_CASE("a sweep on several threads makes the table of one thread", "[runner][
     int exit;
   };
   const std::vector<Case> cases = {
-      {"--vary bodies.arm.rod.mass=1:3:20", "eight at a time", "20", 20, 0},
+      {"--vary bodies.arm.rod.mass=1:3:20", "eight at a time, in lanes", "20", 20, 0},
       {"--vary bodies.arm.rod.mass=1:3:20 --lanes off", "one by one", "as asked for", 20, 0},
       // a run that cannot be built sends its group back, to be run one by one
-      {"--vary bodies.arm.rod.mass=1,2,3,4,-5,6,7,8,9,10,11,12", "eight at a time", "4", 12, 1},
+      {"--vary bodies.arm.rod.mass=1,2,3,4,-5,6,7,8,9,10,11,12", "eight at a time, in lanes", "4", 12, 1},
       // the second half is not for lanes
-      {"--vary run.integrator=dop853,radau5 --vary bodies.arm.rod.mass=1:3:8", "eight at a time", "8", 16, 0}};
+      {"--vary run.integrator=dop853,radau5 --vary bodies.arm.rod.mass=1:3:8", "eight at a time, in lanes", "8", 16,
+       0}};
   for (const Case& c : cases) {
     INFO(c.words);
     const Called one = call(arm + c.words + " --jobs 1 --record jobs_1.csv --histories jobs_1"),
