@@ -24,7 +24,7 @@ for kind in "$@"; do
   cmake --build "$folder/build" >"$place/log" 2>&1 || { cat "$place/log" >&2; exit 1; }
   (cd "$folder/build" && ctest --output-on-failure)
   plugin="$folder/build/plugins/$name.so"
-  "$lockstep" list --plugin "$plugin" | grep -F "$name" | grep -F "[plugin $name]"
+  "$lockstep" list --plugin "$plugin" | grep -E "^ +$name .* $name\$"
   "$lockstep" describe "$name" --plugin "$plugin" | grep -F "$name" >/dev/null
   "$lockstep" schema --plugin "$plugin" | grep -F "\"$name\"" >/dev/null
   (cd "$folder" && LOCKSTEP_PLUGIN_PATH="$folder/build/plugins" "$lockstep" run scene.json --quiet --record "$place/$name.csv")

@@ -16,8 +16,8 @@ namespace lockstep {
 /// A joint whose rows are those of a mask and those of a function phi of one pair. A derived class adds type() and, for
 /// scenes, info() and make(). PhiSpec lists what phi says about itself.
 ///
-///   struct ScrewThread { double lead; template <class T> T operator()(const LockCoords<T>& y) const; ... };  // phi.h
-///   using Screw = PhiLock<ScrewThread>;
+///     struct ScrewThread { double lead; template <class T> T operator()(const LockCoords<T>& y) const; ... };  // phi.h
+///     using Screw = PhiLock<ScrewThread>;
 template <class Phi>
 class PhiLock : public FunctionLock {
  public:
@@ -32,14 +32,14 @@ class PhiLock : public FunctionLock {
 /// A link whose rows are those of a function phi of two or three pairs of markers. A derived class adds type() and, for
 /// scenes, info() and make().
 ///
-///   struct Mesh {
-///     double r1, r2;
-///     static constexpr PhiSpec spec{.pairs = 2, .reads = Reads::rotation, .counts_turns = true};
-///     template <class T> T operator()(const LockCoords<T>& a, const LockCoords<T>& b) const {
-///       return r1 * a.angle_z() + r2 * b.angle_z();
-///     }
-///   };
-///   using Gear = PhiCoupling<Mesh>;
+///     struct Mesh {
+///       double r1, r2;
+///       static constexpr PhiSpec spec{.pairs = 2, .reads = Reads::rotation, .counts_turns = true};
+///       template <class T> T operator()(const LockCoords<T>& a, const LockCoords<T>& b) const {
+///         return r1 * a.angle_z() + r2 * b.angle_z();
+///       }
+///     };
+///     using Gear = PhiCoupling<Mesh>;
 template <class Phi>
 class PhiCoupling : public FunctionCoupling {
  public:

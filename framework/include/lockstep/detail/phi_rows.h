@@ -60,6 +60,7 @@ class LOCKSTEP_API PhiRows {
   std::array<LockCoords<Time>, 3> along_motion(const Inputs& in, const double* memory) const;
 
  protected:
+  /// Of a function that says this about itself.
   explicit PhiRows(const PhiSpec& spec);
   /// The rows of phi.
   virtual void values(PhiCoords y, std::span<Time> rows) const = 0;
