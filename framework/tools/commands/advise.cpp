@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <sstream>
 
 #include <lockstep/text.h>
 #include "framework/description/scene/write.h"

@@ -3,7 +3,6 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <limits>
 
 #include <lockstep/assembly.h>
 #include "framework/foundation/support/finding_kinds.h"

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
 
 #include "framework/tools/commands/atlas_plan.h"
 #include "framework/tools/program/result.h"

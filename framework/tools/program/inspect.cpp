@@ -2,7 +2,6 @@
 // The commands list, describe, reference and schema.
 #include <spdlog/fmt/fmt.h>
 
-#include <algorithm>
 #include <map>
 
 #include <lockstep/text.h>
