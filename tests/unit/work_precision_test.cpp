@@ -3,7 +3,6 @@
 #include "framework/tools/precision/work_precision_chart.h"
 
 #include <algorithm>
-#include <fstream>
 #include <iterator>
 
 #include <lockstep/error.h>
@@ -12,7 +11,6 @@
 #include <lockstep/solvers.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"
-#include "tests/support/paths.h"
 
 namespace lockstep {
 namespace {
@@ -146,10 +144,7 @@ TEST_CASE("a failure is a result with its reason", "[unit][work_precision]") {
   CHECK(result.runs[0].done());
   CHECK(result.runs[1].failure == "frozen: too cold");
 
-  const std::string file = std::string(paths::kBuild) + "/work_precision_test.csv";
-  write_runs(file, result);
-  std::ifstream in(file);
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  const std::string text = runs_text(result);
   CHECK(text.find("position error [m]") != std::string::npos);
   CHECK(text.find("reaction error [N]") != std::string::npos);
   CHECK(text.find("frozen,omega,project,sparse,,0.125,,,,,") != std::string::npos);

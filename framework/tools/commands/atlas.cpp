@@ -228,16 +228,15 @@ Result draw_atlas(const Arguments& args) {
     atlas.go(progress);
     progress.finish();
   }
-  write_atlas_cells(base + ".csv", plan);
-  std::vector<std::string> files{base + ".csv"};
+  Result result(plan.loaded, drawn_fields(),
+                Drawn{n, atlas.methods(), atlas.missing(), atlas.agreement(), atlas.out_of_time(), &plan});
+  result.even_if_quiet = true;
+  result.write(base + ".csv", atlas_csv(plan));
   const bool any = std::ranges::any_of(plan.panels, [](const AtlasPanel& p) { return p.unsuited.empty(); });
   if (any && !find_gnuplot().empty()) {
     write_map_grid(base, atlas_picture(plan, atlas.methods(), of));
-    files.push_back(base + ".png"), files.push_back(base + ".svg");
+    result.files.insert(result.files.end(), {base + ".png", base + ".svg"});
   }
-  Result result(plan.loaded, drawn_fields(),
-                Drawn{n, atlas.methods(), atlas.missing(), atlas.agreement(), atlas.out_of_time(), &plan});
-  result.files = files, result.even_if_quiet = true;
   if (interrupt.asked()) {
     fmt::print(stderr, "lockstep: interrupted; the runs up to there are written\n");
     result.code = kExitInterrupted;

@@ -61,14 +61,13 @@ MapGridSpec atlas_picture(const AtlasPlan& plan, const std::string& reference, c
   MapGridSpec grid;
   grid.title = plan.loaded.title();
   const std::vector<double> x = axis_numbers(plan.variables[0]), y = axis_numbers(plan.variables[1]);
-  const auto label = [](const Variable& v) { return v.unit.empty() ? v.path : v.path + " [" + v.unit + "]"; };
   const Decades decades = of == "energy" ? decades_of("relative imbalance", "") : decades_of("error", " m");
   bool curves = false, marked = false;
   for (const AtlasPanel& panel : plan.panels) {
     if (!panel.unsuited.empty()) continue;
     MapSpec map;
     map.title = panel.name();
-    map.x_label = label(plan.variables[0]), map.y_label = label(plan.variables[1]);
+    map.x_label = plan.title(0), map.y_label = plan.title(1);
     map.x = x, map.y = y, map.log_x = is_log(x), map.log_y = is_log(y);
     map.kinds = of == "status" ? kOutcomes : decades.kinds;
     map.cells.resize(x.size() * y.size());

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <lockstep/analysis.h>
+#include <lockstep/table.h>
 #include "framework/tools/program/commands.h"
 #include "framework/tools/program/method_specs.h"
 #include "framework/tools/sweep/atlas_run.h"
@@ -34,6 +35,8 @@ struct AtlasPlan {
   AtlasLimits limits;
   double budget;
 
+  /// What an axis is labelled with: "run.step [s]".
+  std::string title(std::size_t axis) const { return column_title({variables[axis].path, variables[axis].unit, {}}); }
   /// The scene of a run of the grid, from 1, with the method of a map.
   Scene scene(long run, const AtlasPanel& panel) const;
   /// Runs of equal words have one reference: settings of the run but for its end make no difference to it.

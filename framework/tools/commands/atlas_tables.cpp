@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/commands/atlas_tables.h"
 
-#include <spdlog/fmt/fmt.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
 
 #include <lockstep/text.h>
-#include "framework/foundation/support/csv_cells.h"
-#include "framework/tools/program/growing_file.h"
 
 namespace lockstep {
 namespace {
@@ -27,29 +23,23 @@ long n_passed(const AtlasPanel& panel) {
 
 }  // namespace
 
-void write_atlas_cells(const std::string& file, const AtlasPlan& plan) {
-  GrowingFile csv(file);
-  csv.clear();
-  std::string header = "integrator,stabilization";
-  for (const Variable& v : plan.variables)
-    header += "," + csv_cell(v.unit.empty() ? v.path : v.path + " [" + v.unit + "]");
-  csv.append(header +
-             ",outcome,error [m],energy imbalance,drift [m],singular positions,steps,rejected,cpu [s],reason\n");
-  for (const AtlasPanel& panel : plan.panels) {
+std::string atlas_csv(const AtlasPlan& plan) {
+  const std::vector<Variable>& v = plan.variables;
+  std::vector<std::vector<std::string>> lines{{"integrator", "stabilization", plan.title(0), plan.title(1), "outcome",
+                                               "error [m]", "energy imbalance", "drift [m]", "singular positions",
+                                               "steps", "rejected", "cpu [s]", "reason"}};
+  for (const AtlasPanel& panel : plan.panels)
     for (std::size_t i = 0; i < panel.cells.size() && panel.unsuited.empty(); ++i) {
       const AtlasCell& c = panel.cells[i];
       const std::vector<std::size_t> at = plan.grid.at(static_cast<long>(i) + 1);
-      std::string line = csv_cell(to_word(panel.integrator)) + "," + to_string(panel.stabilization);
-      for (std::size_t k = 0; k < at.size(); ++k) line += "," + plain_text(plan.variables[k].values[at[k]]);
       const bool ran = c.outcome != AtlasOutcome::untried;
-      line += fmt::format(",{},{},{},{},{},{},{},{},{}\n", csv_cell(words_of(c.outcome)),
-                          ran && std::isfinite(c.error) ? text::number(c.error) : "", ran ? text::number(c.energy) : "",
-                          ran ? text::number(c.drift) : "", c.passed, c.steps, c.rejected, text::number(c.cpu),
-                          csv_cell(c.reason));
-      csv.append(line);
+      lines.push_back({to_word(panel.integrator), to_string(panel.stabilization), plain_text(v[0].values[at[0]]),
+                       plain_text(v[1].values[at[1]]), words_of(c.outcome),
+                       ran && std::isfinite(c.error) ? text::number(c.error) : "", ran ? text::number(c.energy) : "",
+                       ran ? text::number(c.drift) : "", std::to_string(c.passed), std::to_string(c.steps),
+                       std::to_string(c.rejected), text::number(c.cpu), c.reason});
     }
-  }
-  csv.commit();
+  return csv_of(lines);
 }
 
 const Fields<AtlasPlan>& atlas_fields() {

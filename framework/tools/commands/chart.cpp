@@ -61,9 +61,8 @@ std::vector<std::string> shown_integrators(const WorkPrecision& result, const Wo
   return names;
 }
 
-std::vector<std::string> draw_all(const std::string& base, const WorkPrecision& result, const SceneBenchmark& benchmark,
-                                  const std::string& caption) {
-  std::vector<std::string> files;
+void draw_all(const std::string& base, const WorkPrecision& result, const SceneBenchmark& benchmark,
+              const std::string& caption, std::vector<std::string>& files) {
   const auto write = [&](const std::string& name, GridSpec chart) {
     if (chart.panels.empty()) return;
     if (!caption.empty()) chart.remarks.push_back(caption);
@@ -77,27 +76,6 @@ std::vector<std::string> draw_all(const std::string& base, const WorkPrecision& 
     if (values_of(result, by).size() > 1)
       write("_" + to_string(by) + "s",
             forms_chart(result, title, benchmark.base, by, shown_integrators(result, benchmark.base)));
-  return files;
-}
-
-/// The files of a chart, and why there are no pictures.
-struct ChartFiles {
-  std::string table;
-  std::vector<std::string> pictures{};
-  std::string no_pictures{};
-};
-
-ChartFiles write_files(const std::string& base, const WorkPrecision& result, const SceneBenchmark& benchmark,
-                       const std::string& caption) {
-  ChartFiles files{base + ".csv"};
-  write_runs(files.table, result);
-  if (result.runs.empty())
-    files.no_pictures = "no run was measured";
-  else if (find_gnuplot().empty())
-    files.no_pictures = "gnuplot is not installed (apt install gnuplot-nox)";
-  else
-    files.pictures = draw_all(base, result, benchmark, caption);
-  return files;
 }
 
 struct Cheapest {
@@ -153,11 +131,14 @@ Result chart_scene(const Arguments& args) {
   const std::unique_ptr<WorkPrecision> result = measure(benchmark, args, interrupt);
   if (!result) return kExitInterrupted;
 
-  const ChartFiles files =
-      write_files(base, *result, benchmark, args.has("--caption") ? args["--caption"] : report::measured_words());
-  Result out(loaded, chart_fields(), Charted{*result, benchmark, files.no_pictures});
-  out.files = files.pictures, out.even_if_quiet = true;
-  out.files.insert(out.files.begin(), files.table);
+  const std::string no_pictures = result->runs.empty()     ? "no run was measured"
+                                  : find_gnuplot().empty() ? "gnuplot is not installed (apt install gnuplot-nox)"
+                                                           : "";
+  Result out(loaded, chart_fields(), Charted{*result, benchmark, no_pictures});
+  out.even_if_quiet = true;
+  out.write(base + ".csv", runs_text(*result));
+  if (no_pictures.empty())
+    draw_all(base, *result, benchmark, args.has("--caption") ? args["--caption"] : report::measured_words(), out.files);
   if (!report.empty()) {
     write_runs_report(report, text_of(args, loaded), runs_text(*result), "cpu [s]", "position error [m]", true);
     out.files.push_back(report);

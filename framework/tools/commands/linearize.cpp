@@ -8,7 +8,6 @@
 #include "framework/description/scene/system_of.h"
 #include "framework/tools/commands/linear_inputs.h"
 #include "framework/tools/commands/linear_words.h"
-#include "framework/tools/commands/matrix_files.h"
 #include "framework/tools/commands/state_at.h"
 #include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/program/files.h"
@@ -17,23 +16,23 @@
 namespace lockstep {
 namespace {
 
-std::string with_unit(const Signal& s) { return s.unit.empty() ? s.name : s.name + " [" + s.unit + "]"; }
+std::string title_of(const Signal& s) { return column_title({s.name, s.unit, {}}); }
 
 // One table: rows are x' and y, columns x and u.
-void write_table(const std::string& file, const StateSpace& s) {
+std::string csv_text(const StateSpace& s) {
   std::vector<std::vector<std::string>> lines(1, {"of"});
-  for (const Signal& x : s.states) lines[0].push_back(with_unit(x));
-  for (const Signal& u : s.inputs) lines[0].push_back(with_unit(u));
+  for (const Signal& x : s.states) lines[0].push_back(title_of(x));
+  for (const Signal& u : s.inputs) lines[0].push_back(title_of(u));
   const auto add = [&](const std::string& name, const MatX& left, const MatX& right, Eigen::Index row) {
     std::vector<std::string>& line = lines.emplace_back(1, name);
     for (const double x : left.row(row)) line.push_back(text::number(x));
     for (const double x : right.row(row)) line.push_back(text::number(x));
   };
   for (std::size_t k = 0; k < s.states.size(); ++k)
-    add("d/dt " + with_unit(s.states[k]), s.A, s.B, static_cast<Eigen::Index>(k));
+    add("d/dt " + title_of(s.states[k]), s.A, s.B, static_cast<Eigen::Index>(k));
   for (std::size_t k = 0; k < s.outputs.size(); ++k)
-    add(with_unit(s.outputs[k]), s.C, s.D, static_cast<Eigen::Index>(k));
-  write_lines(file, lines);
+    add(title_of(s.outputs[k]), s.C, s.D, static_cast<Eigen::Index>(k));
+  return csv_of(lines);
 }
 
 struct Linearized {
@@ -84,7 +83,7 @@ Result linearize_scene(const Arguments& args) {
       [&] { return linearize(*at.dynamics, at.state, built.inputs, outputs, motion_options(args)); });
   CommandFindings::add(s.notes);
   Result result(loaded, linearize_fields(), Linearized{{at.state.t, s.spin, s.unrest}, s});
-  if (!args["--csv"].empty()) write_table(args["--csv"], s), result.files = {args["--csv"]};
+  if (!args["--csv"].empty()) result.write(args["--csv"], csv_text(s));
   return result;
 }
 

@@ -7,7 +7,6 @@
 #include <lockstep/error.h>
 #include <lockstep/linearization.h>
 #include <lockstep/text.h>
-#include "framework/tools/commands/matrix_files.h"
 #include "framework/tools/commands/state_at.h"
 #include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/program/files.h"
@@ -96,23 +95,31 @@ const Fields<FoundMatrices>& matrix_fields() {
   return kFields;
 }
 
+// Every number reads back as the same double.
+std::string matrix_market(const SparseMat& A, const std::string& comment) {
+  std::string text = "%%MatrixMarket matrix coordinate real general\n% " + comment + "\n" + std::to_string(A.rows()) +
+                     " " + std::to_string(A.cols()) + " " + std::to_string(A.nonZeros()) + "\n";
+  for (Eigen::Index j = 0; j < A.cols(); ++j)
+    for (SparseMat::InnerIterator it(A, j); it; ++it)
+      text += std::to_string(it.row() + 1) + " " + std::to_string(j + 1) + " " + text::number(it.value()) + "\n";
+  return text;
+}
+
 // Files of --out.
-std::vector<std::string> write_all(const std::string& folder, const Loaded& loaded, double t,
-                                   const MechanismMatrices& m) {
+void write_all(const std::string& folder, double t, const MechanismMatrices& m, const Scene& scene, Result& result) {
   namespace fs = std::filesystem;
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw FileError("folder '" + folder + "' cannot be made: " + error.message() + "; name another");
-  std::vector<std::string> files;
-  const auto file = [&](const std::string& name) { return files.emplace_back((fs::path(folder) / name).string()); };
+  const auto path = [&](const std::string& name) { return (fs::path(folder) / name).string(); };
   for (const char* name : {"unknowns.csv", "rows.csv", "M.mtx", "D.mtx", "K.mtx", "J.mtx"})
-    check_overwrites((fs::path(folder) / name).string(), loaded.scene);
+    check_overwrites(path(name), scene);
   for (const Named& each : all_of(m))
-    write_matrix_market(file(std::string(each.name) + ".mtx"), each.matrix,
-                        fmt::format("{} of {} at t = {} s", each.what, loaded.scene.file, text::number(t)));
-  write_lines(file("unknowns.csv"), unknown_lines(m));
-  write_lines(file("rows.csv"), row_lines(m));
-  return files;
+    result.write(
+        path(std::string(each.name) + ".mtx"),
+        matrix_market(each.matrix, fmt::format("{} of {} at t = {} s", each.what, scene.file, text::number(t))));
+  result.write(path("unknowns.csv"), csv_of(unknown_lines(m)));
+  result.write(path("rows.csv"), csv_of(row_lines(m)));
 }
 
 Result find_matrices(const Arguments& args) {
@@ -121,7 +128,7 @@ Result find_matrices(const Arguments& args) {
   const System::InSpace look = at.dynamics->look_in_space();
   const FoundMatrices found{at.state.t, matrices_at(*at.dynamics, at.state)};
   Result result(loaded, matrix_fields(), found);
-  if (!args["--out"].empty()) result.files = write_all(args["--out"], loaded, found.t, found.m);
+  if (!args["--out"].empty()) write_all(args["--out"], found.t, found.m, loaded.scene, result);
   return result;
 }
 

@@ -13,7 +13,6 @@
 #include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/findings.h"
-#include "framework/tools/program/growing_file.h"
 #include "framework/tools/program/run_report.h"
 #include "framework/tools/report/modes_page.h"
 
@@ -89,26 +88,25 @@ std::vector<std::string> shape_words(const Mode& mode, double length) {
   return out;
 }
 
-void write_modes(const std::string& file, const Modes& found) {
-  GrowingFile out(file);
-  std::string header = "mode,kind,frequency [Hz],omega [rad/s],damping,re [1/s],im [1/s],bound [1/s]";
+// A line for each mode, with its shape.
+std::string csv_text(const Modes& found) {
+  std::vector<std::vector<std::string>> lines{
+      {"mode", "kind", "frequency [Hz]", "omega [rad/s]", "damping", "re [1/s]", "im [1/s]", "bound [1/s]"}};
   if (!found.modes.empty())
     for (const BodyShape& of : found.modes.front().shape)
       for (const char* name : {"x", "y", "z", "turn_x", "turn_y", "turn_z"})
         for (const char* part : {"re", "im"})
-          header += fmt::format(",{}.{}.{} [{}]", of.body, name, part, name[0] == 't' ? "rad" : "m");
-  out.append(header + "\n");
-  for (std::size_t k = 0; k < found.modes.size(); ++k) {
-    const Mode& m = found.modes[k];
-    std::string line = fmt::format("{},{}", k + 1, word(m.kind));
-    const auto add = [&line](double x) { line += "," + text::number(x); };
-    add(m.frequency()), add(m.omega()), add(m.damping()), add(m.value.real()), add(m.value.imag()), add(m.bound);
+          lines[0].push_back(fmt::format("{}.{}.{} [{}]", of.body, name, part, name[0] == 't' ? "rad" : "m"));
+  for (const Mode& m : found.modes) {
+    std::vector<double> numbers{m.frequency(), m.omega(), m.damping(), m.value.real(), m.value.imag(), m.bound};
     for (const BodyShape& of : m.shape)
       for (const Eigen::Vector3cd& part : {of.move, of.turn})
-        for (int c = 0; c < 3; ++c) add(part[c].real()), add(part[c].imag());
-    out.append(line + "\n");
+        for (const std::complex<double> z : part) numbers.insert(numbers.end(), {z.real(), z.imag()});
+    std::vector<std::string>& line = lines.emplace_back();
+    line = {std::to_string(lines.size() - 1), word(m.kind)};
+    for (const double x : numbers) line.push_back(text::number(x));
   }
-  out.write(), out.commit();
+  return csv_of(lines);
 }
 
 struct FoundModes {
@@ -197,11 +195,9 @@ Result analyse_modes(const Arguments& args) {
   const MechanismAt at = state_at(loaded, instant_of(args));
   const Modes found = with_words_of_program([&] { return find_modes(*at.dynamics, at.state, options); });
   CommandFindings::add(found.notes);
-  if (!args["--csv"].empty()) write_modes(args["--csv"], found);
-  if (!report.empty()) write_modes_report(report, args, loaded, at, found);
   Result result(loaded, modes_fields(), FoundModes{{at.state.t, found.spin, found.unrest}, found});
-  for (const std::string& file : {args["--csv"], report})
-    if (!file.empty()) result.files.push_back(file);
+  if (!args["--csv"].empty()) result.write(args["--csv"], csv_text(found));
+  if (!report.empty()) write_modes_report(report, args, loaded, at, found), result.files.push_back(report);
   return result;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The results of work_precision as a CSV file and as charts.
+// The results of work_precision as CSV and as charts.
 #pragma once
 
 #include <string>
@@ -10,10 +10,8 @@
 
 namespace lockstep {
 
-/// One line per run: its method, setting, errors and cost, whether it counts, whether it is on the Pareto front of
-/// position error against CPU time, and the reason of a failure. Throws FileError.
-LOCKSTEP_API void write_runs(const std::string& file, const WorkPrecision&);
-/// The same table as text.
+/// As CSV, one line per run: its method, setting, errors and cost, whether it counts, whether it is on the Pareto front of
+/// position error against CPU time, and the reason of a failure.
 LOCKSTEP_API std::string runs_text(const WorkPrecision&);
 
 /// "18 combinations, such as rk4, quaternion, project, schur: why", one line per reason.

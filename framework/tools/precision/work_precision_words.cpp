@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Names, labels and the CSV file of work-precision results.
+// Names, labels and the CSV of work-precision results.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <fstream>
 
-#include <lockstep/error.h>
 #include "framework/foundation/support/csv_cells.h"
 #include "framework/tools/precision/work_precision_chart.h"
 
@@ -69,13 +67,6 @@ std::string runs_text(const WorkPrecision& result) {
                         r.rejected, counts(result, r) ? 1 : 0, on_front ? 1 : 0, csv_cell(r.failure));
   }
   return text;
-}
-
-void write_runs(const std::string& file, const WorkPrecision& result) {
-  std::ofstream out(file);
-  out << runs_text(result);
-  out.flush();
-  if (!out) throw FileError("file '" + file + "' cannot be written; check the folder, or name another");
 }
 
 }  // namespace lockstep

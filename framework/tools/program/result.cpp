@@ -9,7 +9,9 @@
 #include <sstream>
 
 #include <lockstep/text.h>
+#include "framework/foundation/support/csv_cells.h"
 #include "framework/tools/program/findings.h"
+#include "framework/tools/program/growing_file.h"
 #include "framework/tools/rank/doubts.h"
 
 namespace lockstep {
@@ -213,6 +215,19 @@ const Fields<Document>& last_fields() {
 }
 
 }  // namespace
+
+void Result::write(const std::string& file, std::string_view text) {
+  GrowingFile out(file);
+  out.clear(), out.append(text), out.commit();
+  files.push_back(file);
+}
+
+std::string csv_of(const std::vector<std::vector<std::string>>& lines) {
+  std::string text;
+  for (const auto& line : lines)
+    for (std::size_t k = 0; k < line.size(); ++k) text += csv_cell(line[k]) + (k + 1 < line.size() ? "," : "\n");
+  return text;
+}
 
 Json document_of(const Result& result) {
   const Document document{result, CommandFindings::all()};

@@ -227,7 +227,12 @@ struct Result {
   Result(const Loaded& of, const Fields<T>& fields, const T& found) : Result(fields, found) {
     scene = of.scene.file, title = of.title();
   }
+  /// Writes a whole file, which is one of its files then. Throws FileError.
+  void write(const std::string& file, std::string_view text);
 };
+
+/// Lines of cells, the titles first, as CSV.
+std::string csv_of(const std::vector<std::vector<std::string>>& lines);
 
 /// "0.1", "-" of null; 0 for what is rounding beside `largest`.
 std::string number_text(const Json&, double largest = 0);
