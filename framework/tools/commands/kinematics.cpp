@@ -223,10 +223,10 @@ Result follow(const Arguments& args, bool inverse) {
       motion.to(times[k]);
       const Sample sample(dynamics, motion.state(), report);
       if (k == 0)
-        recorder->start(sample), rows.start(sample), doubts.start(sample);
+        recorder->start(sample), rows.begin(), doubts.start(sample);
       else
         recorder->step(sample);
-      recorder->output(sample), rows.output(sample), doubts.output(sample);
+      recorder->output(sample), rows.take(), doubts.output(sample);
     }
   } catch (const Error&) {
     failed = std::current_exception();

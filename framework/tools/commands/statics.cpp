@@ -151,34 +151,26 @@ const Fields<Varied>& varied_fields() {
   return kFields;
 }
 
-/// The table of one equilibrium a row: values of the variables, what was found, poses and reactions.
-class Path {
- public:
-  Path(const std::vector<Variable>& variables, const System& system) {
-    for (const Variable& v : variables) table_.add_column(v.path, v.unit);
-    table_.add_column("stable");  // 1; 0 neutral; -1 unstable
-    table_.add_column("softest", "1/s^2");
-    table_.add_column("unbalanced");
-    for (const Column& c : pose_columns(system)) table_.add_column(c.name, c.unit);
+/// Adds an equilibrium to a table, whose columns come with the first: values of the variables, what was found, poses and
+/// reactions.
+void add_row(Table& table, const std::vector<Variable>& variables, std::vector<double> row, Resting& r) {
+  const Stability& s = r.report.stability;
+  row.push_back(s.kind == Stability::Kind::stable || s.kind == Stability::Kind::gripped ? 1
+                : s.kind == Stability::Kind::neutral                                    ? 0
+                : s.kind == Stability::Kind::unstable                                   ? -1
+                                                                                        : std::nan(""));
+  row.push_back(s.softest), row.push_back(r.report.unbalanced);
+  const std::vector<double> poses = pose_row(r.m.system, r.state, r.values());
+  row.insert(row.end(), poses.begin(), poses.end());
+  if (table.n_columns() == 0) {
+    for (const Variable& v : variables) table.add_column(v.path, v.unit);
+    table.add_column("stable");  // 1; 0 neutral; -1 unstable
+    table.add_column("softest", "1/s^2");
+    table.add_column("unbalanced");
+    for (const Column& c : pose_columns(r.m.system)) table.add_column(c.name, c.unit);
   }
-  const Table& add(const std::vector<double>& values, Resting& r) {
-    std::vector<double> row = values;
-    const Stability& s = r.report.stability;
-    row.push_back(s.kind == Stability::Kind::stable || s.kind == Stability::Kind::gripped ? 1
-                  : s.kind == Stability::Kind::neutral                                    ? 0
-                  : s.kind == Stability::Kind::unstable                                   ? -1
-                                                                                          : std::nan(""));
-    row.push_back(s.softest), row.push_back(r.report.unbalanced);
-    const std::vector<double> poses = pose_row(r.m.system, r.state, r.values());
-    row.insert(row.end(), poses.begin(), poses.end());
-    table_.add_row(row);
-    return table_;
-  }
-  const Table& table() const { return table_; }
-
- private:
-  Table table_;
-};
+  table.add_row(row);
+}
 
 std::vector<double> numbers_of(const std::vector<Variable>& variables, const std::vector<std::size_t>& choice) {
   std::vector<double> values;
@@ -191,29 +183,6 @@ std::vector<double> numbers_of(const std::vector<Variable>& variables, const std
   return values;
 }
 
-/// Where rows go: to a file that loses nothing, or to standard output.
-class Rows {
- public:
-  explicit Rows(const std::string& record) {
-    if (!record.empty()) file_.emplace(record);
-  }
-  void write(const std::string& text) {
-    if (!file_) {
-      fmt::print("{}", text);
-      return;
-    }
-    file_->append(text);
-    file_->write();
-  }
-  void commit() {
-    if (file_) file_->commit();
-  }
-  explicit operator bool() const { return file_.has_value(); }
-
- private:
-  std::optional<GrowingFile> file_;
-};
-
 Result vary(const Arguments& args, const Loaded& loaded) {
   std::vector<Variable> variables;
   try {
@@ -224,8 +193,10 @@ Result vary(const Arguments& args, const Loaded& loaded) {
   std::vector<std::size_t> sizes;
   for (const Variable& v : variables) sizes.push_back(v.values.size());
   const Grid grid(sizes);
-  Rows rows(args["--record"]);
-  std::optional<Path> path;
+  const std::string& record = args["--record"];
+  GrowingFile file(record.empty() ? "-" : record);
+  Table table;
+  GrowingCsv rows(file, table);
   std::unique_ptr<Resting> before;
   long failed = 0;
   for (long run = 1; run <= grid.n_runs(); ++run) {
@@ -235,25 +206,20 @@ Result vary(const Arguments& args, const Loaded& loaded) {
       auto now =
           std::make_unique<Resting>(vary_scene(loaded.scene, variables, choice, loaded.registry), loaded.registry);
       now->find(args, before ? &before->state : nullptr, false);
-      std::string text;
-      if (!path) {
-        path.emplace(variables, now->m.system);
-        append_csv_header(text, path->table());
-      }
-      const Table& table = path->add(values, *now);
-      append_csv_row(text, table, table.n_rows() - 1);
-      rows.write(text);
+      add_row(table, variables, values, *now);
+      if (!before) rows.begin();
+      rows.take(), file.write();
       before = std::move(now);
     } catch (const Error& error) {
       ++failed;
       fmt::print(stderr, "lockstep: {}: {}\n", setting_text(variables, choice), error.what());
     }
   }
-  rows.commit();
+  file.commit();
   Result result;
-  if (rows && path) {
-    result = {loaded, varied_fields(), {path->table().n_rows(), failed}};
-    result.files = {args["--record"]};
+  if (!record.empty() && before) {
+    result = {loaded, varied_fields(), {table.n_rows(), failed}};
+    result.files = {record};
   }
   result.code = failed > 0 ? kExitFailure : kExitOk;
   return result;
@@ -289,15 +255,12 @@ Result find_rest(const Arguments& args) {
   resting.find(args, nullptr, true);
   Result result(loaded, rest_fields(), found_of(resting));
   if (record.empty()) return result;
-  Rows rows(record);
-  Path path({}, resting.m.system);
-  const Table& table = path.add({}, resting);
+  Table table;
+  add_row(table, {}, {}, resting);
   std::string text;
   append_csv_header(text, table);
   append_csv_row(text, table, 0);
-  rows.write(text);
-  rows.commit();
-  result.files = {record};
+  result.write(record, text);
   return result;
 }
 

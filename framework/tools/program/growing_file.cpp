@@ -160,7 +160,7 @@ void GrowingFile::commit() {
   if (std::rename(partial_.c_str(), name_.c_str()) != 0) fail("cannot be renamed");
 }
 
-void GrowingCsv::start(const Sample&) {
+void GrowingCsv::begin() {
   file_.clear();
   n_rows_ = 0, written_ = now();
   line_.clear();
@@ -168,22 +168,16 @@ void GrowingCsv::start(const Sample&) {
   file_.append(line_);
 }
 
-void GrowingCsv::append_rows() {
+void GrowingCsv::take() {
   for (; n_rows_ < table_.n_rows(); ++n_rows_) {
     line_.clear();
     append_csv_row(line_, table_, n_rows_);
     file_.append(line_);
   }
-}
-
-void GrowingCsv::output(const Sample&) {
-  append_rows();
   const double t = now();
   if (t - written_ < kInterval) return;
   file_.write();
   written_ = t;
 }
-
-void GrowingCsv::finish(const Sample&) { append_rows(); }
 
 }  // namespace lockstep

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include <lockstep/recorder.h>
+#include <lockstep/table.h>
 
 namespace lockstep {
 
@@ -50,15 +50,13 @@ class GrowingFile {
   int file_ = -1;
 };
 
-/// Appends the rows of a recorder's table as they come, and writes them every second. Add it to the run after the
-/// recorder; what it appended last is left to write() or commit().
-class GrowingCsv final : public Observer {
+/// Appends the rows of a table as they come, and writes them every second; what it appended last is left to write() or
+/// commit().
+class GrowingCsv {
  public:
   GrowingCsv(GrowingFile& file, const Table& table, bool units = true) : file_(file), table_(table), units_(units) {}
-  void start(const Sample&) override;
-  void output(const Sample&) override;
-  void finish(const Sample&) override;
-  void append_rows();  ///< those that were not yet
+  void begin();  ///< the file begins anew, with the header
+  void take();   ///< appends the rows that were added since
   /// The table begins anew: its rows were removed.
   void table_emptied() { n_rows_ = 0; }
 

@@ -3,23 +3,14 @@
 
 namespace lockstep {
 
-void RunRows::start(const Sample& s) {
+void RunRows::start(const Sample&) {
   n_taken_ = 0;
   rows_.clear();
-  if (!goes_on_) csv_.start(s);
+  if (!goes_on_) csv_.begin();
 }
 
-void RunRows::output(const Sample& s) {
-  csv_.output(s);
-  take();
-}
-
-void RunRows::finish(const Sample& s) {
-  csv_.finish(s);
-  take();
-}
-
-void RunRows::take() {
+void RunRows::output(const Sample&) {
+  csv_.take();
   const Table& table = recorder_.table();
   for (; n_taken_ < table.n_rows(); ++n_taken_) rows_.add(table, n_taken_);
   if (keeps_) return;

@@ -20,13 +20,12 @@ class RunRows final : public Observer {
 
   void start(const Sample&) override;
   void output(const Sample&) override;
-  void finish(const Sample&) override;
+  void finish(const Sample& s) override { output(s); }
   /// All rows must have been written (GrowingFile::sync).
   void save(Snapshot&) const override;
   void load(SnapshotReader&) override;
 
  private:
-  void take();
   GrowingFile& file_;
   Recorder& recorder_;
   GrowingCsv csv_;
