@@ -27,9 +27,11 @@
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/findings.h"
 #include "framework/tools/program/growing_file.h"
+#include "framework/tools/program/method_specs.h"
 #include "framework/tools/program/progress.h"
 #include "framework/tools/program/run_report.h"
 #include "framework/tools/program/terminal.h"
+#include "framework/tools/record/csv_lines.h"
 #include "framework/tools/sweep/sweep_lanes.h"
 #include "framework/tools/sweep/watched_run.h"
 
@@ -39,19 +41,6 @@ namespace {
 constexpr long kMostReasons = 5;  // failures that are printed
 constexpr long kLanes = 8;        // runs at once
 constexpr long kFewestLanes = 3;  // fewer runs are faster one by one
-
-// The columns and rows of a table by their names alone.
-Table without_units(const Table& table) {
-  Table plain;
-  for (const Column& c : table.columns()) plain.add_column(c.name);
-  plain.reserve(table.n_rows());
-  std::vector<double> row(table.n_columns());
-  for (std::size_t i = 0; i < table.n_rows(); ++i) {
-    for (std::size_t k = 0; k < row.size(); ++k) row[k] = table.columns()[k].values[i];
-    plain.add_row(row);
-  }
-  return plain;
-}
 
 /// A run as results have it.
 struct SweepRow {
@@ -164,10 +153,10 @@ class Sweep {
 
  private:
   std::string header() const {
-    if (!plan_.plain_headers) return sweep_header(plan_.variables, plan_.columns);
     std::vector<Variable> variables = plan_.variables;
-    for (Variable& v : variables) v.unit.clear();
-    return sweep_header(variables, without_units(plan_.columns));
+    for (Variable& v : variables)
+      if (plan_.plain_headers) v.unit.clear();
+    return sweep_header(variables, plan_.columns);
   }
 
   // The rows that are there, with --resume; else none.
@@ -314,9 +303,8 @@ class Sweep {
   bool keep(const SweepRun& run, long k, const Table& history) const {
     if (!keeps_histories() || run.broken_off || history.n_columns() == 0) return false;
     const std::size_t width = std::to_string(plan_.grid.n_runs()).size();
-    write_csv(
-        (std::filesystem::path(plan_.arguments["--histories"]) / fmt::format("{:0{}}.csv", number(k), width)).string(),
-        plan_.plain_headers ? without_units(history) : history);
+    const std::string name = fmt::format("{:0{}}.csv", number(k), width);
+    write_csv((std::filesystem::path(plan_.arguments["--histories"]) / name).string(), history, !plan_.plain_headers);
     return true;
   }
 
@@ -387,7 +375,7 @@ void write_report(const SweepPlan& plan, const Tally& tally, const std::string& 
   if (motions != nullptr && tally.kept > 0)
     text.facts.emplace_back(
         "", fmt::format("Of the {} runs before the interruption the page has no curves; the folder has.", tally.kept));
-  write_runs_report(report, text, contents_of(csv), column_title({v.path, v.unit, {}}),
+  write_runs_report(report, text, contents_of(csv), column_title({v.path, plan.plain_headers ? "" : v.unit, {}}),
                     column_title({result.name + " final", result.unit, {}}), false, motions);
   if (!left_out.empty()) notes.push_back("of the histories it keeps " + left_out);
   if (motions != nullptr && tally.kept > 0)

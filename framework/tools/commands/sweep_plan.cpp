@@ -117,7 +117,8 @@ SweepPlan make_sweep_plan(const Arguments& args) {
   Grid grid = usage("--vary", [&] { return Grid(sizes); });
   const bool plain = args["--headers"].empty() ? !outputs_of(loaded.scene).units : args["--headers"] == "plain";
   SweepPlan plan{args, std::move(loaded), std::move(variables), std::move(grid), shard, {}, plain};
-  plan.columns = columns_of(plan);
+  const Table recorded = columns_of(plan);
+  for (const Column& c : recorded.columns()) plan.columns.add_column(c.name, plain ? "" : c.unit);
   return plan;
 }
 

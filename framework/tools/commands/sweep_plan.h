@@ -18,7 +18,7 @@ struct SweepPlan {
   std::vector<Variable> variables;
   Grid grid;
   Shard shard;
-  Table columns;  ///< of each run, without rows
+  Table columns;  ///< of each run, without rows; with plain headers without units
   bool plain_headers;
 
   Scene scene(long run) const;

@@ -73,9 +73,11 @@ void append_csv_row(std::string& text, const Table& table, std::size_t i) {
   text += '\n';
 }
 
-void write_csv(std::ostream& out, const Table& table) {
+namespace {
+
+void write_lines(std::ostream& out, const Table& table, bool units) {
   std::string line;
-  append_csv_header(line, table);
+  append_csv_header(line, table, units);
   out.write(line.data(), static_cast<std::streamsize>(line.size()));
   for (std::size_t i = 0; i < table.n_rows(); ++i) {
     line.clear();
@@ -84,10 +86,16 @@ void write_csv(std::ostream& out, const Table& table) {
   }
 }
 
-void write_csv(const std::string& file, const Table& table) {
+}  // namespace
+
+void write_csv(std::ostream& out, const Table& table) { write_lines(out, table, true); }
+
+void write_csv(const std::string& file, const Table& table) { write_csv(file, table, true); }
+
+void write_csv(const std::string& file, const Table& table, bool units) {
   errno = 0;
   std::ofstream out(file, std::ios::binary | std::ios::trunc);
-  if (out) write_csv(out, table);
+  if (out) write_lines(out, table, units);
   out.close();
   if (!out)
     throw FileError(

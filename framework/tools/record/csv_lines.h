@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The lines of a table as CSV.
+// Tables as CSV, with units in the titles or without.
 #pragma once
 
 #include <cstddef>
@@ -13,5 +13,7 @@ namespace lockstep {
 LOCKSTEP_API void append_csv_header(std::string& text, const Table&, bool units = true);
 /// Appends row i, with its line end.
 LOCKSTEP_API void append_csv_row(std::string& text, const Table&, std::size_t i);
+/// Writes a whole file. Throws FileError.
+LOCKSTEP_API void write_csv(const std::string& file, const Table&, bool units);
 
 }  // namespace lockstep
