@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "framework/tools/program/options.h"
 #include "framework/tools/program/tools.h"
 #include "tests/faults/failing.h"
 #include "tests/support/open_defect.h"
@@ -144,8 +143,7 @@ TEST_CASE("every verb that prints says that a full standard output is full", "[f
                                   "--help",
                                   "--version",
                                   "complete ''"};
-  for (const Command& command : own_commands()) all.push_back(std::string(command.name) + " --help");
-  for (const Tool& tool : tools()) all.push_back(std::string(tool.verb) + " --help");
+  for (const Verb& verb : verbs()) all.push_back(std::string(verb.name) + " --help");
   CHECK(all.size() > 30);
   for (const std::string& words : all) {
     const Called r = shell("lockstep " + words + " > /dev/full");

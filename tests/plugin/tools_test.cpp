@@ -18,13 +18,14 @@ namespace fs = std::filesystem;
 
 TEST_CASE("every verb of another program has its help, and stands in that of lockstep", "[runner]") {
   const std::string help = call("--help").text, manual = call("man").text;
-  for (const Tool& tool : tools()) {
-    INFO(tool.verb);
-    CHECK(contains(help, "\n  " + std::string(tool.verb) + " "));
-    CHECK(contains(manual, "\n.SS \"lockstep " + std::string(tool.verb)));
-    const Called own = call(std::string(tool.verb) + " --help");
+  for (const Verb& verb : verbs()) {
+    if (verb.program.empty()) continue;
+    INFO(verb.name);
+    CHECK(contains(help, "\n  " + std::string(verb.name) + " "));
+    CHECK(contains(manual, "\n.SS \"lockstep " + std::string(verb.name)));
+    const Called own = call(std::string(verb.name) + " --help");
     CHECK(own.exit == 0);
-    CHECK(contains(own.text, std::string(tool.help)));
+    CHECK(contains(own.text, std::string(verb.help)));
   }
 }
 
@@ -47,6 +48,10 @@ TEST_CASE("a program that is not there says how to get it", "[runner]") {
   check_refused(call("run '" + kFourBar + "' --certify", nowhere), 2,
                 {"--certify is in the program lockstep-measuring"});
   CHECK(call("check '" + kFourBar + "'", nowhere).exit == 0);
+  const std::string folder = kRunnerFolder + "/refused";
+  fs::create_directories(folder + "/lockstep-analyses");  // a folder cannot be started
+  check_refused(call("statics '" + kFourBar + "'", "LOCKSTEP_EXEC_PATH='" + folder + "'"), 2,
+                {"/refused/lockstep-analyses' cannot be started: Permission denied"});
   const Called completed = call("complete statics --", nowhere);
   CHECK(completed.exit == 0);
   CHECK(completed.text.empty());

@@ -177,8 +177,6 @@ Result advise(const Arguments& args) {
 
 Command advise_command() {
   return {"advise",
-          "",
-          "",
           join({measuring_options(),
                 {{"--error", "E", "largest error allowed over the whole run, SI units; default 1e-6"},
                  Option{"--of", "WHAT", "kind of error: position (m), velocity (m/s), energy (J), reaction (N)"}.among(

@@ -74,8 +74,6 @@ Result assemble_scene(const Arguments& args) {
 
 Command assemble_command() {
   return {"assemble",
-          "",
-          "",
           join({scene_options(),
                 {kJson,
                  {"--branches", "N", "look from N random starts for all ways in which a driven scene fits together"},

@@ -251,8 +251,6 @@ Result draw_atlas(const Arguments& args) {
 Command atlas_command() {
   return {
       "atlas",
-      "",
-      "",
       join({scene_options(),
             {Option{"--vary", "NAME=...", "NAME=a:b:n, NAME=a:b:n:log or NAME=v1,v2,...; twice: x axis, y axis"}
                  .needed()

@@ -166,12 +166,7 @@ CertifiedRun certificate_of(const Loaded& loaded, const Arguments& args, const R
 }
 
 Command certify_command() {
-  return {"run",
-          "",
-          "Compute the motion of a scene, and certify it",
-          run_options(),
-          [](const Arguments& args) { return run_and_certify(args, certificate_of); },
-          "",
+  return {"run", run_options(), [](const Arguments& args) { return run_and_certify(args, certificate_of); }, "",
           run_results()};
 }
 

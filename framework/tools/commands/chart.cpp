@@ -153,8 +153,6 @@ Result chart_scene(const Arguments& args) {
 Command chart_command() {
   return {
       "chart",
-      "",
-      "",
       join({measuring_options(),
             {kFolder,
              {"--caption", "TEXT", "the last line of the pictures; default: version, date and machine; '': none"}}}),

@@ -159,8 +159,6 @@ Result explain(const Arguments& args) {
 
 Command explain_command() {
   return {"explain",
-          "",
-          "",
           join({scene_options(),
                 {{"thing", "THING", "a body, link or force by its name; default: every body"}, kJson, kAt}}),
           explain,

@@ -105,8 +105,6 @@ Result import_robot(const Arguments& args) {
 Command import_command() {
   return {
       "import",
-      "",
-      "",
       {Option{"file", "FILE.urdf", "the robot; -: from standard input, as in `xacro robot.xacro | lockstep import -`"}
            .needed(),
        {"--out", "FILE.json", "the scene; default: standard output"},

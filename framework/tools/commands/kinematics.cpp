@@ -259,8 +259,6 @@ Options driven() {
 
 Command kinematics_command() {
   return {"kinematics",
-          "",
-          "",
           driven(),
           [](const Arguments& args) { return follow(args, false); },
           "Masses are not needed. A scene with too few or too many drives is refused, with the coordinates to drive or "
@@ -269,8 +267,6 @@ Command kinematics_command() {
 }
 Command inverse_command() {
   return {"inverse",
-          "",
-          "",
           driven(),
           [](const Arguments& args) { return follow(args, true); },
           "Columns: those of the scene, then every drive and every reaction.\n\n"

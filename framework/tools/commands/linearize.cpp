@@ -92,8 +92,6 @@ Result linearize_scene(const Arguments& args) {
 Command linearize_command() {
   return {
       "linearize",
-      "",
-      "",
       join({motion_command_options(),
             {Option{"--inputs", "A,B",
                     "driven links (A, or A.rz of several drives: value, rate and second rate), forces (motor, "

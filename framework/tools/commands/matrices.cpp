@@ -137,8 +137,6 @@ Result find_matrices(const Arguments& args) {
 Command matrices_command() {
   return {
       "matrices",
-      "",
-      "",
       join(
           {scene_options(),
            {kAt, kJson, {"--out", "DIR", "folder for M, D, K and J as Matrix Market, and rows.csv and unknowns.csv"}}}),

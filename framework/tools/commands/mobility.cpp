@@ -17,8 +17,6 @@ Result find_mobility(const Arguments& args) {
 
 Command mobility_command() {
   return {"mobility",
-          "",
-          "",
           join({scene_options(), {kJson}}),
           find_mobility,
           "Counted at the assembled start, in its plane if it has one; --full counts in space. `lockstep check` prints "

@@ -206,8 +206,6 @@ Result analyse_modes(const Arguments& args) {
 Command modes_command() {
   return {
       "modes",
-      "",
-      "",
       join({motion_command_options(),
             {{"--count", "N", "the N lowest; default: all of up to 1200 unknown velocities, the lowest 20 of more"},
              {"--csv", "FILE.csv", "one row per mode, with its shape"},

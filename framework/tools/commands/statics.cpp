@@ -269,8 +269,6 @@ Result find_rest(const Arguments& args) {
 Command statics_command() {
   return {
       "statics",
-      "",
-      "",
       join({scene_options(),
             {kJson,
              {"--at", "T", "the instant at which laws and drives are taken, s; default 0"},

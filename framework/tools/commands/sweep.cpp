@@ -426,8 +426,6 @@ Result sweep_scene(const Arguments& args) {
 Command sweep_command() {
   return {
       "sweep",
-      "",
-      "",
       join(
           {settings_options(),
            {Option{"--vary", "NAME=...", "NAME=a:b:n, n values evenly from a to b, or NAME=v1,v2,...; may be repeated"}

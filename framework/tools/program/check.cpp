@@ -397,8 +397,6 @@ Result check(const Arguments& args) {
 
 Command check_command() {
   return {"check",
-          kLook,
-          "Read and build a scene; report its bodies, unknowns, rows and degrees of freedom",
           join({scene_options(),
                 {kJson,
                  {"--channels", "", "list every channel that the scene may record, with unit and meaning"},

@@ -69,6 +69,8 @@ void add_option(CLI::App& app, const Option& o, std::map<std::string, CLI::Optio
 
 // A command with its options: the app "list" below "plugins" for "plugins list".
 CLI::App& add_command(CLI::App& app, const Command& command) {
+  const Verb& verb = *verb_of(command.name);
+  const std::string group(verb.group);
   CLI::App* parent = &app;
   std::string name(command.name);
   if (const std::size_t blank = name.find(' '); blank != std::string::npos) {
@@ -78,10 +80,10 @@ CLI::App& add_command(CLI::App& app, const Command& command) {
       parent = there.front();
     else
       parent = app.add_subcommand(first, "Report which plugins there are")->require_subcommand(1);
-    parent->group(std::string(group_of(command)));
+    parent->group(group);
     name.erase(0, blank + 1);
   }
-  CLI::App& sub = *parent->add_subcommand(name, std::string(help_of(command)))->group(std::string(group_of(command)));
+  CLI::App& sub = *parent->add_subcommand(name, std::string(verb.help))->group(group);
   std::map<std::string, CLI::Option*, std::less<>> known;
   for (const Option& o : command.options) add_option(sub, o, known);
   sub.footer(std::string(command.footer));
@@ -170,7 +172,7 @@ int run_words(const Program& program, int argc, const char* const* argv) {
   if (argc > 1 && std::string_view(argv[1]) == "complete")
     return guarded([&] { return print_completions(program, argc - 2, argv + 2); });
   if (argc == 2 && !program.calls_tools && std::string_view(argv[1]) == "man-verbs") {
-    fmt::print("{}", commands_page(program.commands));
+    fmt::print("{}", commands_page(program));
     return kExitOk;
   }
   if (argc == 2 && !program.calls_tools && std::string_view(argv[1]) == "results") {
@@ -187,12 +189,14 @@ int run_words(const Program& program, int argc, const char* const* argv) {
       std::string("Example:\n  lockstep run samples/scenes/four_bar.json\nEach verb has a --help of its own.\n\n") +
       "Exit codes: " + kExitCodes);
   std::vector<std::pair<const CLI::App*, const Command*>> commands;
-  for (const std::string_view group : kGroups) {
-    for (const Command& command : program.commands)
-      if (group_of(command) == group) commands.emplace_back(&add_command(app, command), &command);
-    for (const Tool& tool : tools())
-      if (program.calls_tools && tool.group == group)
-        app.add_subcommand(std::string(tool.verb), std::string(tool.help))->group(std::string(group))->prefix_command();
+  for (const Verb& verb : verbs()) {
+    const auto own = std::ranges::find(program.commands, verb.name, &Command::name);
+    if (own != program.commands.end())
+      commands.emplace_back(&add_command(app, *own), &*own);
+    else if (program.calls_tools)
+      app.add_subcommand(std::string(verb.name), std::string(verb.help))
+          ->group(std::string(verb.group))
+          ->prefix_command();
   }
   try {
     app.parse(argc, argv);

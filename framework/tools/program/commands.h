@@ -92,7 +92,7 @@ int answer_for_plugin(const char* file);
 
 struct Command;
 
-/// The commands of a program, and whether it is the one that finds the others (tools.h).
+/// The commands of a program, and whether it is lockstep itself, which finds the others (tools.h).
 struct Program {
   std::span<const Command> commands;
   bool calls_tools = false;

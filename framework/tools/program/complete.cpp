@@ -94,7 +94,7 @@ struct Line {
     };
     for (const Command& c : program.commands) take(c.name);
     if (program.calls_tools)
-      for (const Tool& tool : tools()) take(tool.verb);
+      for (const Verb& verb : verbs()) take(verb.name);
     return all;
   }
   void name(const std::string& word) {
@@ -250,8 +250,6 @@ Completion completion(const Program& program, const std::vector<std::string>& wo
 
 Command completion_command() {
   return {"completion",
-          kExtend,
-          "Print the script by which a shell completes lines: verbs, options, names of the scene",
           {Option{"shell", "SHELL", "bash or zsh"}.among("bash,zsh").needed()},
           [](const Arguments& args) -> Result {
             fmt::print("{}", args["shell"] == "zsh" ? kZsh : kBash);

@@ -61,8 +61,6 @@ Result show_demo(const Arguments& args) {
 Command demo_command() {
   return {
       "demo",
-      kRun,
-      "Show a moving four-bar in the browser, and leave its scene to play with",
       {{"--into", "DIR", "folder of its files; default: lockstep_demo in LOCKSTEP_OUTPUT or here"},
        {"--no-open", "", "only write the files, open no browser"}},
       show_demo,

@@ -186,20 +186,15 @@ Result print_schema(const Arguments& args) {
 }  // namespace
 
 Command list_command() {
-  return {
-      "list",
-      kLook,
-      "List the laws, links, forces, integrators and solvers that scenes may name; `list findings`: what may be found",
-      {Option{"shelf", "SHELF", "only one of them"}.among("links,laws,forces,integrators,solvers,findings"), kPlugin,
-       kJson},
-      list_all,
-      "Example:\n  lockstep list links",
-      {&shelf_fields().schema(), &kinds_fields().schema()}};
+  return {"list",
+          {Option{"shelf", "SHELF", "only one of them"}.among("links,laws,forces,integrators,solvers,findings"),
+           kPlugin, kJson},
+          list_all,
+          "Example:\n  lockstep list links",
+          {&shelf_fields().schema(), &kinds_fields().schema()}};
 }
 Command describe_command() {
   return {"describe",
-          kLook,
-          "Print what a type, an object of a scene or a finding is, and which keys it takes",
           {{"name", "NAME",
             "a name of `lockstep list`; an object of scenes: body, marker, link, force, event, run, ...; a key; or "
             "orientation, axis, law, formula, unit, channel, ...; with --scene a parameter or point"},
@@ -213,16 +208,12 @@ Command describe_command() {
 }
 Command schema_command() {
   return {"schema",
-          kLook,
-          "Print the JSON Schema of scene files, for editors; or of what commands print with --json",
           {{"--results", "", "the schemas of the results of all commands, by their names"}, kPlugin},
           print_schema,
           "Example:\n  lockstep schema > scene.schema.json"};
 }
 Command reference_command() {
   return {"reference",
-          kLook,
-          "Print the reference of scenes as a page in Markdown: every object, type, key and unit; or that of findings",
           {Option{"page", "PAGE", "default: scenes"}.among("scenes,findings"), kPlugin},
           print_reference,
           "Example:\n  lockstep reference > reference.md"};

@@ -46,7 +46,7 @@ void write_command(std::ostringstream& out, const Command& command) {
   out << ".SS \"lockstep " << escaped(command.name);
   for (const Option& o : command.options)
     if (o.positional()) out << (o.required ? " " : " [") << escaped(o.type) << (o.required ? "" : "]");
-  out << "\"\n" << escaped(help_of(command)) << ".\n";
+  out << "\"\n" << escaped(verb_of(command.name)->help) << ".\n";
   for (const Option& o : command.options) {
     const std::string choices = o.choices.empty() ? "" : " (" + text::join(words_of(o.choices)) + ")";
     out << ".TP\n" << form_of(o) << "\n" << escaped(std::string(o.help) + choices) << "\n";
@@ -78,10 +78,10 @@ what a sweep that has not ended was begun by, for sweep \-\-resume
 
 }  // namespace
 
-std::string commands_page(std::span<const Command> commands) {
+std::string commands_page(const Program& program) {
   std::ostringstream out;
-  for (const Command& command : commands)
-    if (!group_of(command).empty()) write_command(out, command);
+  for (const Command& command : program.commands)
+    if (verb_of(command.name)->program.empty() == program.calls_tools) write_command(out, command);
   return out.str();
 }
 
@@ -99,15 +99,14 @@ Result print_manual(const Arguments&) {
          "move.\n"
       << ".PP\nBegin with\n.B lockstep demo\nor\n.BR \"lockstep describe scene\" .\n"
       << ".SH VERBS\n";
-  out << commands_page(own_commands()) << ask_tools("man-verbs") << ".SH EXIT STATUS\n" << escaped(kExitCodes) << ".\n";
+  out << commands_page({own_commands(), true}) << ask_tools("man-verbs") << ".SH EXIT STATUS\n"
+      << escaped(kExitCodes) << ".\n";
   fmt::print("{}{}", out.str(), kEnvironment);
   return kExitOk;
 }
 
 }  // namespace
 
-Command man_command() {
-  return {"man", kExtend, "Print the manual page", {}, print_manual, "Example:\n  lockstep man | man -l -"};
-}
+Command man_command() { return {"man", {}, print_manual, "Example:\n  lockstep man | man -l -"}; }
 
 }  // namespace lockstep

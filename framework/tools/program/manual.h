@@ -2,7 +2,6 @@
 // The manual page of the program, written from its commands and options.
 #pragma once
 
-#include <span>
 #include <string>
 
 #include "framework/tools/program/options.h"
@@ -18,7 +17,7 @@ inline constexpr const char* kExitCodes =
     "from "
     "the one given (assemble); 130 interrupted; 1 any other failure";
 
-/// Its part on the commands of a program.
-std::string commands_page(std::span<const Command>);
+/// Its part on the commands of a program, but for one that stands in for lockstep's own.
+std::string commands_page(const Program&);
 
 }  // namespace lockstep

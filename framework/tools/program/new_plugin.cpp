@@ -145,8 +145,6 @@ Result make_plugin(const Arguments& args) {
 
 Command new_plugin_command() {
   return {"new-plugin",
-          kExtend,
-          "Write the folder of a plugin: source, CMake file, test, scene; it builds and passes at once",
           {Option{"kind", "KIND", "link, coupling, law, force or integrator"}
                .among("link,coupling,law,force,integrator")
                .needed(),

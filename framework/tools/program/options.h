@@ -51,8 +51,7 @@ Options join(std::initializer_list<Options> lists);
 
 /// A command.
 struct Command {
-  std::string_view name;         ///< "run"; "plugins list"
-  std::string_view group, help;  ///< "": as tools() has it
+  std::string_view name;  ///< of its verb (tools.h)
   Options options;
   Result (*run)(const Arguments&);
   std::string_view footer{};

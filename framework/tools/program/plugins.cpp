@@ -138,8 +138,6 @@ Result list_plugins(const Arguments& args) {
 
 Command plugins_list_command() {
   return {"plugins list",
-          kExtend,
-          "Load each plugin of the search path; report what it brings",
           {{"--why", "", "report everything: folders, files, builds, and why a plugin is refused"}, kJson},
           list_plugins,
           "Example:\n  LOCKSTEP_PLUGIN_PATH=~/my/plugins lockstep plugins list --why",

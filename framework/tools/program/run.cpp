@@ -496,19 +496,13 @@ Result report_run(const Arguments& args) {
 std::vector<const Schema*> run_results() { return {&run_fields().schema(), &failed_fields().schema()}; }
 
 Command run_command() {
-  return {"run",
-          kRun,
-          "Compute the motion of a scene, write CSV and a picture",
-          run_options(),
-          run_scene,
+  return {"run", run_options(), run_scene,
           "Example:\n  lockstep run samples/scenes/four_bar.json --integrator rk4 --step 1e-3 --record out.csv",
           run_results()};
 }
 Command resume_command() {
   return {
       "resume",
-      kRun,
-      "Go on with a run from its checkpoint",
       {Option{"checkpoint", "FILE", "what `lockstep run --checkpoint` wrote"}.needed()},
       resume_run,
       "The run has the command line and the folder that it was begun with, and equals one that was not interrupted, "
@@ -518,8 +512,6 @@ Command resume_command() {
 }
 Command report_command() {
   return {"report",
-          kRun,
-          "Run a scene and write it as one HTML file: the mechanism in motion, its columns, its settings",
           join({settings_options(),
                 {{"--out", "FILE.html", "the HTML file; default: beside the CSV, with its name"},
                  {"--open", "", "show it in the browser (xdg-open)"}},

@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <boost/dll/runtime_symbol_info.hpp>
+#include <cerrno>
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <utility>
 #include <vector>
@@ -22,7 +24,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr Tool kTools[] = {
+constexpr std::string_view kRun = "Run a mechanism", kLook = "Look at a scene", kAnalyse = "Analyse",
+                           kCompare = "Compare and sweep", kExtend = "Extend and install";
+constexpr Verb kVerbs[] = {
+    {"run", "", kRun, "Compute the motion of a scene, write CSV and a picture"},
+    {"resume", "", kRun, "Go on with a run from its checkpoint"},
+    {"report", "", kRun,
+     "Run a scene and write it as one HTML file: the mechanism in motion, its columns, its settings"},
+    {"demo", "", kRun, "Show a moving four-bar in the browser, and leave its scene to play with"},
+    {"check", "", kLook, "Read and build a scene; report its bodies, unknowns, rows and degrees of freedom"},
+    {"list", "", kLook,
+     "List the laws, links, forces, integrators and solvers that scenes may name; `list findings`: what may be found"},
+    {"describe", "", kLook, "Print what a type, an object of a scene or a finding is, and which keys it takes"},
+    {"schema", "", kLook, "Print the JSON Schema of scene files, for editors; or of what commands print with --json"},
+    {"reference", "", kLook,
+     "Print the reference of scenes as a page in Markdown: every object, type, key and unit; or that of findings"},
     {"mobility", "analyses", kAnalyse,
      "Tell how a scene can move, which of its rows are too many, and which reactions are not unique"},
     {"assemble", "analyses", kAnalyse, "Bring the start of a scene onto its constraints; report what moved how far"},
@@ -46,37 +62,29 @@ constexpr Tool kTools[] = {
     {"atlas", "measuring", kCompare,
      "Draw where each method works and where it fails, over any two numbers of a scene"},
     {"sweep", "sweep", kCompare, "Run a scene many times with other values, one row per run"},
+    {"new-plugin", "", kExtend,
+     "Write the folder of a plugin: source, CMake file, test, scene; it builds and passes at once"},
+    {"completion", "", kExtend,
+     "Print the script by which a shell completes lines: verbs, options, names of the scene"},
+    {"man", "", kExtend, "Print the manual page"},
+    {"plugins list", "", kExtend, "Load each plugin of the search path; report what it brings"},
     {"import", "import", kExtend, "Read a robot in URDF and write it as a scene"},
 };
 
-std::string file_of(const std::string& program) {
+std::string file_of(std::string_view program) {
   if (const char* folder = std::getenv("LOCKSTEP_EXEC_PATH"); folder != nullptr && *folder != 0)
-    return std::string(folder) + "/lockstep-" + program;
+    return fmt::format("{}/lockstep-{}", folder, program);
   const std::string own = boost::dll::program_location().string();
-  return (fs::path(own).parent_path().parent_path() / "libexec/lockstep/lockstep-").string() + program;
-}
-
-bool is_own(std::string_view verb) {
-  return verb == "complete" || verb == "plugins" || verb == "plugin-answer" ||
-         std::ranges::any_of(own_commands(), [&](const Command& c) { return c.name == verb; });
+  return (fs::path(own).parent_path().parent_path() / "libexec/lockstep/lockstep-").string().append(program);
 }
 
 }  // namespace
 
-std::span<const Tool> tools() { return kTools; }
+std::span<const Verb> verbs() { return kVerbs; }
 
-const Tool* tool_of(std::string_view verb) {
-  const auto found = std::ranges::find(kTools, verb, &Tool::verb);
-  return found == std::end(kTools) ? nullptr : found;
-}
-
-std::string_view help_of(const Command& command) {
-  const Tool* tool = tool_of(command.name);
-  return command.help.empty() && tool != nullptr ? tool->help : command.help;
-}
-std::string_view group_of(const Command& command) {
-  const Tool* tool = tool_of(command.name);
-  return command.group.empty() && tool != nullptr ? tool->group : command.group;
+const Verb* verb_of(std::string_view name) {
+  const auto found = std::ranges::find(kVerbs, name, &Verb::name);
+  return found == std::end(kVerbs) ? nullptr : found;
 }
 
 std::optional<int> call_tool(int argc, const char* const* argv) {
@@ -86,31 +94,36 @@ std::optional<int> call_tool(int argc, const char* const* argv) {
   const bool certifies = verb == "run" && !completes && std::any_of(argv + 2, argv + argc, [](const char* word) {
                            return std::string_view(word).starts_with("--certify");
                          });
-  const Tool* tool = certifies ? tool_of("chart") : tool_of(verb);
-  if (tool == nullptr && (completes || is_own(verb))) return {};
-  const std::string program = tool != nullptr ? tool->program : std::string(verb);
+  const Verb* known = verb_of(certifies ? "chart" : verb);
+  const auto own = {"complete", "plugins", "plugin-answer"};  // words that no verb is
+  if (known != nullptr ? known->program.empty() : completes || std::ranges::find(own, verb) != own.end()) return {};
+  const std::string program(known != nullptr ? known->program : verb);
   std::vector<char*> words;
   for (int k = 0; k < argc; ++k) words.push_back(const_cast<char*>(argv[k]));
   words.push_back(nullptr);
-  if (tool == nullptr) words.erase(words.begin() + 1);  // of a program of another's: as git calls one
+  if (known == nullptr) words.erase(words.begin() + 1);  // of a program of another's: as git calls one
   std::signal(SIGXFSZ, SIG_DFL);                        // as it was before run_program()
-  execv(file_of(program).c_str(), words.data());
+  const std::string file = file_of(program);
+  execv(file.c_str(), words.data());
+  const int why = errno;
   execvp(("lockstep-" + program).c_str(), words.data());
-  if (tool == nullptr) return {};
+  if (known == nullptr) return {};
   if (completes) return kExitOk;
+  const std::string state = why == ENOENT ? fmt::format("which is neither '{}' nor on the PATH", file)
+                                          : fmt::format("but '{}' cannot be started: {}", file, std::strerror(why));
   tell(
-      fmt::format("lockstep: {} is in the program lockstep-{}, which is neither '{}' nor on the PATH; build it "
-                  "(cmake --build build/release --target lockstep_{}), or install the package lockstep\n",
-                  certifies ? "--certify" : "'" + std::string(verb) + "'", program, file_of(program), program));
+      fmt::format("lockstep: {} is in the program lockstep-{}, {}; build it (cmake --build build/release --target "
+                  "lockstep_{}), or install the package lockstep\n",
+                  certifies ? "--certify" : "'" + std::string(verb) + "'", program, state, program));
   return kExitUsage;
 }
 
 std::string ask_tools(const char* question) {
   std::string answers;
   std::string_view last;  // those of a program stand together
-  for (const Tool& tool : kTools) {
-    const std::string file = file_of(tool.program);
-    if (std::exchange(last, tool.program) == tool.program || !fs::exists(file)) continue;
+  for (const Verb& verb : kVerbs) {
+    const std::string file = file_of(verb.program);
+    if (verb.program.empty() || std::exchange(last, verb.program) == verb.program || !fs::exists(file)) continue;
     const auto [status, text] = run_child({file, question});
     if (status != 0) throw FileError("'" + file + "' cannot print its part; build or install it anew");
     answers += text;
