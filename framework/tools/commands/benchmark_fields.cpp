@@ -10,14 +10,8 @@ namespace {
 const Fields<HistoryError>& error_fields() {
   static const Fields<HistoryError> kFields = [] {
     Fields<HistoryError> all{};
-    static const std::vector<std::string> kNames = [] {
-      std::vector<std::string> names;
-      for (const ErrorKind kind : kErrorKinds) names.push_back(to_string(kind));
-      return names;
-    }();
-    for (std::size_t k = 0; k < kNames.size(); ++k)
-      all.add({kNames[k], unit_of(kErrorKinds[k]), kNames[k],
-               [kind = kErrorKinds[k]](const HistoryError& e) { return e.of(kind); }});
+    for (const ErrorKind kind : kErrorKinds)
+      all.add({to_string(kind), unit_of(kind), to_string(kind), [kind](const HistoryError& e) { return e.of(kind); }});
     return all;
   }();
   return kFields;

@@ -17,8 +17,12 @@
 namespace lockstep {
 namespace {
 
-constexpr double kLimits[] = {1e-3, 1e-6, 1e-9};  // m
+constexpr const char* kLimits[] = {"1e-3", "1e-6", "1e-9"};  // m
 constexpr std::size_t kMostRows = 3;              // integrators that a picture of forms shows
+
+std::vector<CostAtError> costs_below(const WorkPrecision& result, const std::string& limit) {
+  return costs_at_error(result, std::stod(limit));
+}
 
 // For each value of a dimension the best that it took part in, below each limit: which of them wins.
 struct Winner {
@@ -33,8 +37,8 @@ std::vector<Winner> winners_of(const WorkPrecision& result) {
       if (values.size() < 2) break;
       Winner& winner = all.emplace_back(to_string(by), value);
       const auto has = [&](const WorkPrecisionRun& run) { return value_of(run, by) == value; };
-      for (const double limit : kLimits) {
-        const std::vector<CostAtError> costs = costs_at_error(result, limit);
+      for (const char* limit : kLimits) {
+        const std::vector<CostAtError> costs = costs_below(result, limit);
         const auto best = std::ranges::find_if(costs, [&](const CostAtError& c) { return has(*c.run); });
         const bool open = std::ranges::any_of(result.open, has) || std::ranges::any_of(result.falling, has);
         winner.cost.push_back(best != costs.end() ? cost_text(best->run->cpu, best->upper_bound)
@@ -52,8 +56,8 @@ std::vector<std::string> shown_integrators(const WorkPrecision& result, const Wo
   const auto add = [&](const std::string& name) {
     if (names.size() < kMostRows && std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   };
-  for (const double limit : kLimits)
-    if (const auto costs = costs_at_error(result, limit); !costs.empty()) add(costs.front().run->integrator);
+  for (const char* limit : kLimits)
+    if (const auto costs = costs_below(result, limit); !costs.empty()) add(costs.front().run->integrator);
   std::erase_if(names, [&](const std::string& name) {
     return std::none_of(result.runs.begin(), result.runs.end(),
                         [&](const WorkPrecisionRun& run) { return run.integrator == name && run.done(); });
@@ -84,9 +88,9 @@ struct Cheapest {
 };
 std::vector<Cheapest> cheapest_of(const WorkPrecision& result) {
   std::vector<Cheapest> all;
-  for (const double limit : kLimits)
-    if (const std::vector<CostAtError> costs = costs_at_error(result, limit); !costs.empty())
-      all.push_back({limit, costs.front()});
+  for (const char* limit : kLimits)
+    if (const std::vector<CostAtError> costs = costs_below(result, limit); !costs.empty())
+      all.push_back({std::stod(limit), costs.front()});
   return all;
 }
 struct Charted {
@@ -97,11 +101,13 @@ struct Charted {
 const Fields<Charted>& chart_fields() {
   static const Fields<Cheapest> kCheapest =
       Fields<Cheapest>{{"limit", "m", "error below", &Cheapest::limit}}.with(&Cheapest::cost, cost_fields());
-  static const Fields<Winner> kWinner{{"by", "", "by", &Winner::by},
-                                      {"value", "", "value", &Winner::value},
-                                      {"below_1e-3", "", "below 1e-3 m", [](const Winner& w) { return w.cost[0]; }},
-                                      {"below_1e-6", "", "below 1e-6 m", [](const Winner& w) { return w.cost[1]; }},
-                                      {"below_1e-9", "", "below 1e-9 m", [](const Winner& w) { return w.cost[2]; }}};
+  static const Fields<Winner> kWinner = [] {
+    Fields<Winner> all{{"by", "", "by", &Winner::by}, {"value", "", "value", &Winner::value}};
+    for (std::size_t k = 0; k < std::size(kLimits); ++k)
+      all.add({fmt::format("below_{}", kLimits[k]), "", fmt::format("below {} m", kLimits[k]),
+               [k](const Winner& w) { return w.cost[k]; }});
+    return all;
+  }();
   static const Fields<Charted> kFields =
       Fields<Charted>{{"length", "s", "runs over", [](const Charted& c) { return c.benchmark.trajectory.length; }},
                       // no freedom is left: projection gives the motion at any step, and pictures are without it

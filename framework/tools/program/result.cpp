@@ -57,9 +57,7 @@ std::string value_text(const FieldInfo& field, const Json& v) {
 
 std::string with_unit(const FieldInfo& field, const Json& v) {
   const std::string text = value_text(field, v);
-  return text.empty() || field.unit.empty() || v.is_null() || field.words != nullptr
-             ? text
-             : text + " " + std::string(field.unit);
+  return text.empty() || field.unit.empty() || v.is_null() || field.words != nullptr ? text : text + " " + field.unit;
 }
 
 // A sentence a line.
@@ -139,8 +137,7 @@ class Printer {
     for (const FieldInfo& g : f.of->fields) {
       if (std::ranges::none_of(v, [&](const Json& each) { return is_shown(g, each); })) continue;
       shown.push_back(&g);
-      rows[0].push_back(std::string(g.label) +
-                        (g.unit.empty() || g.words != nullptr ? "" : " [" + std::string(g.unit) + "]"));
+      rows[0].push_back(g.label + (g.unit.empty() || g.words != nullptr ? "" : " [" + g.unit + "]"));
     }
     for (const auto& [name, each] : v.items()) {
       if (rows.size() > most(f)) break;

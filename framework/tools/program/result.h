@@ -30,7 +30,7 @@ struct Schema;
 
 /// A field of a result, without its value.
 struct FieldInfo {
-  std::string_view name, unit, label;           ///< in JSON; "" without one; as text prints it, "": only JSON has it
+  std::string name, unit, label;                ///< in JSON; "" without one; as text prints it, "": only JSON has it
   std::string_view type{};                      ///< of JSON, "number"; of a list, that of its entries
   int depth = 0;                                ///< 1: a list, 2: a list of lists
   const Schema* of = nullptr;                   ///< the fields of an object
@@ -122,16 +122,16 @@ struct Field {
   std::function<Json(const T&)> get;
 
   template <class Get>
-  Field(std::string_view name, std::string_view unit, std::string_view label, Get read,
-        std::string (*words)(const Json&) = nullptr)
-      : info{name, unit, label}, get([read](const T& t) { return result_detail::json_of(std::invoke(read, t)); }) {
+  Field(std::string name, std::string unit, std::string label, Get read, std::string (*words)(const Json&) = nullptr)
+      : info{std::move(name), std::move(unit), std::move(label)},
+        get([read](const T& t) { return result_detail::json_of(std::invoke(read, t)); }) {
     std::tie(info.type, info.depth) =
         result_detail::type_of<std::remove_cvref_t<std::invoke_result_t<Get, const T&>>>();
     info.words = words;
   }
   /// A field that is an object, a list of objects, or objects by their names. `of` must stay.
   template <class Get, class U>
-  Field(std::string_view name, std::string_view label, Get read, const Fields<U>& of,
+  Field(std::string name, std::string label, Get read, const Fields<U>& of,
         std::string (*words)(const Json&) = nullptr);
   /// The same, absent if it is empty.
   Field optional() const {
@@ -182,9 +182,8 @@ class Fields {
 
 template <class T>
 template <class Get, class U>
-Field<T>::Field(std::string_view name, std::string_view label, Get read, const Fields<U>& of,
-                std::string (*words)(const Json&))
-    : info{name, "", label, "object", 0, &of.schema()} {
+Field<T>::Field(std::string name, std::string label, Get read, const Fields<U>& of, std::string (*words)(const Json&))
+    : info{std::move(name), "", std::move(label), "object", 0, &of.schema()} {
   using V = std::remove_cvref_t<std::invoke_result_t<Get, const T&>>;
   info.by_name = result_detail::kNamed<V, U>;
   info.depth = result_detail::Listed<V>::value && !info.by_name ? 1 : 0;
