@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The command assemble.
+// The command assemble: the start of a scene on its constraints, or all ways in which it fits together.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
 
 #include <lockstep/assembly.h>
+#include <lockstep/branches.h>
 #include "framework/foundation/support/finding_kinds.h"
 #include "framework/tools/commands/pose_columns.h"
 #include "framework/tools/commands/tool_commands.h"
@@ -37,6 +38,45 @@ const Fields<Assembled>& assemble_fields() {
           .with(&Assembled::report, kReport)
           .with(std::identity(), Fields<Assembled>{{"bodies", "bodies", &Assembled::poses, pose_fields()}});
   return kFields;
+}
+
+constexpr int kMostStarts = 1'000'000;
+
+struct Branches {
+  BranchReport report;
+  const System* system = nullptr;
+};
+struct Placed {
+  const AssemblyBranch& branch;
+  NamedPoses poses;
+};
+
+const Fields<Branches>& branch_fields() {
+  const auto placed = [](const Branches& b) {
+    std::vector<Placed> all;
+    for (const AssemblyBranch& each : b.report.branches) all.push_back({each, poses_of(*b.system, each.state)});
+    return all;
+  };
+  static const Fields<Placed> kPlaced{
+      {"found", "", "found by starts", [](const Placed& p) { return p.branch.found; }},
+      {"freedoms", "", "freedoms, of which this is one position", [](const Placed& p) { return p.branch.freedoms; }},
+      {"distance", "m", "from the first, turns by the length of the mechanism",
+       [](const Placed& p) { return p.branch.distance; }},
+      {"farthest", "", "most of all", [](const Placed& p) { return p.branch.farthest; }},
+      {"bodies", "bodies", &Placed::poses, pose_fields()}};
+  static const Fields<Branches> kFields{
+      {"starts", "", "starts", [](const Branches& b) { return b.report.starts; }},
+      {"failed", "", "led nowhere", [](const Branches& b) { return b.report.failed; }},
+      {"branches", "branch", placed, kPlaced}};
+  return kFields;
+}
+
+Result find_all_branches(const Arguments& args) {
+  const int starts = whole_number("--branches", args["--branches"], kMostStarts);
+  const Loaded loaded = load(args);
+  Mechanism m = build_mechanism(loaded.scene, loaded.registry);
+  Dynamics dynamics = make_dynamics(m, loaded.registry);
+  return {loaded, branch_fields(), Branches{find_branches(dynamics, m.system.start(), {.starts = starts}), &m.system}};
 }
 
 Result assemble_scene(const Arguments& args) {
@@ -83,7 +123,7 @@ Command assemble_command() {
                      .without("--branches")}}),
           assemble_scene,
           "Example:\n  lockstep assemble samples/scenes/four_bar.json",
-          {&assemble_fields().schema(), &branch_schema()}};
+          {&assemble_fields().schema(), &branch_fields().schema()}};
 }
 
 }  // namespace lockstep

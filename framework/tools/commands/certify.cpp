@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "framework/tools/commands/certify.h"
+// The command run with --certify: the run is repeated by other means, and the columns are compared.
 #include "framework/tools/commands/tool_commands.h"
 
 #include <spdlog/fmt/fmt.h>
@@ -10,6 +10,7 @@
 #include <lockstep/text.h>
 #include "framework/tools/commands/benchmark.h"
 #include "framework/tools/precision/certificate.h"
+#include "framework/tools/program/certified.h"
 #include "framework/tools/program/method_specs.h"
 #include "framework/tools/scene_run/scene_run.h"
 
@@ -133,8 +134,8 @@ std::string doubt_of(const Certificate& c) {
       lockstep::text::join(names));
 }
 
-}  // namespace
-
+// Repeats the run with a tighter tolerance (or shorter steps) and with a second method; says in lines how many digits of
+// each column agree. `run`: its settings; `table`: what it recorded. Repeats that fail or exceed --budget are named.
 CertifiedRun certificate_of(const Loaded& loaded, const Arguments& args, const RunSettings& run, const Table& table) {
   RunSettings with_step = run;
   with_step.step = std::max(run.step, 1e-300);
@@ -164,6 +165,8 @@ CertifiedRun certificate_of(const Loaded& loaded, const Arguments& args, const R
                              lockstep::text::join(against), certificate_text(c, names), verdict(c, repeats)),
           doubt_of(c)};
 }
+
+}  // namespace
 
 Command certify_command() {
   return {"run", run_options(), [](const Arguments& args) { return run_and_certify(args, certificate_of); }, "",

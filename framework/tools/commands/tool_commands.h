@@ -22,10 +22,6 @@ Command certify_command();  ///< `run` with --certify
 Command sweep_command();
 Command import_command();
 
-/// assemble --branches: all ways in which a scene fits together.
-Result find_all_branches(const Arguments&);
-const Schema& branch_schema();
-
 inline constexpr Option kAt{"--at", "T", "the instant, s, to which the scene is run; default 0, its assembled start"};
 
 }  // namespace lockstep
