@@ -57,12 +57,6 @@ std::string text_of(const std::vector<Finding>& findings) {
   return text;
 }
 
-const FindingKind* find_kind(std::string_view code) {
-  const auto all = finding_kinds();
-  const auto found = std::ranges::find(all, code, [](const FindingKind* kind) { return kind->code; });
-  return found == all.end() ? nullptr : *found;
-}
-
 std::string text_of(const FindingKind& kind) {
   return fmt::format("{} ({})\n  {}\n  {}\n", kind.code, to_string(kind.severity), kind.cause, kind.cure);
 }

@@ -32,8 +32,6 @@ class CommandFindings {
 
 /// A line for each: its severity and its text.
 std::string text_of(const std::vector<Finding>&);
-/// Null if no finding has this code.
-const FindingKind* find_kind(std::string_view code);
 /// Lines: code and severity, cause, cure.
 std::string text_of(const FindingKind&);
 /// The page of all kinds, in Markdown.

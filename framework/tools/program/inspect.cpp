@@ -2,6 +2,7 @@
 // The commands list, describe, reference and schema.
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <map>
 
 #include <lockstep/text.h>
@@ -152,7 +153,8 @@ Result describe_name(const Arguments& args) {
   if (args["name"].empty()) throw UsageError("describe: give a name, as in `lockstep describe revolute`");
   const Registry registry = make_registry(args.all("--plugin"));
   Described found{find_descriptions(registry, args["name"]), describe_word(registry, args["name"]), {}};
-  if (const FindingKind* kind = find_kind(args["name"])) found.findings = {kind};
+  std::ranges::copy_if(finding_kinds(), std::back_inserter(found.findings),
+                       [&](const FindingKind* kind) { return kind->code == args["name"]; });
   if (found.types.empty() && found.word.empty() && found.findings.empty()) {
     std::vector<std::string> known = known_words(registry);
     for (const FindingKind* kind : finding_kinds()) known.emplace_back(kind->code);
