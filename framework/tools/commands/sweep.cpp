@@ -147,6 +147,13 @@ class Sweep {
   }
   /// All rows are there and have their name.
   void committed() const { mark_.remove(); }
+  /// Of each kind the first warning, and how many runs have one.
+  void tell_warnings() const {
+    for (const auto& [code, of] : tally_.found)
+      if (!plan_.arguments.has("--quiet"))
+        tell(fmt::format("lockstep: warning: {}{}\n", of.first.text(),
+                         of.second > 1 ? fmt::format(" (in {} runs)", of.second) : ""));
+  }
   long n_runs() const { return n_runs_; }
   /// Of the runs, for the report; null without one.
   const report::Histories* motions() const { return motions_ ? &*motions_ : nullptr; }
@@ -345,15 +352,17 @@ const Fields<Tally>& sweep_fields() {
 
 // Rows survive an error and an interruption: the file that grew stays, and the message names it.
 Tally run_and_commit(Sweep& sweep, GrowingFile& rows) {
-  bool has_name = false;
+  bool has_name = false, told = false;
   try {
     const Tally tally = sweep.go();
+    sweep.tell_warnings(), told = true;
     if (tally.done < sweep.n_runs()) return tally;
     rows.commit();
     has_name = true;
     sweep.committed();
     return tally;
   } catch (const std::exception&) {
+    if (!told) sweep.tell_warnings();
     if (!has_name) tell(fmt::format("lockstep: the rows so far are in {}\n", rows.partial()));
     throw;
   }
@@ -400,10 +409,6 @@ Result sweep_scene(const Arguments& args) {
   if (plan.shard.count > 1)
     tally.share = fmt::format("{}/{} of {}", plan.shard.index, plan.shard.count, plan.grid.n_runs());
   if (tally.in_lanes > 0) tally.alone.clear();
-  for (const auto& [code, of] : tally.found)
-    if (!args.has("--quiet"))
-      tell(fmt::format("lockstep: warning: {}{}\n", of.first.text(),
-                       of.second > 1 ? fmt::format(" (in {} runs)", of.second) : ""));
   const bool interrupted = tally.done < sweep.n_runs();  // what is there replaces nothing then
   const std::string table = interrupted && csv != "-" ? rows.partial() : csv;
   if (!report.empty())
