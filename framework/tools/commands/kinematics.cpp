@@ -55,16 +55,8 @@ std::vector<std::string> fill_masses(Scene& scene) {
 
 /// What a channel gives of its thing: "force_on_p_world_x" of "A.force_on_p_world_x"; the whole where it is of none.
 std::string quantity_of(const std::string& channel, const System& system) {
-  std::size_t longest = 0;
-  const auto see = [&](const std::string& name) {
-    if (name.size() >= longest && channel.starts_with(name + ".")) longest = name.size() + 1;
-  };
-  for (const Body& body : system.bodies()) see(body.name);
-  for (const Marker& marker : system.markers()) see(marker.name);
-  for (const auto& link : system.links()) see(link->name());
-  for (const auto& force : system.forces()) see(force->name());
-  const std::string quantity = channel.substr(longest);
-  return longest > 0 ? quantity.substr(0, quantity.find('@')) : quantity;
+  const std::string owner = owner_of(channel, system).second;
+  return owner.empty() ? channel : channel.substr(owner.size() + 1, channel.find('@', owner.size()) - owner.size() - 1);
 }
 
 void refuse_columns_of_masses(const Mechanism& m, const std::vector<std::string>& without) {

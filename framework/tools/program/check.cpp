@@ -112,21 +112,6 @@ std::string stages_of(const Mechanism& m, const State& start, const Registry& re
   return "plain, and on the constraints near singular positions, or where rows are redundant there only";
 }
 
-/// What a channel belongs to, "body 'crank'": the object with the longest name that the channel begins with.
-std::string owner_of(const ChannelHelp& channel, const System& system) {
-  std::string owner;
-  std::size_t longest = 0;
-  const auto take = [&](const char* kind, const std::string& name) {
-    if (name.size() <= longest || !channel.name.starts_with(name + ".")) return;
-    longest = name.size(), owner = fmt::format("{} '{}'", kind, name);
-  };
-  for (const Body& b : system.bodies()) take("body", b.name);
-  for (const Marker& m : system.markers()) take("marker", m.name);
-  for (const auto& l : system.links()) take("link", l->name());
-  for (const auto& f : system.forces()) take("force", f->name());
-  return owner.empty() ? "the whole mechanism" : owner;
-}
-
 struct OwnedChannel {
   ChannelHelp channel;
   std::string owner;
@@ -138,9 +123,10 @@ std::vector<OwnedChannel> channels_of(const System& system, const std::string& o
   Names owners;
   for (ChannelHelp& c : channel_help(system)) {
     if (c.name.starts_with("ground.")) continue;  // it never moves
-    const std::string owner = owner_of(c, system), quoted = owner.substr(std::min(owner.find('\''), owner.size()));
-    if (!quoted.empty()) owners.push_back(quoted.substr(1, quoted.size() - 2));
-    if (of.empty() || quoted == "'" + of + "'") all.push_back({std::move(c), owner});
+    const auto [kind, owner] = owner_of(c.name, system);
+    if (!owner.empty()) owners.push_back(owner);
+    if (of.empty() || owner == of)
+      all.push_back({std::move(c), owner.empty() ? "the whole mechanism" : fmt::format("{} '{}'", kind, owner)});
   }
   if (all.empty()) throw UsageError("--of: nothing named \"" + of + "\" has channels" + text::suggestion(of, owners));
   return all;
@@ -394,6 +380,18 @@ Result check(const Arguments& args) {
 }
 
 }  // namespace
+
+std::pair<std::string, std::string> owner_of(const std::string& channel, const System& system) {
+  std::pair<std::string, std::string> owner;
+  const auto take = [&](const char* kind, const std::string& name) {
+    if (name.size() > owner.second.size() && channel.starts_with(name + ".")) owner = {kind, name};
+  };
+  for (const Body& b : system.bodies()) take("body", b.name);
+  for (const Marker& m : system.markers()) take("marker", m.name);
+  for (const auto& l : system.links()) take("link", l->name());
+  for (const auto& f : system.forces()) take("force", f->name());
+  return owner;
+}
 
 Command check_command() {
   return {"check",

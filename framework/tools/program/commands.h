@@ -81,6 +81,9 @@ Loaded load(const Arguments&);
 /// The command line of an earlier run, `lockstep run` ..., by its words after the program's name.
 Arguments read_run_words(const std::vector<std::string>& words);
 
+/// What a channel belongs to, "body" and "crank": that with the longest name that the channel begins with; "" of none.
+std::pair<std::string, std::string> owner_of(const std::string& channel, const System&);
+
 /// The commit that the program was built from, if the tree was clean; else "".
 std::string_view commit_of_build();
 
