@@ -108,9 +108,7 @@ std::string matrix_market(const SparseMat& A, const std::string& comment) {
 // Files of --out.
 void write_all(const std::string& folder, double t, const MechanismMatrices& m, const Scene& scene, Result& result) {
   namespace fs = std::filesystem;
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw FileError("folder '" + folder + "' cannot be made: " + error.message() + "; name another");
+  make_folder(folder);
   const auto path = [&](const std::string& name) { return (fs::path(folder) / name).string(); };
   for (const char* name : {"unknowns.csv", "rows.csv", "M.mtx", "D.mtx", "K.mtx", "J.mtx"})
     check_overwrites(path(name), scene);

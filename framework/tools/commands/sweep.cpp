@@ -92,13 +92,6 @@ std::string table_path(const Arguments& args, Shard shard) {
   return csv_path(args["--record"], stem + "_sweep" + share + ".json");
 }
 
-void make_folder(const std::string& folder) {
-  if (folder.empty()) return;
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw FileError("folder '" + folder + "' cannot be made: " + error.message() + "; check --histories");
-}
-
 struct Tally {
   std::vector<SweepRow> runs{};  // with --json
   long asked = 0, done = 0, failed = 0, wrong = 0, kept = 0, histories = 0, in_lanes = 0;
@@ -399,7 +392,7 @@ Result sweep_scene(const Arguments& args) {
   const SweepPlan plan = make_sweep_plan(args);
   const std::string csv = table_path(args, plan.shard);
   check_overwrites(csv, plan.loaded.scene);
-  make_folder(args["--histories"]);
+  make_folder(args["--histories"], "check --histories");
   const std::string report = args["--report"].empty() ? "" : report_path(args["--report"], csv, plan.loaded.scene);
   GrowingFile rows(csv);
   const Interrupt interrupt;

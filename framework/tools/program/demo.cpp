@@ -5,9 +5,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <filesystem>
-#include <fstream>
 
-#include <lockstep/error.h>
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/options.h"
 #include "framework/tools/program/run_report.h"
@@ -20,20 +18,14 @@ namespace fs = std::filesystem;
 
 // A scene that is there already, with the changes that somebody made to it, stays.
 std::string scene_in(const fs::path& folder) {
+  make_folder(folder.string(), "go to another, or name one (--into)");
+  const std::string file = (folder / "four_bar.json").string();
   std::error_code error;
-  fs::create_directories(folder, error);
-  const fs::path file = folder / "four_bar.json";
-  if (fs::exists(file, error)) {
-    if (contents_of(file.string()) != demo_scene())
-      fmt::print("{} is there already and is shown as it is\n", file.string());
-    return file.string();
-  }
-  std::ofstream out(file, std::ios::binary);
-  out << demo_scene();
-  out.close();
-  if (!out)
-    throw FileError("file '" + file.string() + "' cannot be written; go to a folder that can, or name one (--into)");
-  return file.string();
+  if (!fs::exists(file, error))
+    Result().write(file, demo_scene());
+  else if (contents_of(file) != demo_scene())
+    fmt::print("{} is there already and is shown as it is\n", file);
+  return file;
 }
 
 Result show_demo(const Arguments& args) {

@@ -58,6 +58,12 @@ std::string standard_input() {
 
 std::string stem_of(const std::string& scene) { return scene == "-" ? "stdin" : fs::path(scene).stem().string(); }
 
+void make_folder(const std::string& folder, const std::string& next) {
+  std::error_code error;
+  if (!folder.empty()) fs::create_directories(folder, error);
+  if (error) throw FileError("folder '" + folder + "' cannot be made: " + error.message() + "; " + next);
+}
+
 std::string csv_path(const std::string& record, const std::string& scene) {
   if (record == "-") return record;
   fs::path file = record;
@@ -65,11 +71,7 @@ std::string csv_path(const std::string& record, const std::string& scene) {
     file = fs::path(output_folder()) / stem_of(scene);
     file += ".csv";
   }
-  std::error_code error;
-  if (!file.parent_path().empty()) fs::create_directories(file.parent_path(), error);
-  if (error)
-    throw FileError("folder '" + file.parent_path().string() + "' cannot be made: " + error.message() +
-                    "; name another");
+  make_folder(file.parent_path().string());
   return file.lexically_normal().string();
 }
 
@@ -256,11 +258,7 @@ std::string report_path(const std::string& report, const std::string& csv, const
   if (report == "-")
     throw UsageError("--report: a page for the browser goes to a file; name one, as in --report out.html");
   const fs::path file = fs::path(report).lexically_normal();
-  std::error_code error;
-  if (!file.parent_path().empty()) fs::create_directories(file.parent_path(), error);
-  if (error)
-    throw FileError("folder '" + file.parent_path().string() + "' cannot be made: " + error.message() +
-                    "; name another");
+  make_folder(file.parent_path().string());
   const fs::path base = fs::path(csv).replace_extension();
   for (const fs::path& taken : {fs::path(csv), fs::path(base.string() + ".svg"), fs::path(base.string() + ".png")})
     if (file == taken.lexically_normal())

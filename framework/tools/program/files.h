@@ -25,6 +25,9 @@ std::string output_folder();
 /// The name of a scene's file without folder and ending; "stdin" for standard input.
 std::string stem_of(const std::string& scene);
 
+/// Makes a folder and those above it. Throws FileError, whose words end with the next move.
+void make_folder(const std::string& folder, const std::string& next = "name another");
+
 /// The CSV file: `record` if given, else <scene>.csv in LOCKSTEP_OUTPUT or the current folder. Makes its folder. Throws
 /// FileError.
 std::string csv_path(const std::string& record, const std::string& scene);
