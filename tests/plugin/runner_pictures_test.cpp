@@ -15,7 +15,7 @@
 #include <lockstep/scene.h>
 #include <lockstep/sweep.h>
 #include "framework/tools/program/detail_rows.h"
-#include "framework/tools/program/files.h"
+#include "framework/tools/program/pictures.h"
 #include "framework/tools/scene_run/scene_run.h"
 #include "tests/support/catch.h"
 #include "tests/support/gnuplot_here.h"

@@ -17,11 +17,7 @@
 #include <thread>
 
 #include <lockstep/author/loader.h>
-#include <lockstep/charts.h>
 #include <lockstep/error.h>
-#include "framework/foundation/support/thrown.h"
-#include "framework/tools/charts/chart_path.h"
-#include "framework/tools/charts/gnuplot.h"
 #include "framework/tools/program/commands.h"
 #include "framework/tools/program/run_report.h"
 #include "framework/tools/simulation/checkpoint.h"
@@ -213,47 +209,6 @@ void check_files(const Scene& scene) {
   });
 }
 
-namespace {
-
-// One panel per unit of these columns, in the order in which they come.
-std::vector<Panel> panels_by_unit(const Table& table, const std::vector<std::string>& names,
-                                  std::size_t most_panels = SIZE_MAX, std::size_t most_curves = SIZE_MAX) {
-  std::vector<Panel> panels;
-  for (const std::string& name : names) {
-    const std::string& unit = table.column(name).unit;
-    const std::string label = unit.empty() ? "1" : unit;
-    auto panel = std::find_if(panels.begin(), panels.end(), [&](const Panel& p) { return p.y_label == label; });
-    if (panel == panels.end()) {
-      if (panels.size() == most_panels) continue;
-      panel = panels.insert(panel, {label, {}});
-    }
-    if (panel->series.size() < most_curves)
-      panel->series.push_back(table_series(table, table.columns().front().name, name, name));
-  }
-  return panels;
-}
-
-// The panels that are asked for, each split by unit; of none, as many columns as a picture can hold.
-std::vector<Panel> panels_of(const Table& table, const Panels& draw) {
-  constexpr std::size_t kMostPanels = 4, kMostCurves = 6;
-  std::vector<std::string> names;
-  for (const Column& c : table.columns()) names.push_back(c.name);
-  if (draw.empty()) return panels_by_unit(table, {names.begin() + 1, names.end()}, kMostPanels, kMostCurves);
-  std::vector<Panel> panels;
-  for (const std::vector<std::string>& panel : draw)
-    for (Panel& of_unit : panels_by_unit(table, panel)) panels.push_back(std::move(of_unit));
-  return panels;
-}
-
-std::set<std::string> names_in(const std::vector<Panel>& panels) {
-  std::set<std::string> names;
-  for (const Panel& panel : panels)
-    for (const Series& series : panel.series) names.insert(series.label);
-  return names;
-}
-
-}  // namespace
-
 std::string report_path(const std::string& report, const std::string& csv, const Scene& scene) {
   if (report == "-")
     throw UsageError("--report: a page for the browser goes to a file; name one, as in --report out.html");
@@ -284,56 +239,6 @@ std::string open_in_browser(const std::string& file) {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
   return "";
-}
-
-namespace {
-
-// One column against another, in the order of time.
-void draw_path(const std::string& base, const std::string& title, const Table& table, const PictureRequest& picture) {
-  const Column &x = table.column(picture.x), &y = table.column(picture.y);
-  write_path(base, {.title = title,
-                    .x_label = column_title(x),
-                    .y_label = column_title(y),
-                    .x = x.values,
-                    .y = y.values,
-                    .equal_scales = x.unit == y.unit && x.unit == "m"});
-}
-
-}  // namespace
-
-std::set<std::string> drawn_columns(const Table& columns, const Panels& draw,
-                                    const std::vector<PictureRequest>& pictures) {
-  std::set<std::string> names = names_in(panels_of(columns, draw));
-  for (const PictureRequest& picture : pictures) names.insert({picture.x, picture.y});
-  return names;
-}
-
-Drawing draw_columns(const std::string& csv, const std::string& title, const Table& table, const Panels& draw,
-                     const std::vector<PictureRequest>& pictures, const Table& paths) {
-  Drawing drawing;
-  if (std::error_code none; !fs::is_regular_file(csv, none))
-    drawing.reason = "nothing to draw beside '" + csv + "', which is no file";
-  if (table.n_columns() < 2) drawing.reason = "nothing to draw: no column beside the time is recorded";
-  if (table.n_rows() < 2) drawing.reason = "nothing to draw: a curve needs two rows";
-  if (drawing.reason.empty() && find_gnuplot().empty())
-    drawing.reason = "gnuplot is not installed (apt install gnuplot-nox)";
-  if (!drawing.reason.empty()) return drawing;
-  try {
-    const ChartSpec chart{title, "t [s]", panels_of(table, draw)};
-    const std::string base = fs::path(csv).replace_extension().string();
-    write_chart(base, chart);
-    drawing.files = {base + ".svg", base + ".png"};
-    drawing.n_drawn = names_in(chart.panels).size();
-    for (const PictureRequest& picture : pictures) {
-      const std::string own = picture_base(csv, picture);
-      draw_path(own, title, paths, picture);
-      drawing.files.insert(drawing.files.end(), {own + ".svg", own + ".png"});
-    }
-  } catch (const std::exception& error) {
-    drawing.reason = what_of(error);
-    drawing.failed = true;
-  }
-  return drawing;
 }
 
 }  // namespace lockstep

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The files of a run: its table and its picture.
+// The files of a run: their names, and whether they can be written.
 #pragma once
 
 #include <cstdint>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -61,25 +60,5 @@ std::string open_in_browser(const std::string& file);
 void check_files(const Scene&);
 /// The same of one file: `value` names it by the text `written`, and it is at `path`; the scene's own path is `scene`.
 void check_file(const std::string& scene, const Value& value, const std::string& path, const std::string& written);
-
-/// The result of drawing a picture.
-struct Drawing {
-  std::vector<std::string> files{};  ///< empty: see `reason`
-  std::string reason{};              ///< why there is no picture
-  bool failed = false;               ///< drawing was possible and failed
-  std::size_t n_drawn = 0;           ///< columns in the picture
-};
-
-/// Names of the columns of each panel of a picture.
-using Panels = std::vector<std::vector<std::string>>;
-
-/// The columns that draw_columns() takes of a table with these.
-std::set<std::string> drawn_columns(const Table& columns, const Panels& draw, const std::vector<PictureRequest>&);
-
-/// Draws columns over time as SVG and PNG next to the CSV: the panels of `draw`, or the first columns, one panel per
-/// unit; and `pictures` of one column against another, of the rows `paths`, each of one instant. Does not throw if drawing
-/// fails: the results are worth more than their picture.
-Drawing draw_columns(const std::string& csv, const std::string& title, const Table&, const Panels& draw,
-                     const std::vector<PictureRequest>& pictures, const Table& paths);
 
 }  // namespace lockstep

@@ -2,28 +2,23 @@
 // The commands run, report and resume.
 #include <spdlog/fmt/fmt.h>
 
-#include <algorithm>
 #include <filesystem>
 
 #include <lockstep/assembly.h>
 #include <lockstep/log.h>
 #include <lockstep/step_loop.h>
-#include <lockstep/text.h>
-#include "framework/description/scene/run_outputs.h"
 #include "framework/foundation/support/finding_kinds.h"
 #include "framework/foundation/support/thrown.h"
 #include "framework/mechanism/params/read.h"
-#include "framework/tools/charts/gnuplot.h"
 #include "framework/tools/program/certified.h"
 #include "framework/tools/program/check_dependencies.h"
-#include "framework/tools/program/detail_rows.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/findings.h"
 #include "framework/tools/program/formulation_seen.h"
 #include "framework/tools/program/frames_taken.h"
 #include "framework/tools/program/growing_file.h"
-#include "framework/tools/program/method_specs.h"
 #include "framework/tools/program/options.h"
+#include "framework/tools/program/pictures.h"
 #include "framework/tools/program/progress.h"
 #include "framework/tools/program/run_checkpoint.h"
 #include "framework/tools/program/run_report.h"
@@ -32,7 +27,6 @@
 #include "framework/tools/program/run_words.h"
 #include "framework/tools/program/suspects.h"
 #include "framework/tools/program/terminal.h"
-#include "framework/tools/program/tools.h"
 #include "framework/tools/scene_run/rows_at_jumps.h"
 #include "framework/tools/scene_run/run_findings.h"
 #include "framework/tools/scene_run/scene_run.h"
@@ -90,79 +84,6 @@ Audit drift_alone(const StepLoop& sim, const AuditLimits& limits) {
   return audit;
 }
 
-// "X:Y" of the command line, columns that are recorded.
-PictureRequest picture_of(const std::string& text, const Table& columns) {
-  for (std::size_t colon = text.find(':'); colon != std::string::npos; colon = text.find(':', colon + 1)) {
-    const PictureRequest picture{text.substr(0, colon), text.substr(colon + 1)};
-    if (columns.has(picture.x) && columns.has(picture.y)) return picture;
-  }
-  const std::size_t colon = text.find(':');
-  if (colon == std::string::npos)
-    throw UsageError("--picture " + text + ": expected X:Y, two recorded columns, as in --picture crank.x:crank.y");
-  for (const std::string& name : {text.substr(0, colon), text.substr(colon + 1)})
-    if (!columns.has(name))
-      throw UsageError("--picture " + text + ": \"" + name + "\" is not recorded" +
-                       text::suggestion(name, columns.names()));
-  return {};
-}
-
-// Of the scene and the command line.
-RunOutputs outputs_of(const Loaded& loaded, const Arguments& args, const Table& columns) {
-  RunOutputs out = outputs_of(loaded.scene);
-  if (!args["--headers"].empty()) out.units = args["--headers"] == "units";
-  for (const std::string& text : args.all("--picture")) out.pictures.push_back(picture_of(text, columns));
-  return out;
-}
-
-// The rows that pictures need beside the table's; null where none is drawn. A run with checkpoints may go on where there
-// is a gnuplot, whether there is one here or not.
-std::unique_ptr<PictureRows> picture_rows(Mechanism& m, const std::string& csv, const Recorder& rows,
-                                          const RunOutputs& outputs, const Arguments& args) {
-  std::error_code error;
-  const bool can_draw = !args["--checkpoint"].empty() || !find_gnuplot().empty();
-  const bool draws = !args.has("--no-picture") && csv != "-" && !m.run.record.empty() && can_draw &&
-                     (!std::filesystem::exists(csv, error) || std::filesystem::is_regular_file(csv, error));
-  if (!draws) return nullptr;
-  const std::set<std::string> drawn = drawn_columns(rows.table(), m.run.draw, outputs.pictures);
-  return std::make_unique<PictureRows>(make_recorder(m, &drawn), rows,
-                                       picture_spacing(loop_options(m.run), m.run.until));
-}
-
-// A failure is said: the results are worth more than their picture.
-Drawing draw_run(const std::string& csv, const std::string& title, const RowEnvelope& rows, const PictureRows* details,
-                 const RunSettings& run, const RunOutputs& outputs) {
-  try {
-    const auto with_details = [&](const Table& own) { return details != nullptr ? details->together(own) : own; };
-    const Table paths = outputs.pictures.empty() ? Table() : with_details(rows.path_table());
-    return draw_columns(csv, title, with_details(rows.table()), run.draw, outputs.pictures, paths);
-  } catch (const std::exception& error) {
-    Drawing none;
-    none.reason = what_of(error), none.failed = true;
-    return none;
-  }
-}
-
-// Draws the run; adds its files, and what is to know of them. False if drawing was possible and failed.
-bool draw(const std::string& csv, const std::string& title, const RowEnvelope& rows, const PictureRows* details,
-          const RunSettings& run, const RunOutputs& outputs, std::vector<std::string>& files,
-          std::vector<std::string>& notes) {
-  if (rows.n_rows() <= 1) details = nullptr;
-  const Drawing drawing = draw_run(csv, title, rows, details, run, outputs);
-  files.insert(files.end(), drawing.files.begin(), drawing.files.end());
-  if (drawing.files.empty()) {
-    notes.push_back("no picture: " + drawing.reason);
-    return !drawing.failed;
-  }
-  if (details != nullptr && details->joins_steps())
-    notes.push_back("curves join the ends of steps: " + run.integrator.type + " has no dense output");
-  if (!outputs.pictures.empty() && rows.path_every() > 1)
-    notes.push_back(fmt::format("paths join one row in {}", rows.path_every()));
-  const std::size_t n = rows.ranges().columns.size();
-  if (run.draw.empty() && drawing.n_drawn < n)
-    notes.push_back(fmt::format("drawn: {} of {} columns; choose with run.draw", drawing.n_drawn, n));
-  return true;
-}
-
 /// A run that did not reach its end.
 struct FailedRun {
   std::string status = "failed";
@@ -210,12 +131,6 @@ std::string table_of(Mechanism& m, const Loaded& loaded, const Arguments& args) 
   refuse_impossible_formulation(m.run, loaded);
   record_places(m);
   return csv_path(args["--record"], args["scene"]);
-}
-
-RunOutputs checked_outputs(const Loaded& loaded, const Arguments& args, const Table& columns, const std::string& csv) {
-  RunOutputs outputs = outputs_of(loaded, args, columns);
-  check_overwrites(csv, loaded.scene, outputs.pictures);
-  return outputs;
 }
 
 // Unknown velocities. Counting the freedoms of many takes long: it is done where nothing moved, and the run is lost.
@@ -396,7 +311,7 @@ class ProgramRun {
     checkpoints_.remove();
     std::vector<std::string> files{csv_ == "-" ? "standard output" : csv_};
     if (!args_.has("--no-picture") && csv_ != "-" &&
-        !draw(csv_, loaded_.title(), rows_.rows(), details_.get(), m_.run, outputs_, files, end.notes) &&
+        !draw_run(csv_, loaded_.title(), rows_.rows(), details_.get(), m_.run, outputs_, files, end.notes) &&
         args_.has("--quiet"))
       tell(fmt::format("lockstep: {}\n", end.notes.front()));
     if (report_) {
