@@ -44,17 +44,6 @@ std::string with_log(const std::string& text) {
   return text.substr(0, equals + 1) + list;
 }
 
-template <class F>
-auto as_usage(F&& read) {
-  try {
-    return std::forward<F>(read)();
-  } catch (const ModelError& error) {
-    throw UsageError(std::string("--vary: ") + error.what());
-  } catch (const SceneError& error) {
-    throw UsageError(std::string("--vary: ") + error.what());
-  }
-}
-
 }  // namespace
 
 Scene AtlasPlan::scene(long run, const AtlasPanel& panel) const {
@@ -90,7 +79,8 @@ AtlasPlan make_atlas_plan(const Arguments& args) {
   Loaded loaded = read_with_plugins(args);
   std::vector<std::string> texts;
   for (const std::string& text : args.all("--vary")) texts.push_back(with_log(text));
-  std::vector<Variable> variables = as_usage([&] { return read_variables(texts, loaded.scene, loaded.registry); });
+  std::vector<Variable> variables =
+      as_usage("--vary", [&] { return read_variables(texts, loaded.scene, loaded.registry); });
   if (variables.size() != 2) throw UsageError("--vary: a map has two axes; give two of them");
   bool steps = false, gains = false;
   for (const Variable& v : variables) {
@@ -101,7 +91,7 @@ AtlasPlan make_atlas_plan(const Arguments& args) {
     if (v.place == "run.until" && !args["--until"].empty())
       throw UsageError("--until: \"run.until\" varies; leave one of the two out");
   }
-  Grid grid = as_usage([&] { return Grid({variables[0].values.size(), variables[1].values.size()}); });
+  Grid grid = as_usage("--vary", [&] { return Grid({variables[0].values.size(), variables[1].values.size()}); });
   AtlasPlan plan{args, std::move(loaded), std::move(variables), std::move(grid), {}, {}, budget_of(args)};
   if (!args["--error"].empty()) {
     plan.limits.works = positive_number("--error", args["--error"], Unit::none);

@@ -184,12 +184,8 @@ std::vector<double> numbers_of(const std::vector<Variable>& variables, const std
 }
 
 Result vary(const Arguments& args, const Loaded& loaded) {
-  std::vector<Variable> variables;
-  try {
-    variables = read_variables(args.all("--vary"), loaded.scene, loaded.registry);
-  } catch (const ModelError& error) {
-    throw UsageError(std::string("--vary: ") + error.what());
-  }
+  const std::vector<Variable> variables =
+      as_usage("--vary", [&] { return read_variables(args.all("--vary"), loaded.scene, loaded.registry); });
   std::vector<std::size_t> sizes;
   for (const Variable& v : variables) sizes.push_back(v.values.size());
   const Grid grid(sizes);

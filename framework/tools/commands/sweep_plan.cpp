@@ -19,18 +19,6 @@ namespace {
 
 constexpr long kMostBuilt = 100;  // runs that are built to find the columns
 
-// Errors in the value of an option become usage errors.
-template <class F>
-auto usage(const std::string& option, F&& read) {
-  try {
-    return std::forward<F>(read)();
-  } catch (const ModelError& error) {
-    throw UsageError(option + ": " + error.what());
-  } catch (const SceneError& error) {
-    throw UsageError(option + ": " + error.what());
-  }
-}
-
 void refuse_varied_options(const Arguments& args, const std::vector<Variable>& variables) {
   const std::pair<const char*, const std::string*> options[] = {{"integrator", &args["--integrator"]},
                                                                 {"solver", &args["--solver"]},
@@ -107,14 +95,15 @@ std::string SweepPlan::setting(long run) const { return setting_text(variables, 
 
 SweepPlan make_sweep_plan(const Arguments& args) {
   Loaded loaded = read_with_plugins(args);
-  const Shard shard = args["--shard"].empty() ? Shard{} : usage("--shard", [&] { return read_shard(args["--shard"]); });
+  const Shard shard =
+      args["--shard"].empty() ? Shard{} : as_usage("--shard", [&] { return read_shard(args["--shard"]); });
   std::vector<Variable> variables =
-      usage("--vary", [&] { return read_variables(args.all("--vary"), loaded.scene, loaded.registry); });
+      as_usage("--vary", [&] { return read_variables(args.all("--vary"), loaded.scene, loaded.registry); });
   refuse_varied_options(args, variables);
   warn_left_behind(variables, loaded);
   std::vector<std::size_t> sizes;
   for (const Variable& v : variables) sizes.push_back(v.values.size());
-  Grid grid = usage("--vary", [&] { return Grid(sizes); });
+  Grid grid = as_usage("--vary", [&] { return Grid(sizes); });
   const bool plain = args["--headers"].empty() ? !outputs_of(loaded.scene).units : args["--headers"] == "plain";
   SweepPlan plan{args, std::move(loaded), std::move(variables), std::move(grid), shard, {}, plain};
   const Table recorded = columns_of(plan);

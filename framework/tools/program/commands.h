@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <lockstep/author/registry.h>
+#include <lockstep/error.h>
 #include <lockstep/scene.h>
 
 namespace lockstep {
@@ -40,6 +41,18 @@ class UsageError : public Error {
   using Error::Error;
   Kind kind() const noexcept override { return Kind::usage; }
 };
+
+/// Reads the value of an option, whose errors become those of the command line.
+template <class Read>
+auto as_usage(const std::string& option, Read&& read) {
+  try {
+    return read();
+  } catch (const ModelError& error) {
+    throw UsageError(option + ": " + error.what());
+  } catch (const SceneError& error) {
+    throw UsageError(option + ": " + error.what());
+  }
+}
 
 /// What the command line gives: values by the names of their options, as text.
 class Arguments {

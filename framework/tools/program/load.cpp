@@ -55,11 +55,7 @@ void put_settings(RunSettings& run, const Arguments& args, const Registry& regis
   if (!args["--until"].empty()) run.until = instant("--until", args["--until"]);
   if (!args["--tolerance"].empty()) {
     const double relative = positive_number("--tolerance", args["--tolerance"], Unit::none);
-    try {
-      run.tolerance = tolerance_of(relative);
-    } catch (const ModelError& error) {
-      throw UsageError(std::string("--tolerance: ") + error.what());
-    }
+    run.tolerance = as_usage("--tolerance", [&] { return tolerance_of(relative); });
   }
   if (!args["--formulation"].empty())
     run.formulation = formulation_from(args["--formulation"]);

@@ -29,11 +29,7 @@ std::vector<Value> other_values(const Key& key) {
 }  // namespace
 
 MethodSpec read_spec(const std::string& option, const std::string& text, const std::vector<TypeInfo>& types) {
-  try {
-    return read_method_spec(text, types);
-  } catch (const ModelError& error) {
-    throw UsageError(option + ": " + error.what());
-  }
+  return as_usage(option, [&] { return read_method_spec(text, types); });
 }
 
 std::string to_word(const MethodSpec& spec) {
