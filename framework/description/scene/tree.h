@@ -22,16 +22,16 @@ inline const std::string* text_under(const Value& object, std::string_view key) 
   return v != nullptr ? v->text() : nullptr;
 }
 /// The items of the list under a key; none where there is no list.
-std::span<Value> items(Value& object, std::string_view key);
+LOCKSTEP_API std::span<Value> items(Value& object, std::string_view key);
 /// The members of the object under a key; none where there is no object.
 std::span<Value::Member> members(Value& object, std::string_view key);
 
 /// The value at a place, with the items of a list.
-Value placed_at(const SourceLocation&, Value);
+LOCKSTEP_API Value placed_at(const SourceLocation&, Value);
 /// Gives a value another content at its place.
 inline void replace(Value& v, Value by) { v = placed_at(SourceLocation(v.where), std::move(by)); }
 /// The value of a key; where there is none, a fresh one at the place of the object.
-Value& made_under(Value& object, const std::string& key, Value fresh);
+LOCKSTEP_API Value& made_under(Value& object, const std::string& key, Value fresh);
 /// Gives a key another value, at the place of the old one or of the object.
 inline void put(Value& object, const std::string& key, Value v) { replace(made_under(object, key, {}), std::move(v)); }
 /// Puts items of a list, or members of an object, behind those under a key of the scene.

@@ -10,6 +10,7 @@
 #include <lockstep/kinematics.h>
 #include <lockstep/log.h>
 #include <lockstep/text.h>
+#include "framework/description/scene/tree.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/program/files.h"
@@ -36,17 +37,14 @@ std::vector<std::string> fill_masses(Scene& scene) {
   std::vector<std::string> names;
   const auto fill = [&](Value& root) {
     names.clear();
-    for (auto& [key, value, where] : *root.object()) {
-      if (key != "bodies" || value.list() == nullptr) continue;
-      for (Value& body : *value.list()) {
-        if (body.object() == nullptr) continue;
-        const bool has = std::ranges::any_of(kGiveMass, [&](const char* kind) { return body.find(kind) != nullptr; });
-        if (has) continue;
-        body.object()->push_back({"mass", Value(1.0), body.where});
-        body.object()->push_back({"inertia", Value(Value::List{1.0, 1.0, 1.0}), body.where});
-        const Value* name = body.find("name");
-        names.push_back(name != nullptr && name->text() != nullptr ? *name->text() : "?");
-      }
+    for (Value& body : items(root, "bodies")) {
+      if (body.object() == nullptr) continue;
+      const bool has = std::ranges::any_of(kGiveMass, [&](const char* kind) { return body.find(kind) != nullptr; });
+      if (has) continue;
+      body.object()->push_back({"mass", Value(1.0), body.where});
+      body.object()->push_back({"inertia", Value(Value::List{1.0, 1.0, 1.0}), body.where});
+      const std::string* name = text_under(body, "name");
+      names.push_back(name != nullptr ? *name : "?");
     }
   };
   if (scene.root.object() != nullptr) change_root(scene, fill);

@@ -7,6 +7,7 @@
 
 #include <lockstep/text.h>
 #include "framework/description/scene/tables.h"
+#include "framework/description/scene/tree.h"
 #include "framework/mechanism/params/units.h"
 #include "framework/tools/commands/linear_input_types.h"
 #include "framework/tools/program/commands.h"
@@ -18,26 +19,9 @@ constexpr std::array kAxes = {"x", "y", "z", "rx", "ry", "rz"};
 
 std::string along(const std::string& name, int axis) { return name + "." + kAxes[axis]; }
 
-Value* member_of(Value& object, std::string_view key) {
-  if (Value::Object* members = object.object())
-    for (Value::Member& m : *members)
-      if (m.key == key) return &m.value;
-  return nullptr;
-}
-
 std::string text_of(const Value& object, std::string_view key) {
-  const Value* v = object.find(key);
-  return v != nullptr && v->text() != nullptr ? *v->text() : std::string();
-}
-
-// Replaces the value under `key`, or adds it.
-void put(Value& object, const char* key, Value value) {
-  if (Value* old = member_of(object, key)) {
-    value.where = old->where;
-    *old = std::move(value);
-  } else {
-    object.object()->push_back({key, std::move(value), object.where});
-  }
+  const std::string* text = text_under(object, key);
+  return text != nullptr ? *text : std::string();
 }
 
 // The input with a number, beside the law if there is one.
@@ -60,17 +44,16 @@ constexpr std::array kMagnitudes = {
 class Opening {
  public:
   Opening(Scene& scene, const Registry& registry) : scene_(scene), registry_(registry) {
-    collect("bodies", [this](Value& body) {
+    for (const Value& body : items(scene.root, "bodies"))
       refuse(text_of(body, "name"), "is a body; add an applied_force or a motor on it, and name that");
-    });
-    collect("markers", [this](Value& marker) {
+    for (Value& marker : items(scene.root, "markers")) {
       const std::size_t before = places_.size();
       collect_laws(marker, scene_table("marker").info.keys, "marker");
       refuse(text_of(marker, "name"),
              "is a marker; " + advice(before, "give it a \"translation\" or a \"rotation\", or add a force at it"));
-    });
-    collect("links", [this](Value& link) { collect_link(link); });
-    collect("forces", [this](Value& force) { collect_force(force); });
+    }
+    for (Value& link : items(scene.root, "links")) collect_link(link);
+    for (Value& force : items(scene.root, "forces")) collect_force(force);
   }
 
   /// The unit of the input.
@@ -91,7 +74,7 @@ class Opening {
   }
   // Forces that were added, at last: places point into the scene until then.
   void close() {
-    for (Value& force : added_) member_of(scene_.root, "forces")->list()->push_back(std::move(force));
+    for (Value& force : added_) member(scene_.root, "forces")->list()->push_back(std::move(force));
     added_.clear();
   }
 
@@ -103,12 +86,6 @@ class Opening {
     bool opened = false;
   };
 
-  template <class Take>
-  void collect(const char* list, Take&& take) {
-    Value* all = member_of(scene_.root, list);
-    if (all == nullptr || all->list() == nullptr) return;
-    for (Value& item : *all->list()) take(item);
-  }
   void add(const std::string& name, const std::string& short_name, const std::string& unit,
            std::function<void(std::size_t)> put_in) {
     places_.push_back({name, short_name, unit, "", std::move(put_in)});
@@ -139,16 +116,16 @@ class Opening {
       refuse(name, "is a link without a drive; " + advice(before, "give it one, or add a motor or a force beside it"));
   }
   void collect_drives(Value& link) {
-    Value* drive = member_of(link, "drive");
+    Value* drive = member(link, "drive");
     if (drive == nullptr) return;
     const bool several = drive->list() != nullptr && drive->list()->size() > 1;
     const auto take = [&](Value& one) {
       const std::string axis = text_of(one, "axis"), link_name = text_of(link, "name"), name = link_name + "." + axis;
-      const bool speed = member_of(one, "law") == nullptr;
+      const bool speed = member(one, "law") == nullptr;
       add(name, several ? name : link_name, std::string(axis.starts_with("r") ? "rad" : "m") + (speed ? "/s" : ""),
           [&one, speed](std::size_t number) {
             const char* const key = speed ? "speed" : "law";
-            put(one, key, input_beside(member_of(one, key), number));
+            put(one, key, input_beside(member(one, key), number));
           });
     };
     if (Value::List* drives = drive->list())
@@ -161,7 +138,7 @@ class Opening {
   void collect_laws(Value& object, const Keys& keys, const char* kind) {
     const std::string owner = text_of(object, "name");
     for (const Key& k : keys) {
-      Value* law = member_of(object, k.name);
+      Value* law = member(object, k.name);
       if (law == nullptr || (k.form != Form::law && k.form != Form::translation_law && k.form != Form::rotation_law))
         continue;
       const std::string name = owner + "." + k.name;
@@ -212,7 +189,7 @@ class Opening {
   void collect_magnitude(Value& force, const Magnitude& magnitude) {
     const std::string name = text_of(force, "name"), type = magnitude.type;
     const auto put_in = [&force, k = magnitude.key](std::size_t n) {
-      put(force, k, input_beside(member_of(force, k), n));
+      put(force, k, input_beside(member(force, k), n));
     };
     if (!type.starts_with("applied_")) {
       add(name + "." + magnitude.key, name, magnitude.unit, put_in);
@@ -221,8 +198,8 @@ class Opening {
     const char* const constant = type == "applied_torque" ? "torque" : "force";
     for (int axis = 0; axis < 3; ++axis)
       add(along(name, axis), along(name, axis), magnitude.unit, [&force, axis](std::size_t n) {
-        if (member_of(force, "laws") == nullptr) put(force, "laws", Value::list({0, 0, 0}));
-        if (Value::List* laws = member_of(force, "laws")->list(); laws != nullptr && laws->size() == 3) {
+        if (member(force, "laws") == nullptr) put(force, "laws", Value::list({0, 0, 0}));
+        if (Value::List* laws = member(force, "laws")->list(); laws != nullptr && laws->size() == 3) {
           Value& law = (*laws)[axis];
           law = input_beside(&law, n);
         }
