@@ -102,38 +102,26 @@ void record_reactions(Mechanism& m) {
 }
 
 /// The times of the poses: those that the scene lists, or the multiples of an interval and the end.
-class PoseTimes {
- public:
-  explicit PoseTimes(const RunSettings& run)
-      : times_(run.times), interval_(run.output > 0 ? run.output : run.until / kDefaultPoses), until_(run.until) {
-    if (!times_.empty()) {
-      n_ = static_cast<long>(times_.size());
-      return;
-    }
-    const double whole = std::floor(until_ / interval_ * (1 + 1e-12));
-    if (!(whole <= kMostPoses))
-      throw UsageError(
-          fmt::format("{:.3g} poses, one every {:.6g} s up to {:.6g} s, are more than {:.0e}: give a longer "
-                      "interval, --output {:.6g}",
-                      whole, interval_, until_, kMostPoses, until_ / kDefaultPoses));
-    n_ = static_cast<long>(whole) + 1;
-    if (whole * interval_ < until_ * (1 - 1e-12)) ++n_;
-  }
-  long size() const { return n_; }
-  double operator[](long k) const {
-    if (!times_.empty()) return times_[k];
-    return std::min(static_cast<double>(k) * interval_, until_);
-  }
-  /// The interval goes beyond the end.
-  bool only_ends() const { return times_.empty() && interval_ > until_ && n_ == 2; }
-  double interval() const { return interval_; }
-
- private:
-  static constexpr double kMostPoses = 1e8;
-  const std::vector<double>& times_;
-  double interval_, until_;
-  long n_ = 0;
-};
+std::vector<double> pose_times(const RunSettings& run) {
+  constexpr double kMostPoses = 1e8;
+  const double until = run.until, interval = run.output > 0 ? run.output : until / kDefaultPoses;
+  std::vector<double> times = run.times;
+  if (!times.empty()) return times;
+  const double whole = std::floor(until / interval * (1 + 1e-12));
+  if (!(whole <= kMostPoses))
+    throw UsageError(
+        fmt::format("{:.3g} poses, one every {:.6g} s up to {:.6g} s, are more than {:.0e}: give a longer "
+                    "interval, --output {:.6g}",
+                    whole, interval, until, kMostPoses, until / kDefaultPoses));
+  for (double k = 0; k <= whole; ++k) times.push_back(std::min(k * interval, until));
+  if (times.back() < until * (1 - 1e-12)) times.push_back(until);
+  if (interval > until)
+    fmt::print(stderr,
+               "lockstep: the interval of the poses, {:.6g} s, is longer than the {:.6g} s of the motion: only "
+               "start and end are computed\n",
+               interval, until);
+  return times;
+}
 
 /// A column, and its largest value.
 struct Peak {
@@ -182,12 +170,7 @@ Result follow(const Arguments& args, bool inverse) {
   if (m.run.until <= 0)
     refuse(m.run.where.line > 0 ? m.run.where : loaded.scene.root.where, "run.until",
            "the scene does not say how long it runs, or 0; say it there, or give --until 5");
-  const PoseTimes times(m.run);
-  if (times.only_ends())
-    fmt::print(stderr,
-               "lockstep: the interval of the poses, {:.6g} s, is longer than the {:.6g} s of the motion: only "
-               "start and end are computed\n",
-               times.interval(), m.run.until);
+  const std::vector<double> times = pose_times(m.run);
   record_places(m);
   if (!without.empty()) refuse_columns_of_masses(m, without);
   if (inverse) record_reactions(m);
@@ -209,10 +192,10 @@ Result follow(const Arguments& args, bool inverse) {
   Doubts doubts(!args.has("--quiet") && records_reactions(m.run), 0);
   std::exception_ptr failed;
   try {
-    for (long k = 0; k < times.size(); ++k) {
-      motion.to(times[k]);
+    for (const double& t : times) {
+      motion.to(t);
       const Sample sample(dynamics, motion.state(), report);
-      if (k == 0)
+      if (&t == &times.front())
         recorder->start(sample), rows.begin(), doubts.start(sample);
       else
         recorder->step(sample);
