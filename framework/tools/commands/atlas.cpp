@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <filesystem>
 #include <functional>
 #include <limits>
 #include <map>
@@ -21,10 +20,10 @@
 #include "framework/tools/commands/atlas_pictures.h"
 #include "framework/tools/commands/atlas_plan.h"
 #include "framework/tools/commands/atlas_tables.h"
+#include "framework/tools/commands/benchmark.h"
 #include "framework/tools/commands/run_queue.h"
 #include "framework/tools/commands/threads.h"
 #include "framework/tools/commands/tool_commands.h"
-#include "framework/tools/program/files.h"
 #include "framework/tools/program/progress.h"
 #include "framework/tools/sweep/step_limit.h"
 
@@ -214,11 +213,7 @@ const Fields<Drawn>& drawn_fields() {
 Result draw_atlas(const Arguments& args) {
   const std::string of = args.has("--of") ? args["--of"] : "status";
   AtlasPlan plan = make_atlas_plan(args);
-  const std::string csv = csv_path(
-      args["--out"].empty() ? "" : (std::filesystem::path(args["--out"]) / stem_of(args["scene"])).string() + ".csv",
-      args["scene"]);
-  const std::string base = std::filesystem::path(csv).replace_extension().string() + "_atlas";
-  check_writable(base + ".csv");
+  const std::string base = base_of(args, "_atlas");
   const Interrupt interrupt;
   set_logger(nullptr);
   Atlas atlas(plan, interrupt, jobs_of(args, available_processors()));

@@ -6,10 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <optional>
 
 #include <lockstep/analysis.h>
-#include <lockstep/text.h>
+#include "framework/tools/program/files.h"
 #include "framework/tools/program/method_specs.h"
 #include "framework/tools/scene_run/scene_run.h"
 
@@ -218,6 +219,13 @@ std::vector<MethodChoice> references_of(const RunSettings& run, const Registry& 
   std::vector<MethodChoice> methods;
   for (Candidate& c : all) methods.push_back(std::move(c.method));
   return methods;
+}
+
+std::string base_of(const Arguments& args, const char* ending) {
+  const std::filesystem::path folder = args["--out"].empty() ? output_folder() : args["--out"];
+  const std::string base = csv_path((folder / stem_of(args["scene"])).string() + ending, "");
+  check_writable(base + ".csv");
+  return base;
 }
 
 double budget_of(const Arguments& args) {

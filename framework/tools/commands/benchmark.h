@@ -39,6 +39,9 @@ inline constexpr Option kIntegrators{"--integrators", "A,B",
 /// What chart and advise take.
 Options measuring_options();
 
+/// The base of files of --out, "DIR/four_bar" + `ending`; its table can be written. Throws FileError.
+std::string base_of(const Arguments&, const char* ending);
+
 /// --budget, s.
 double budget_of(const Arguments&);
 

@@ -3,7 +3,6 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <filesystem>
 
 #include "framework/tools/charts/gnuplot.h"
 #include "framework/tools/commands/benchmark.h"
@@ -125,11 +124,7 @@ const Fields<Charted>& chart_fields() {
 Result chart_scene(const Arguments& args) {
   Loaded loaded = load(args);
   loaded.scene = in_space(std::move(loaded.scene));  // where all formulations compute it
-  const std::string csv = csv_path(
-      args["--out"].empty() ? "" : (std::filesystem::path(args["--out"]) / stem_of(args["scene"])).string() + ".csv",
-      args["scene"]);
-  const std::string base = std::filesystem::path(csv).replace_extension().string() + "_chart";
-  check_writable(base + ".csv");
+  const std::string base = base_of(args, "_chart");
   const std::string report = args["--report"].empty() ? "" : report_path(args["--report"], base + ".csv", loaded.scene);
 
   const Interrupt interrupt;
