@@ -114,9 +114,8 @@ void set_ranges(const Arguments& args, const Trajectory& trajectory, WorkPrecisi
 }
 
 // The values that were named, else all with `own` first.
-template <class T>
-std::vector<T> values_of(const std::vector<std::string>& words, T own, std::vector<T> all,
-                         T (*read)(const std::string&)) {
+template <class T, class Read>
+std::vector<T> values_of(const std::vector<std::string>& words, T own, std::vector<T> all, Read&& read) {
   if (words.empty()) {
     std::stable_partition(all.begin(), all.end(), [&](T v) { return v == own; });
     return all;
@@ -267,7 +266,7 @@ SceneBenchmark benchmark_of(const Loaded& loaded, const Arguments& args, const I
   Dynamics along_joints(*first.system, make_solver(run, registry),
                         {Formulation::joint, {}});  // also where it is dearer
   if (along_joints.why_not_joint(first.start.modes).empty()) formulations.push_back(Formulation::joint);
-  o.formulations = values_of(args.all("--formulations"), run.formulation, formulations, read_formulation);
+  o.formulations = values_of(args.all("--formulations"), run.formulation, formulations, formulation_from);
   settle_formulations(dynamics, first.start, !args.all("--solvers").empty(), o.formulations);
   o.loops = has_loops(along_joints, first.start);
   o.stabilizations = values_of(args.all("--stabilizations"), benchmark.imposed ? Kind::none : run.stabilization.kind,

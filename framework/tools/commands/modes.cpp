@@ -3,8 +3,8 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+#include <limits>
 
 #include <lockstep/modes.h>
 #include <lockstep/text.h>
@@ -13,6 +13,7 @@
 #include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/findings.h"
+#include "framework/tools/program/method_specs.h"
 #include "framework/tools/program/run_report.h"
 #include "framework/tools/report/modes_page.h"
 
@@ -20,27 +21,14 @@ namespace lockstep {
 namespace {
 
 const char* word(Mode::Kind kind) {
-  switch (kind) {
-    case Mode::Kind::rigid:
-      return "rigid";
-    case Mode::Kind::oscillation:
-      return "oscillation";
-    case Mode::Kind::decay:
-      return "decay";
-    case Mode::Kind::growth:
-      return "growth";
-  }
-  return "";
+  constexpr const char* kWords[] = {"rigid", "oscillation", "decay", "growth"};
+  return kWords[static_cast<std::size_t>(kind)];
 }
 
 int count_of(const Arguments& args) {
   if (args["--count"].empty()) return 0;
-  int n = 0;
-  const auto [end, error] = std::from_chars(args["--count"].data(), args["--count"].data() + args["--count"].size(), n);
-  if (error != std::errc() || end != args["--count"].data() + args["--count"].size() || n < 1)
-    throw UsageError("--count: \"" + args["--count"] +
-                     "\" is no number of modes; give a whole number from 1 on, as in --count 10");
-  return n;
+  return whole_number("--count", args["--count"], std::numeric_limits<int>::max(),
+                      "is no number of modes; give a whole number from 1 on, as in --count 10");
 }
 
 // "undamped", "unstable", ...

@@ -102,11 +102,12 @@ double instant(const std::string& option, const std::string& text) {
   return t;
 }
 
-int whole_number(const std::string& option, const std::string& text, int most) {
+int whole_number(const std::string& option, const std::string& text, int most, const std::string& refusal) {
   int n = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), n);
   if (error != std::errc() || end != text.data() + text.size() || n < 1 || n > most)
-    throw UsageError(option + ": \"" + text + "\" is no whole number from 1 to " + std::to_string(most));
+    throw UsageError(option + ": \"" + text + "\" " +
+                     (refusal.empty() ? "is no whole number from 1 to " + std::to_string(most) : refusal));
   return n;
 }
 
@@ -114,8 +115,6 @@ int jobs_of(const Arguments& args, int usual) {
   constexpr int kMost = 1024;
   return args.has("--jobs") ? whole_number("--jobs", args["--jobs"], kMost) : usual;
 }
-
-Formulation read_formulation(const std::string& word) { return formulation_from(word); }
 
 Stabilization::Kind read_stabilization(const std::string& word) {
   if (word == "baumgarte") return Stabilization::Kind::baumgarte;

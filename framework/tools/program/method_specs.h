@@ -31,12 +31,11 @@ double positive_number(const std::string& option, const std::string& text, Unit 
 /// An instant of a run, s: 0, its start, or later. Throws likewise.
 double instant(const std::string& option, const std::string& text);
 
-/// A whole number of the command line, from 1 to `most`. Throws UsageError naming `option`.
-int whole_number(const std::string& option, const std::string& text, int most);
+/// A whole number of the command line, from 1 to `most`. Throws UsageError naming `option`; `refusal`: in words of its own.
+int whole_number(const std::string& option, const std::string& text, int most, const std::string& refusal = "");
 /// --jobs; `usual` without it. Throws UsageError.
 int jobs_of(const Arguments&, int usual);
 
-Formulation read_formulation(const std::string&);
 Stabilization::Kind read_stabilization(const std::string&);
 
 }  // namespace lockstep
