@@ -125,10 +125,9 @@ const Fields<Advised>& advise_fields() {
   static const Fields<Choice> kChoice =
       Fields<Choice>{}
           .with(&Choice::cost, cost_fields())
-          .with(std::identity(), Fields<Choice>{{"command", "", "command", &Choice::command},
-                                                {"run", "", "or in the scene's \"run\"",
-                                                 [](const Choice& c) { return Json::parse(c.block); },
-                                                 [](const Json& block) { return "\n" + block.dump(2); }}});
+          .with({{"command", "", "command", &Choice::command},
+                 {"run", "", "or in the scene's \"run\"", [](const Choice& c) { return Json::parse(c.block); },
+                  [](const Json& block) { return "\n" + block.dump(2); }}});
   static const Fields<Advised> kFields = Fields<Advised>{
       {"error", "", "error", &Advised::error},
       {"unit", "", "  in", [](const Advised& a) { return unit_of(a.kind); }},

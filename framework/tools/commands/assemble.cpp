@@ -33,10 +33,9 @@ const Fields<Assembled>& assemble_fields() {
                                       {"moved_most", "", "  of", &Report::moved_most},
                                       {"largest_turn", "rad", "largest turn", &Report::largest_turn},
                                       {"turned_most", "", "  of", &Report::turned_most}};
-  static const Fields<Assembled> kFields =
-      Fields<Assembled>{}
-          .with(&Assembled::report, kReport)
-          .with(std::identity(), Fields<Assembled>{{"bodies", "bodies", &Assembled::poses, pose_fields()}});
+  static const Fields<Assembled> kFields = Fields<Assembled>{}
+                                               .with(&Assembled::report, kReport)
+                                               .with({{"bodies", "bodies", &Assembled::poses, pose_fields()}});
   return kFields;
 }
 

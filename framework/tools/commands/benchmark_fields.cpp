@@ -62,9 +62,8 @@ const Fields<CostAtError>& cost_fields() {
   static const Fields<CostAtError> kFields =
       Fields<CostAtError>{}
           .with([](const CostAtError& c) { return *c.run; }, measured_run_fields())
-          .with(std::identity(), Fields<CostAtError>{{"confirmed", "", "confirmed", &CostAtError::confirmed},
-                                                     {"coarser_tried", "", "a coarser one tried",
-                                                      [](const CostAtError& c) { return !c.upper_bound; }}});
+          .with({{"confirmed", "", "confirmed", &CostAtError::confirmed},
+                 {"coarser_tried", "", "a coarser one tried", [](const CostAtError& c) { return !c.upper_bound; }}});
   return kFields;
 }
 

@@ -112,12 +112,10 @@ const Fields<Charted>& chart_fields() {
                       // no freedom is left: projection gives the motion at any step, and pictures are without it
                       {"imposed", "", "moved by laws alone", [](const Charted& c) { return c.benchmark.imposed; }}}
           .with([](const Charted& c) -> const WorkPrecision& { return c.result; }, measurement_fields())
-          .with(std::identity(),
-                Fields<Charted>{
-                    {"cheapest", "cheapest", [](const Charted& c) { return cheapest_of(c.result); }, kCheapest},
-                    {"best", "best CPU with each", [](const Charted& c) { return winners_of(c.result); }, kWinner},
-                    {"remarks", "", "left out", [](const Charted& c) { return c.benchmark.remarks; }},
-                    {"no_pictures", "", "no pictures", &Charted::no_pictures}});
+          .with({{"cheapest", "cheapest", [](const Charted& c) { return cheapest_of(c.result); }, kCheapest},
+                 {"best", "best CPU with each", [](const Charted& c) { return winners_of(c.result); }, kWinner},
+                 {"remarks", "", "left out", [](const Charted& c) { return c.benchmark.remarks; }},
+                 {"no_pictures", "", "no pictures", &Charted::no_pictures}});
   return kFields;
 }
 

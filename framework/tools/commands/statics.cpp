@@ -121,10 +121,9 @@ const Fields<AtRest>& rest_fields() {
   static const Fields<AtRest> kFields =
       Fields<AtRest>{}
           .with(&AtRest::report, report_fields())
-          .with(std::identity(),
-                Fields<AtRest>{{"found", "", "", &AtRest::found},
-                               {"bodies", "bodies", &AtRest::poses, pose_fields()},
-                               {"reactions", "reactions at P, world", &AtRest::reactions, reaction_fields()}});
+          .with({{"found", "", "", &AtRest::found},
+                 {"bodies", "bodies", &AtRest::poses, pose_fields()},
+                 {"reactions", "reactions at P, world", &AtRest::reactions, reaction_fields()}});
   return kFields;
 }
 

@@ -318,20 +318,18 @@ const Fields<Findings>& check_fields() {
   static const Fields<Findings> kFields =
       Fields<Findings>{}
           .with(&Findings::moves, mobility_fields())
-          .with(std::identity(),
-                Fields<Findings>{
-                    {"formulation", "", "formulation", &Findings::formulation},
-                    {"stages", "", "stages", &Findings::stages},
-                    {"violation", "m", "start violates", &Findings::violation},
-                    {"violation_v", "m/s", "  in velocity", &Findings::violation_v},
-                    {"frames_taken", "", "places taken", &Findings::taken},
-                    {"tree", "joint coordinates", [](const Findings& f) { return f.tree.branches; }, branch_fields()},
-                    {"closures", "", "", [](const Findings& f) { return f.tree.closures; }},
-                    {"columns", "", "", &Findings::columns},
-                    {"parameters", "parameters and points", &Findings::parameters, kParameter},
-                    {"left_out", "not needed, and left out", &Findings::left_out, kLeftOut},
-                    {"proposals", "", "could be left out too", &Findings::proposals},
-                    {"error", "", "", &Findings::error}});
+          .with({{"formulation", "", "formulation", &Findings::formulation},
+                 {"stages", "", "stages", &Findings::stages},
+                 {"violation", "m", "start violates", &Findings::violation},
+                 {"violation_v", "m/s", "  in velocity", &Findings::violation_v},
+                 {"frames_taken", "", "places taken", &Findings::taken},
+                 {"tree", "joint coordinates", [](const Findings& f) { return f.tree.branches; }, branch_fields()},
+                 {"closures", "", "", [](const Findings& f) { return f.tree.closures; }},
+                 {"columns", "", "", &Findings::columns},
+                 {"parameters", "parameters and points", &Findings::parameters, kParameter},
+                 {"left_out", "not needed, and left out", &Findings::left_out, kLeftOut},
+                 {"proposals", "", "could be left out too", &Findings::proposals},
+                 {"error", "", "", &Findings::error}});
   return kFields;
 }
 

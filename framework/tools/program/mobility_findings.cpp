@@ -105,14 +105,12 @@ const Fields<MobilityFindings>& mobility_fields() {
   static const Fields<Found> kFields =
       Fields<Found>{{"plane", "", "plane", &Found::plane, plane_text}}
           .with(&Found::mobility, kReport)
-          .with(std::identity(),
-                Fields<Found>{
-                    {"free_motions", "", "free motions", [](const Found& f) { return f.moves.free; }},
-                    {"singular_position", "singular position", position, kPosition, position_text},
-                    {"nearly_redundant", "", near, near_fields()},
-                    {"reactions_unique", "", "reactions", all_unique, unique_text},
-                    {"rows_not_unique", "", "reactions not unique", [](const Found& f) { return f.reactions.rows; }},
-                    {"columns_not_unique", "", "recorded of these", &Found::columns_not_unique}});
+          .with({{"free_motions", "", "free motions", [](const Found& f) { return f.moves.free; }},
+                 {"singular_position", "singular position", position, kPosition, position_text},
+                 {"nearly_redundant", "", near, near_fields()},
+                 {"reactions_unique", "", "reactions", all_unique, unique_text},
+                 {"rows_not_unique", "", "reactions not unique", [](const Found& f) { return f.reactions.rows; }},
+                 {"columns_not_unique", "", "recorded of these", &Found::columns_not_unique}});
   return kFields;
 }
 

@@ -151,9 +151,8 @@ struct Field {
 template <class T>
 class Fields {
  public:
-  Fields(std::initializer_list<Field<T>> fields) {
-    for (const Field<T>& f : fields) add(f);
-  }
+  Fields() = default;
+  Fields(std::initializer_list<Field<T>> fields) { *this = Fields().with(fields); }
   Json operator()(const T& t) const {
     Json all = Json::object();
     for (const Field<T>& f : fields_)
@@ -161,7 +160,13 @@ class Fields {
     return all;
   }
   const Schema& schema() const { return schema_; }
-  /// The same with the fields of a part of it.
+  /// The same with more fields,
+  Fields with(std::initializer_list<Field<T>> more) const {
+    Fields all = *this;
+    for (const Field<T>& f : more) all.add(f);
+    return all;
+  }
+  /// with the fields of a part of it.
   template <class Get, class U>
   Fields with(Get read, const Fields<U>& part) const {
     Fields all = *this;
