@@ -45,14 +45,13 @@ constexpr long kFewestLanes = 3;  // fewer runs are faster one by one
 /// A run as results have it.
 struct SweepRow {
   long number;
-  std::vector<std::pair<std::string, std::string>> values;  // JSON
-  std::vector<std::string> columns;                         // their names
   SweepRun run;
+  Json values = Json::object();                                // by the paths of the variables
+  std::vector<std::pair<std::string, ColumnRange>> columns{};  // of a run that did not fail
 };
 
 const Fields<SweepRow>& row_fields() {
   using Row = SweepRow;
-  using Ends = std::vector<std::pair<std::string, ColumnRange>>;
   static const Fields<ColumnRange> kEnds{
       {"final", "", "", &ColumnRange::last}, {"min", "", "", &ColumnRange::least}, {"max", "", "", &ColumnRange::most}};
   static const Fields<Row> kEnergy{{"verdict", "", "", [](const Row& r) { return r.run.energy; }},
@@ -63,23 +62,11 @@ const Fields<SweepRow>& row_fields() {
   static const Fields<Row> kFields{
       {"run", "", "", &Row::number},
       {"status", "", "", [](const Row& r) { return r.run.outcome(); }},
-      {"values", "", "",
-       [](const Row& r) {
-         Json all = Json::object();
-         for (const auto& [name, value] : r.values) all[name] = Json::parse(value);
-         return all;
-       }},
+      {"values", "", "", &Row::values},
       {"findings", "", [](const Row& r) { return r.run.findings; }, finding_fields()},
       {"steps", "", "", [](const Row& r) { return r.run.steps; }},
       {"cpu", "s", "", [](const Row& r) { return r.run.cpu; }},
-      {"columns", "",
-       [](const Row& r) {
-         Ends all;
-         for (std::size_t k = 0; k < r.run.columns.size() && !r.run.failed; ++k)
-           all.emplace_back(r.columns[k], r.run.columns[k]);
-         return all;
-       },
-       kEnds},
+      {"columns", "", &Row::columns, kEnds},
       Field<Row>("t", "s", "", [](const Row& r) { return r.run.failed ? NAN : r.run.t; }).optional(),
       Field<Row>("energy", "", done, kEnergy).optional(),
       Field<Row>("drift", "", done, kDrift).optional()};
@@ -279,11 +266,12 @@ class Sweep {
   }
 
   SweepRow row(long n, const SweepRun& run) const {
-    SweepRow row{n, {}, plan_.columns.names(), run};
-    row.columns.erase(row.columns.begin());  // t
+    SweepRow row{n, run};
     const std::vector<std::size_t> choice = plan_.grid.at(n);
     for (std::size_t k = 0; k < choice.size(); ++k)
-      row.values.emplace_back(plan_.variables[k].path, write_json(plan_.variables[k].values[choice[k]]));
+      row.values[plan_.variables[k].path] = Json::parse(write_json(plan_.variables[k].values[choice[k]]));
+    for (std::size_t k = 0; k < run.columns.size() && !run.failed; ++k)
+      row.columns.emplace_back(plan_.columns.columns()[k + 1].name, run.columns[k]);  // after t
     return row;
   }
   long number(long k) const { return Grid::run(plan_.shard, k); }
