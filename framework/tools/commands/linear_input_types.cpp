@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/commands/linear_input_types.h"
 
-#include <string>
 #include <utility>
 
 #include <lockstep/author/force.h>

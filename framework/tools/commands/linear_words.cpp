@@ -2,7 +2,6 @@
 #include "framework/tools/commands/linear_words.h"
 
 #include <lockstep/error.h>
-#include <lockstep/text.h>
 #include "framework/tools/commands/state_at.h"
 #include "framework/tools/commands/tool_commands.h"
 

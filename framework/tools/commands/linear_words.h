@@ -2,9 +2,6 @@
 // What the commands modes and linearize share: their options, and the state.
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include <lockstep/linearization.h>
 #include "framework/tools/program/options.h"
 

@@ -4,7 +4,6 @@
 
 #include <filesystem>
 
-#include <lockstep/error.h>
 #include <lockstep/linearization.h>
 #include <lockstep/text.h>
 #include "framework/tools/commands/state_at.h"

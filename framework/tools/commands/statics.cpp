@@ -4,14 +4,10 @@
 
 #include <cmath>
 #include <numbers>
-#include <optional>
 
 #include <lockstep/analysis.h>
 #include <lockstep/equilibrium.h>
-#include <lockstep/log.h>
-#include <lockstep/text.h>
 #include "framework/dynamics/simulate/start_positions.h"
-#include "framework/foundation/support/thrown.h"
 #include "framework/tools/commands/pose_columns.h"
 #include "framework/tools/commands/state_at.h"
 #include "framework/tools/commands/tool_commands.h"

@@ -2,7 +2,6 @@
 // The command sweep: a scene run many times with other values, one row a run.
 #include <lockstep/log.h>
 #include <lockstep/sweep.h>
-#include <lockstep/text.h>
 
 #include <spdlog/fmt/fmt.h>
 

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include <lockstep/error.h>
-#include <lockstep/log.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/run_outputs.h"
 #include "framework/tools/sweep/sweep_lanes.h"

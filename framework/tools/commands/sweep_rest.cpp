@@ -4,7 +4,6 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <filesystem>
-#include <fstream>
 #include <vector>
 
 #include <lockstep/error.h>

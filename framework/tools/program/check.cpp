@@ -21,7 +21,6 @@
 #include "framework/tools/program/options.h"
 #include "framework/tools/program/run_warnings.h"
 #include "framework/tools/program/terminal.h"
-#include "framework/tools/program/tools.h"
 #include "framework/tools/scene_run/scene_run.h"
 
 namespace lockstep {

@@ -4,8 +4,6 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <lockstep/text.h>
-
 namespace lockstep {
 namespace {
 

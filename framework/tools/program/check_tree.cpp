@@ -2,7 +2,6 @@
 #include "framework/tools/program/check_tree.h"
 
 #include <lockstep/author/lock.h>
-#include <lockstep/text.h>
 #include "framework/dynamics/tree/joint_tree.h"
 
 namespace lockstep {

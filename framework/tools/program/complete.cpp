@@ -9,7 +9,6 @@
 
 #include <lockstep/finding.h>
 #include <lockstep/recorder.h>
-#include <lockstep/text.h>
 #include "framework/description/scene/describe.h"
 #include "framework/tools/program/options.h"
 #include "framework/tools/program/tools.h"

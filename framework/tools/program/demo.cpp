@@ -9,7 +9,6 @@
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/options.h"
 #include "framework/tools/program/run_report.h"
-#include "framework/tools/program/tools.h"
 
 namespace lockstep {
 namespace {

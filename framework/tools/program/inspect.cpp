@@ -11,7 +11,6 @@
 #include "framework/tools/program/describe_scene.h"
 #include "framework/tools/program/findings.h"
 #include "framework/tools/program/options.h"
-#include "framework/tools/program/tools.h"
 
 namespace lockstep {
 namespace {

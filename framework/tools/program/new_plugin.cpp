@@ -13,7 +13,6 @@
 #include <lockstep/author/registry.h>
 #include "framework/description/registry/shelves.h"
 #include "framework/tools/program/options.h"
-#include "framework/tools/program/tools.h"
 
 namespace lockstep {
 namespace {

@@ -6,7 +6,6 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <algorithm>
 #include <boost/dll/runtime_symbol_info.hpp>
 #include <cstring>
 #include <filesystem>
@@ -14,11 +13,9 @@
 #include <lockstep/author/loader.h>
 #include <lockstep/author/plugin.h>
 #include <lockstep/author/registry.h>
-#include <lockstep/error.h>
 #include "framework/description/registry/survey.h"
 #include "framework/foundation/support/child.h"
 #include "framework/tools/program/options.h"
-#include "framework/tools/program/tools.h"
 
 namespace lockstep {
 namespace {

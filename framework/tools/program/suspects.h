@@ -2,7 +2,6 @@
 // Who may be to blame where a run did not conserve energy.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "framework/tools/program/run_words.h"
