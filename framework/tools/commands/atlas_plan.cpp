@@ -9,6 +9,7 @@
 
 #include <lockstep/error.h>
 #include "framework/tools/commands/benchmark.h"
+#include "framework/tools/commands/sweep_plan.h"
 
 namespace lockstep {
 namespace {
@@ -82,15 +83,12 @@ AtlasPlan make_atlas_plan(const Arguments& args) {
   std::vector<Variable> variables =
       as_usage("--vary", [&] { return read_variables(texts, loaded.scene, loaded.registry); });
   if (variables.size() != 2) throw UsageError("--vary: a map has two axes; give two of them");
-  bool steps = false, gains = false;
+  bool gains = false;
   for (const Variable& v : variables) {
     axis_numbers(v);
-    steps = steps || v.place == "run.step", gains = gains || v.place.starts_with("run.stabilization.");
-    if (v.place == "run.step" && !args["--step"].empty())
-      throw UsageError("--step: \"run.step\" varies; leave one of the two out");
-    if (v.place == "run.until" && !args["--until"].empty())
-      throw UsageError("--until: \"run.until\" varies; leave one of the two out");
+    gains = gains || v.place.starts_with("run.stabilization.");
   }
+  refuse_varied_options(args, variables);
   Grid grid = as_usage("--vary", [&] { return Grid({variables[0].values.size(), variables[1].values.size()}); });
   AtlasPlan plan{args, std::move(loaded), std::move(variables), std::move(grid), {}, {}, budget_of(args)};
   if (!args["--error"].empty()) {

@@ -18,25 +18,6 @@ namespace {
 
 constexpr long kMostBuilt = 100;  // runs that are built to find the columns
 
-void refuse_varied_options(const Arguments& args, const std::vector<Variable>& variables) {
-  const std::pair<const char*, const std::string*> options[] = {{"integrator", &args["--integrator"]},
-                                                                {"solver", &args["--solver"]},
-                                                                {"step", &args["--step"]},
-                                                                {"tolerance", &args["--tolerance"]},
-                                                                {"until", &args["--until"]},
-                                                                {"formulation", &args["--formulation"]},
-                                                                {"stabilization", &args["--stabilization"]}};
-  for (const Variable& v : variables) {
-    for (const auto& [name, word] : options) {
-      const std::string place = std::string("run.") + name;
-      if (!word->empty() && (v.place == place || v.place.rfind(place + ".", 0) == 0))
-        throw UsageError(fmt::format("--{}: \"{}\" varies; leave one of the two out", name, v.path));
-    }
-    if ((!args["--planar"].empty() || args.has("--full")) && v.place == "planar")
-      throw UsageError("--planar: \"planar\" varies; leave one of the two out");
-  }
-}
-
 // Refuses a variable that the scene does not have, if no run can be built with it.
 void refuse_misplaced(const SweepPlan& plan, const std::string& reason) {
   for (const Variable& v : plan.variables)
@@ -83,6 +64,17 @@ void warn_left_behind(const std::vector<Variable>& variables, const Loaded& load
 }
 
 }  // namespace
+
+void refuse_varied_options(const Arguments& args, const std::vector<Variable>& variables) {
+  for (const Variable& v : variables) {
+    for (const std::string name :
+         {"integrator", "solver", "step", "tolerance", "until", "formulation", "stabilization"})
+      if (!args["--" + name].empty() && (v.place == "run." + name || v.place.starts_with("run." + name + ".")))
+        throw UsageError(fmt::format("--{}: \"{}\" varies; leave one of the two out", name, v.path));
+    if ((!args["--planar"].empty() || args.has("--full")) && v.place == "planar")
+      throw UsageError("--planar: \"planar\" varies; leave one of the two out");
+  }
+}
 
 Scene SweepPlan::scene(long run) const {
   Scene s = vary_scene(loaded.scene, variables, grid.at(run), loaded.registry);

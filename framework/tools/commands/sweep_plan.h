@@ -26,6 +26,8 @@ struct SweepPlan {
   std::string setting(long run) const;
 };
 
+/// Throws UsageError where a setting that varies is given by an option, too.
+void refuse_varied_options(const Arguments&, const std::vector<Variable>&);
 /// Throws UsageError, and SceneError where no run can be built. Warns of lengths that stand elsewhere too.
 SweepPlan make_sweep_plan(const Arguments&);
 
