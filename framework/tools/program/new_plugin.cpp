@@ -7,7 +7,6 @@
 #include <array>
 #include <cctype>
 #include <filesystem>
-#include <fstream>
 #include <string_view>
 
 #include <lockstep/author/registry.h>
@@ -75,14 +74,6 @@ std::string replaced(std::string_view text, std::string_view what, std::string_v
   }
 }
 
-void write(const fs::path& file, const std::string& text) {
-  std::ofstream out(file, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out)
-    throw FileError(fmt::format("{}: cannot be written; is the disk full, or the folder closed?", file.string()));
-}
-
 }  // namespace
 
 std::string class_name(const std::string& kind, const std::string& name) {
@@ -111,7 +102,7 @@ std::vector<std::string> write_plugin(const std::string& kind, const std::string
   if (!fs::create_directories(folder, error))
     throw FileError(fmt::format("{}: cannot be made: {}; say --into a folder that you may write to", folder.string(),
                                 error.message()));
-  std::vector<std::string> files;
+  Result made;
   try {
     for (const TemplateFile& file : template_files()) {
       if (file.kind != kind) continue;
@@ -119,14 +110,13 @@ std::vector<std::string> write_plugin(const std::string& kind, const std::string
       const auto renamed = [&](std::string_view text) {
         return replaced(replaced(text, old_name, name), old_class, class_name(kind, name));
       };
-      files.push_back((folder / renamed(file.name)).string());
-      write(files.back(), renamed(file.text));
+      made.write((folder / renamed(file.name)).string(), renamed(file.text));
     }
   } catch (...) {
     fs::remove_all(folder, error);
     throw;
   }
-  return files;
+  return made.files;
 }
 
 namespace {
