@@ -218,33 +218,32 @@ Result follow(const Arguments& args, bool inverse) {
   return result;
 }
 
-// What both take.
-Options driven() {
-  return join({scene_options(),
-               {kJson,
-                {"--until", "T", "the last instant, s; default: that of the scene's run"},
-                {"--output", "H", "interval of the poses, s; default: the scene's, or a hundredth of the whole"},
-                {"--record", "FILE.csv", "the CSV file; default: <scene>.csv in LOCKSTEP_OUTPUT or here"},
-                {"--quiet", "", "print errors only"}}});
+Command driven_command(std::string_view name, Result (*run)(const Arguments&), std::string_view footer) {
+  return {name,
+          join({scene_options(),
+                {kJson,
+                 {"--until", "T", "the last instant, s; default: that of the scene's run"},
+                 {"--output", "H", "interval of the poses, s; default: the scene's, or a hundredth of the whole"},
+                 {"--record", "FILE.csv", "the CSV file; default: <scene>.csv in LOCKSTEP_OUTPUT or here"},
+                 {"--quiet", "", "print errors only"}}}),
+          run,
+          footer,
+          {&kinematics_fields().schema()}};
 }
 
 }  // namespace
 
 Command kinematics_command() {
-  return {"kinematics",
-          driven(),
-          [](const Arguments& args) { return follow(args, false); },
-          "Masses are not needed. A scene with too few or too many drives is refused, with the coordinates to drive or "
-          "the drives to release.\n\nExample:\n  lockstep kinematics samples/scenes/four_bar.json --until 0.2",
-          {&kinematics_fields().schema()}};
+  return driven_command(
+      "kinematics", [](const Arguments& args) { return follow(args, false); },
+      "Masses are not needed. A scene with too few or too many drives is refused, with the coordinates to drive or "
+      "the drives to release.\n\nExample:\n  lockstep kinematics samples/scenes/four_bar.json --until 0.2");
 }
 Command inverse_command() {
-  return {"inverse",
-          driven(),
-          [](const Arguments& args) { return follow(args, true); },
-          "Columns: those of the scene, then every drive and every reaction.\n\n"
-          "Example:\n  lockstep inverse samples/scenes/four_bar.json --until 0.2",
-          {&kinematics_fields().schema()}};
+  return driven_command(
+      "inverse", [](const Arguments& args) { return follow(args, true); },
+      "Columns: those of the scene, then every drive and every reaction.\n\n"
+      "Example:\n  lockstep inverse samples/scenes/four_bar.json --until 0.2");
 }
 
 }  // namespace lockstep
