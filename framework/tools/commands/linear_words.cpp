@@ -37,10 +37,4 @@ const Fields<StateFound>& state_fields() {
   return kFields;
 }
 
-void rethrow_with_options(const ModelError& error) {
-  const std::string words = error.what();
-  if (words.find("neither an equilibrium") == std::string::npos) throw error;
-  throw ModelError(words + " (--at T another instant, --spin x,y,z the turning of the axes, --frozen this one)");
-}
-
 }  // namespace lockstep

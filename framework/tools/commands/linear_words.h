@@ -21,16 +21,15 @@ struct StateFound {
 /// t, and "state": spin, unrest.
 const Fields<StateFound>& state_fields();
 
-/// Adds to a ModelError which options of the program are the next move.
-[[noreturn]] void rethrow_with_options(const ModelError&);
-
-/// Calls an analysis whose errors speak of the program's options.
+/// Calls an analysis whose errors say which options of the program are the next move.
 template <class Analysis>
 auto with_words_of_program(Analysis&& analysis) {
   try {
     return analysis();
   } catch (const ModelError& error) {
-    rethrow_with_options(error);
+    const std::string words = error.what();
+    if (words.find("neither an equilibrium") == std::string::npos) throw;
+    throw ModelError(words + " (--at T another instant, --spin x,y,z the turning of the axes, --frozen this one)");
   }
 }
 
