@@ -41,14 +41,11 @@ template <class Objects, class Condition>
 Names names_of(const Objects& objects, Condition&& holds) {
   Names names;
   for (const auto& object : objects)
-    if (holds(*object)) names.push_back(object->name());
-  return names;
-}
-template <class Condition>
-Names names_of(const std::deque<Body>& bodies, Condition&& holds) {
-  Names names;
-  for (const Body& body : bodies)
-    if (holds(body)) names.push_back(body.name);
+    if constexpr (requires { object.name; }) {
+      if (holds(object)) names.push_back(object.name);
+    } else if (holds(*object)) {
+      names.push_back(object->name());
+    }
   return names;
 }
 

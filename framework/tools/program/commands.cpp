@@ -171,12 +171,9 @@ int run_words(const Program& program, int argc, const char* const* argv) {
     if (const std::optional<int> code = call_tool(argc, argv)) return *code;
   if (argc > 1 && std::string_view(argv[1]) == "complete")
     return guarded([&] { return print_completions(program, argc - 2, argv + 2); });
-  if (argc == 2 && !program.calls_tools && std::string_view(argv[1]) == "man-verbs") {
-    fmt::print("{}", commands_page(program));
-    return kExitOk;
-  }
-  if (argc == 2 && !program.calls_tools && std::string_view(argv[1]) == "results") {
-    fmt::print("{}\n", results_of(program.commands).dump());  // a line
+  if (const std::string_view asked = argc == 2 && !program.calls_tools ? argv[1] : "";
+      asked == "man-verbs" || asked == "results") {
+    fmt::print("{}", asked == "results" ? results_of(program.commands).dump() + "\n" : commands_page(program));
     return kExitOk;
   }
   if (argc == 3 && std::string_view(argv[1]) == "plugin-answer")

@@ -5,6 +5,8 @@
 #include <initializer_list>
 #include <set>
 
+#include "framework/description/scene/tree.h"
+
 namespace lockstep {
 
 namespace {
@@ -15,7 +17,7 @@ void for_each_named(const Scene& scene, const char* list, Visit&& visit) {
   const Value* items = scene.root.find(list);
   if (items == nullptr || items->list() == nullptr) return;
   for (const Value& item : *items->list())
-    if (const Value* name = item.find("name"); name != nullptr && name->text() != nullptr) visit(*name->text(), item);
+    if (const std::string* name = text_under(item, "name")) visit(*name, item);
 }
 
 bool has_any(const Value& object, std::initializer_list<const char*> keys) {
@@ -41,8 +43,8 @@ std::vector<std::string> frames_taken(const Scene& scene) {
   });
   for_each_named(scene, "markers", [&](const std::string& name, const Value& marker) {
     if (has_any(marker, {"at", "world_at"})) return;
-    const Value* body = marker.find("body");
-    const std::string carrier = body != nullptr && body->text() != nullptr ? *body->text() : "its body";
+    const std::string* body = text_under(marker, "body");
+    const std::string carrier = body != nullptr ? *body : "its body";
     const bool in_world = marker.find("world_orientation") != nullptr || carrier == "ground";
     if (!in_world && particles.contains(carrier)) return;  // a point has no other place
     lines.push_back("marker '" + name + "' is at the origin of " + (in_world ? "the world" : "'" + carrier + "'") +
