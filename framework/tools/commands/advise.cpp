@@ -8,7 +8,6 @@
 #include <lockstep/text.h>
 #include "framework/description/scene/write.h"
 #include "framework/tools/commands/benchmark.h"
-#include "framework/tools/commands/benchmark_fields.h"
 #include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/precision/pareto.h"
 #include "framework/tools/precision/work_precision_chart.h"

@@ -17,9 +17,7 @@
 #include <lockstep/log.h>
 #include <lockstep/text.h>
 #include "framework/tools/charts/gnuplot.h"
-#include "framework/tools/commands/atlas_pictures.h"
 #include "framework/tools/commands/atlas_plan.h"
-#include "framework/tools/commands/atlas_tables.h"
 #include "framework/tools/commands/benchmark.h"
 #include "framework/tools/commands/run_queue.h"
 #include "framework/tools/commands/threads.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "framework/tools/commands/atlas_pictures.h"
+// The maps of an atlas as a picture.
+#include "framework/tools/commands/atlas_plan.h"
 
 #include <spdlog/fmt/fmt.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What an atlas computes: two numbers of a scene that vary, and the methods that have a map each.
+// An atlas: two numbers of a scene that vary, the methods that have a map each, and how the maps are shown.
 #pragma once
 
 #include <string>
@@ -7,8 +7,9 @@
 
 #include <lockstep/analysis.h>
 #include <lockstep/table.h>
-#include "framework/tools/program/commands.h"
+#include "framework/tools/charts/map_grid.h"
 #include "framework/tools/program/method_specs.h"
+#include "framework/tools/program/result.h"
 #include "framework/tools/sweep/atlas_run.h"
 
 namespace lockstep {
@@ -48,5 +49,12 @@ AtlasPlan make_atlas_plan(const Arguments&);
 
 /// The values of an axis. Throws UsageError where they are no numbers, fewer than two, or not rising.
 std::vector<double> axis_numbers(const Variable&);
+
+/// As CSV: a line for each run.
+std::string atlas_csv(const AtlasPlan&);
+/// "axes", and "maps": for each method its outcomes by the numbers of the axes, or why it is left out.
+const Fields<AtlasPlan>& atlas_fields();
+/// A map for each method that runs. `of`: "status", "error" or "energy"; `reference`: the methods of the references.
+MapGridSpec atlas_picture(const AtlasPlan&, const std::string& reference, const std::string& of);
 
 }  // namespace lockstep

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "framework/tools/commands/atlas_tables.h"
+// The cells of an atlas as numbers: CSV, JSON, lines of text.
+#include "framework/tools/commands/atlas_plan.h"
 
 #include <algorithm>
 #include <cmath>
@@ -45,9 +46,9 @@ std::string atlas_csv(const AtlasPlan& plan) {
 const Fields<AtlasPlan>& atlas_fields() {
   static const Fields<Variable> kAxis{
       {"name", "", "", &Variable::path}, {"unit", "", "", &Variable::unit}, {"values", "", "", axis_numbers}};
-  using Panel = std::pair<const AtlasPlan*, const AtlasPanel*>;
+  using Shown = std::pair<const AtlasPlan*, const AtlasPanel*>;
   const auto of_cells = [](auto read) {
-    return [read](const Panel& p) {
+    return [read](const Shown& p) {
       std::vector<std::vector<std::remove_cvref_t<decltype(read(p.second->cells.front()))>>> rows;
       const std::size_t n_y = p.first->variables[1].values.size();
       if (p.second->unsuited.empty())
@@ -59,7 +60,7 @@ const Fields<AtlasPlan>& atlas_fields() {
     };
   };
   static const Fields<AtlasPanel> kLimit{{"x", "", "", &AtlasPanel::limit_x}, {"y", "", "", &AtlasPanel::limit_y}};
-  const auto counts = [](const Panel& p) {
+  const auto counts = [](const Shown& p) {
     Json all = Json::object();
     if (p.second->unsuited.empty())
       for (const auto& [outcome, n] : counts_of(*p.second)) all[words_of(outcome)] = n;
@@ -70,19 +71,19 @@ const Fields<AtlasPlan>& atlas_fields() {
     for (const auto& [outcome, n] : all.items()) text += (text.empty() ? "" : ", ") + n.dump() + " " + outcome;
     return text;
   };
-  static const Fields<Panel> kPanel{
-      {"integrator", "", "integrator", [](const Panel& p) { return to_word(p.second->integrator); }},
-      {"stabilization", "", "stabilisation", [](const Panel& p) { return to_string(p.second->stabilization); }},
-      Field<Panel>("left_out", "", "left out", [](const Panel& p) { return p.second->unsuited; }).optional(),
-      Field<Panel>("counts", "", "runs", counts, counts_text).optional(),
-      {"passed", "", "passed singular positions with plain stages", [](const Panel& p) { return n_passed(*p.second); }},
-      Field<Panel>("outcomes", "", "", of_cells([](const AtlasCell& c) { return std::string(words_of(c.outcome)); }))
+  static const Fields<Shown> kPanel{
+      {"integrator", "", "integrator", [](const Shown& p) { return to_word(p.second->integrator); }},
+      {"stabilization", "", "stabilisation", [](const Shown& p) { return to_string(p.second->stabilization); }},
+      Field<Shown>("left_out", "", "left out", [](const Shown& p) { return p.second->unsuited; }).optional(),
+      Field<Shown>("counts", "", "runs", counts, counts_text).optional(),
+      {"passed", "", "passed singular positions with plain stages", [](const Shown& p) { return n_passed(*p.second); }},
+      Field<Shown>("outcomes", "", "", of_cells([](const AtlasCell& c) { return std::string(words_of(c.outcome)); }))
           .optional(),
-      Field<Panel>("passed_singular_positions", "", "", of_cells([](const AtlasCell& c) { return c.passed; }))
+      Field<Shown>("passed_singular_positions", "", "", of_cells([](const AtlasCell& c) { return c.passed; }))
           .optional(),
-      Field<Panel>(
+      Field<Shown>(
           "limit", "",
-          [](const Panel& p) {
+          [](const Shown& p) {
             bool drawn = false;  // a method that is stable at every step has no line
             for (std::size_t k = 0; k < p.second->limit_x.size(); ++k)
               drawn = drawn || (std::isfinite(p.second->limit_x[k]) && std::isfinite(p.second->limit_y[k]));
@@ -93,7 +94,7 @@ const Fields<AtlasPlan>& atlas_fields() {
   static const Fields<AtlasPlan> kFields{{"axes", "", &AtlasPlan::variables, kAxis},
                                          {"maps", "methods",
                                           [](const AtlasPlan& plan) {
-                                            std::vector<Panel> all;
+                                            std::vector<Shown> all;
                                             for (const AtlasPanel& panel : plan.panels) all.emplace_back(&plan, &panel);
                                             return all;
                                           },

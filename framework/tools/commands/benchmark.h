@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "framework/tools/precision/pareto.h"
 #include "framework/tools/precision/work_precision.h"
 #include "framework/tools/program/options.h"
 #include "framework/tools/program/progress.h"
@@ -48,6 +49,14 @@ double budget_of(const Arguments&);
 /// work_precision with each run printed as it ends; runs that Ctrl-C cut short count as not begun. Null if it was
 /// interrupted before there was a reference.
 std::unique_ptr<WorkPrecision> measure(SceneBenchmark&, const Arguments&, const Interrupt&);
+
+// Measured runs as results have them.
+/// Method, setting, errors, cost, or why it failed.
+const Fields<WorkPrecisionRun>& measured_run_fields();
+/// The same with what is known of its cost.
+const Fields<CostAtError>& cost_fields();
+/// All runs, the references and how well they agree, what was left out.
+const Fields<WorkPrecision>& measurement_fields();
 
 /// "<= 0.0021 s".
 std::string cost_text(double seconds, bool upper_bound);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "framework/tools/commands/benchmark_fields.h"
+// Measured runs as results have them, for chart and advise.
+#include "framework/tools/commands/benchmark.h"
 
 #include <algorithm>
 #include <cmath>

@@ -10,7 +10,6 @@
 #include <lockstep/text.h>
 #include "framework/tools/commands/benchmark.h"
 #include "framework/tools/precision/certificate.h"
-#include "framework/tools/program/certified.h"
 #include "framework/tools/program/method_specs.h"
 #include "framework/tools/scene_run/scene_run.h"
 

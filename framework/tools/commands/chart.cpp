@@ -6,7 +6,6 @@
 
 #include "framework/tools/charts/gnuplot.h"
 #include "framework/tools/commands/benchmark.h"
-#include "framework/tools/commands/benchmark_fields.h"
 #include "framework/tools/commands/tool_commands.h"
 #include "framework/tools/precision/work_precision_chart.h"
 #include "framework/tools/program/files.h"
@@ -17,7 +16,7 @@ namespace lockstep {
 namespace {
 
 constexpr const char* kLimits[] = {"1e-3", "1e-6", "1e-9"};  // m
-constexpr std::size_t kMostRows = 3;              // integrators that a picture of forms shows
+constexpr std::size_t kMostRows = 3;                         // integrators that a picture of forms shows
 
 std::vector<CostAtError> costs_below(const WorkPrecision& result, const std::string& limit) {
   return costs_at_error(result, std::stod(limit));

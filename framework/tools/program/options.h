@@ -81,6 +81,17 @@ std::vector<Command> own_commands();  ///< all of them; the first is run
 Result run_scene(const Arguments&);
 std::vector<const Schema*> run_results();  ///< what its documents may have
 
+/// The certificate of a run.
+struct CertifiedRun {
+  std::string text;   ///< lines
+  std::string doubt;  ///< a sentence that names the columns of which not one digit is certified; "" if there are none
+};
+/// `run`: its settings; `table`: what it recorded.
+using Certify = CertifiedRun (*)(const Loaded&, const Arguments&, const RunSettings& run, const Table& table);
+
+/// `run`, and the certificate after it.
+Result run_and_certify(const Arguments&, Certify);
+
 /// The schemas of what commands print with --json, by their names: of these, and of all programs.
 Json results_of(std::span<const Command>);
 Json results_of_all();

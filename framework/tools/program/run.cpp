@@ -10,7 +10,6 @@
 #include "framework/foundation/support/finding_kinds.h"
 #include "framework/foundation/support/thrown.h"
 #include "framework/mechanism/params/read.h"
-#include "framework/tools/program/certified.h"
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/program/findings.h"
