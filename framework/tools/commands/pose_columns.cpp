@@ -33,36 +33,22 @@ std::vector<std::pair<std::string, NamedReaction>> reactions_of(const System& sy
   return all;
 }
 
-std::vector<Column> pose_columns(const System& system) {
-  std::vector<Column> all;
-  for (const Body& body : system.bodies()) {
-    if (body.fixed) continue;
-    for (const char* axis : {"x", "y", "z"}) all.push_back({body.name + "." + axis, "m", {}});
-    if (body.freedoms == Freedoms::particle) continue;
-    for (const char* axis : {"qw", "qx", "qy", "qz"}) all.push_back({body.name + "." + axis, "", {}});
-  }
-  for_each_reaction(system, [&](const Lock&, const std::string& name, int) {
-    for (const auto& [what, unit] : {std::pair{".force_on_p_world_", "N"}, std::pair{".torque_on_p_world_", "N m"}})
-      for (const char* axis : {"x", "y", "z"}) all.push_back({name + what + axis, unit, {}});
-  });
-  return all;
-}
-
-std::vector<double> pose_row(const System& system, const State& state, const Evaluated& v) {
-  std::vector<double> row;
+std::vector<PoseNumber> pose_numbers(const System& system, const State& state, const Evaluated& v) {
+  std::vector<PoseNumber> all;
   for (const Body& body : system.bodies()) {
     if (body.fixed) continue;
     const Pose at = body_pose(body, state);
-    for (int k = 0; k < 3; ++k) row.push_back(at.x[k]);
+    for (int k = 0; k < 3; ++k) all.push_back({body.name + "." + "xyz"[k], "m", at.x[k]});
     if (body.freedoms == Freedoms::particle) continue;
-    for (const double q : {at.q.w, at.q.x, at.q.y, at.q.z}) row.push_back(q);
+    for (const auto& [name, q] : {std::pair{".qw", at.q.w}, {".qx", at.q.x}, {".qy", at.q.y}, {".qz", at.q.z}})
+      all.push_back({body.name + name, "", q});
   }
-  for_each_reaction(system, [&](const Lock& link, const std::string&, int part) {
+  for_each_reaction(system, [&](const Lock& link, const std::string& name, int part) {
     const LinkWrench w = wrench_of(link, part, v);
-    for (int k = 0; k < 3; ++k) row.push_back(w.force[k]);
-    for (int k = 0; k < 3; ++k) row.push_back(w.moment[k]);
+    for (int k = 0; k < 3; ++k) all.push_back({name + ".force_on_p_world_" + "xyz"[k], "N", w.force[k]});
+    for (int k = 0; k < 3; ++k) all.push_back({name + ".torque_on_p_world_" + "xyz"[k], "N m", w.moment[k]});
   });
-  return row;
+  return all;
 }
 
 NamedPoses poses_of(const System& system, const State& state) {

@@ -20,11 +20,13 @@ struct NamedReaction {
 /// Of all links in force, by their names.
 std::vector<std::pair<std::string, NamedReaction>> reactions_of(const System&, const Evaluated&);
 
-/// Columns of the poses of all bodies that move and of all links' reactions, named as channels are: "crank.x",
-/// "A.force_on_p_world_x".
-std::vector<Column> pose_columns(const System&);
-/// Their numbers. Of links that are not in force they are zero.
-std::vector<double> pose_row(const System&, const State&, const Evaluated&);
+/// A number with the name of its channel, "crank.x" or "A.force_on_p_world_x".
+struct PoseNumber {
+  std::string name, unit;
+  double value;
+};
+/// Those of the poses of all bodies that move and of all links' reactions. Of links that are not in force they are zero.
+std::vector<PoseNumber> pose_numbers(const System&, const State&, const Evaluated&);
 
 /// Poses by the names of bodies that move, and reactions by the names of links and drives, as results have them.
 using NamedPoses = std::vector<std::pair<std::string, Pose>>;

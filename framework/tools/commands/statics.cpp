@@ -155,14 +155,16 @@ void add_row(Table& table, const std::vector<Variable>& variables, std::vector<d
                 : s.kind == Stability::Kind::unstable                                   ? -1
                                                                                         : std::nan(""));
   row.push_back(s.softest), row.push_back(r.report.unbalanced);
-  const std::vector<double> poses = pose_row(r.m.system, r.state, r.values());
-  row.insert(row.end(), poses.begin(), poses.end());
-  if (table.n_columns() == 0) {
+  const bool first = table.n_columns() == 0;
+  if (first) {
     for (const Variable& v : variables) table.add_column(v.path, v.unit);
     table.add_column("stable");  // 1; 0 neutral; -1 unstable
     table.add_column("softest", "1/s^2");
     table.add_column("unbalanced");
-    for (const Column& c : pose_columns(r.m.system)) table.add_column(c.name, c.unit);
+  }
+  for (const PoseNumber& n : pose_numbers(r.m.system, r.state, r.values())) {
+    if (first) table.add_column(n.name, n.unit);
+    row.push_back(n.value);
   }
   table.add_row(row);
 }
