@@ -16,6 +16,7 @@
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/check_tree.h"
+#include "framework/tools/program/describe_scene.h"
 #include "framework/tools/program/frames_taken.h"
 #include "framework/tools/program/mobility_findings.h"
 #include "framework/tools/program/options.h"
@@ -221,22 +222,6 @@ std::string value_text(const Value& v) {
   return "[" + text + "]";
 }
 
-/// A computed value in six digits: "0.15 m", "[0.1, 0.2, 0] m".
-std::string brief_text(const Value& v) {
-  const auto split = [](const Value& one) {
-    const std::string text = plain_text(one);
-    const std::size_t blank = std::min(text.find(' '), text.size());
-    return std::pair(fmt::format("{:.6g}", std::stod(text.substr(0, blank))), text.substr(blank));
-  };
-  if (v.list() == nullptr) return split(v).first + split(v).second;
-  std::string numbers, unit;
-  for (const Value& each : *v.list()) {
-    const auto [number, its] = split(each);
-    numbers += (numbers.empty() ? "" : ", ") + number, unit = its;
-  }
-  return "[" + numbers + "]" + unit;
-}
-
 /// What is counted and found of a scene.
 struct Findings {
   MobilityFindings moves;
@@ -308,7 +293,7 @@ const Fields<Findings>& check_fields() {
   static const Fields<Parameter> kParameter{
       {"name", "", "name", &Parameter::name},
       {"kind", "", "", [](const Parameter& p) { return p.is_point ? "point" : "parameter"; }},
-      {"now", "", "value", [](const Parameter& p) { return brief_text(p.value); }},
+      {"now", "", "value", [](const Parameter& p) { return value_words(p.value, true); }},
       {"value", "", "", [](const Parameter& p) { return value_text(p.value); }},
       {"written", "", "written", [](const Parameter& p) { return value_text(p.written); }}};
   static const Fields<Findings> kFields =

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/program/describe_scene.h"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 
 #include <lockstep/error.h>
@@ -50,20 +52,21 @@ std::vector<std::string> readers_of(const SceneParameter& of, const Value& root)
 // "[1, 2, 3] m" and "[0, \"=side\", 0]", as they are shown.
 bool is_list(const std::string& shown) { return shown.starts_with('['); }
 
-std::string without_unit(const std::string& quantity) { return quantity.substr(0, quantity.find(' ')); }
-
 }  // namespace
 
-std::string parameter_value(const SceneParameter& p) {
-  const Value::List* items = p.value.list();
-  if (items == nullptr) return plain_text(p.value);
-  std::string text, unit;
-  for (const Value& each : *items) {
-    const std::string one = plain_text(each);
-    text += (text.empty() ? "[" : ", ") + without_unit(one);
-    if (each.text() != nullptr && one.find(' ') != std::string::npos) unit = one.substr(one.find(' '));
+std::string value_words(const Value& v, bool brief) {
+  const auto split = [&](const Value& one) {
+    const std::string text = plain_text(one), number = text.substr(0, text.find(' '));
+    return std::pair(brief ? fmt::format("{:.6g}", std::stod(number)) : number, text.substr(number.size()));
+  };
+  if (v.list() == nullptr) return brief ? split(v).first + split(v).second : plain_text(v);
+  std::string numbers, unit;
+  for (const Value& each : *v.list()) {
+    const auto [number, its] = split(each);
+    numbers += (numbers.empty() ? "" : ", ") + number;
+    if (!its.empty()) unit = its;
   }
-  return text + "]" + unit;
+  return "[" + numbers + "]" + unit;
 }
 
 std::string ways_to_change(const ParameterFacts& f) {
@@ -80,7 +83,7 @@ ParameterFacts parameter_facts(const Scene& scene, const std::string& name) {
   for (const SceneParameter& p : scene.parameters) {
     known.push_back(p.name);
     if (p.name != name) continue;
-    ParameterFacts facts{p.name, p.is_point ? "point" : "parameter", parameter_value(p), write_json_line(p.written),
+    ParameterFacts facts{p.name, p.is_point ? "point" : "parameter", value_words(p.value), write_json_line(p.written),
                          p.written.where.text()};
     const Value& root = scene.written.is_null() ? scene.root : scene.written;
     const Value* shelf = root.find(p.is_point ? "points" : "parameters");

@@ -25,7 +25,7 @@ ParameterFacts parameter_facts(const Scene&, const std::string& name);
 /// What options give it other values: of a vector its components vary, and a formula sets all of it.
 std::string ways_to_change(const ParameterFacts&);
 
-/// The value of a parameter in words: "0.1 m", "[0.1, 0, 0] m".
-std::string parameter_value(const SceneParameter&);
+/// A computed value in words: "0.1 m", "[0.1, 0, 0] m". `brief`: in six digits.
+std::string value_words(const Value&, bool brief = false);
 
 }  // namespace lockstep
