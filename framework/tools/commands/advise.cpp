@@ -91,19 +91,6 @@ Advice advice_of(const std::vector<CostAtError>& all) {
   return advice;
 }
 
-/// What an answer is about.
-struct Question {
-  const Arguments& args;
-  const Loaded& loaded;
-  const SceneBenchmark& benchmark;
-  ErrorKind kind;
-  double error;
-
-  std::string block(const WorkPrecisionRun& run) const {
-    return run_block(settings_of(loaded.scene.run, run, loaded.registry), run, benchmark.options.largest_step);
-  }
-};
-
 /// A run, and how to repeat it.
 struct Choice {
   CostAtError cost;
@@ -154,12 +141,12 @@ Result advise(const Arguments& args) {
     write_runs_report(report, text_of(args, loaded), runs_text(*result), "cpu [s]",
                       fmt::format("{} error [{}]", to_string(kind), unit_of(kind)), true);
   const std::vector<CostAtError> all = costs_at_error(*result, error, kind);
-  const Question question{args, loaded, benchmark, kind, error};
   const Advice advice = advice_of(all);
   const WorkPrecisionRun* nearest = nearest_of(*result, kind);
-  const auto choice = [&](const CostAtError* c) {
-    return c == nullptr ? std::nullopt
-                        : std::optional(Choice{*c, command_line(args, *c->run), question.block(*c->run)});
+  const auto choice = [&](const CostAtError* c) -> std::optional<Choice> {
+    if (c == nullptr) return {};
+    const RunSettings run = settings_of(loaded.scene.run, *c->run, loaded.registry);
+    return Choice{*c, command_line(args, *c->run), run_block(run, *c->run, benchmark.options.largest_step)};
   };
   Result out(
       loaded, advise_fields(),
