@@ -73,11 +73,9 @@ std::string findings_page() {
       {Severity::note, "Information."}};
   std::string page =
       "# Findings\n\nWhat lockstep notices of a scene, a start, a run or an analysis and is not an error. Every "
-      "finding has "
-      "a code, which\nnever changes. `lockstep describe CODE` prints what stands here, `--json` lists the findings of "
-      "a run "
-      "under\n`findings`, and hosts read `SimulationReport::findings`, `RunVerdict::findings` and `FindingScope`\n"
-      "(`<lockstep/finding.h>`). This page is written by `lockstep reference findings`.\n";
+      "finding has a code, which\nnever changes. `lockstep describe CODE` prints what stands here, `--json` lists "
+      "the findings of a run under\n`findings`, and hosts read `SimulationReport::findings`, `RunVerdict::findings` "
+      "and `FindingScope`\n(`<lockstep/finding.h>`). This page is written by `lockstep reference findings`.\n";
   for (const auto& [severity, words] : kParts) {
     page += fmt::format("\n## {}\n\n{}\n\n| code | cause | cure |\n|---|---|---|\n", to_string(severity), words);
     for (const FindingKind* kind : finding_kinds())
