@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/tools/commands/linear_words.h"
 
-#include <lockstep/error.h>
 #include "framework/tools/commands/state_at.h"
 #include "framework/tools/commands/tool_commands.h"
 

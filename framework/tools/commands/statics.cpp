@@ -200,13 +200,14 @@ Result vary(const Arguments& args, const Loaded& loaded) {
           std::make_unique<Resting>(vary_scene(loaded.scene, variables, choice, loaded.registry), loaded.registry);
       now->find(args, before ? &before->state : nullptr, false);
       add_row(table, variables, values, *now);
-      if (!before) rows.begin();
-      rows.take(), file.write();
       before = std::move(now);
     } catch (const Error& error) {
       ++failed;
       fmt::print(stderr, "lockstep: {}: {}\n", setting_text(variables, choice), error.what());
+      continue;
     }
+    if (table.n_rows() == 1) rows.begin();
+    rows.take(), file.write();
   }
   file.commit();
   Result result;
