@@ -5,6 +5,7 @@
 # other people's, these.
 set(lockstep_common_headers <Eigen/Core> <algorithm> <array> <cmath> <functional> <map> <memory> <optional> <span> <string>
     <string_view> <unordered_map> <utility> <vector> <spdlog/fmt/fmt.h>)
+set(lockstep_core_headers ${lockstep_common_headers} <lockstep/step_loop.h> <lockstep/author/registry.h>)
 
 option(LOCKSTEP_PRECOMPILE "Compile common headers once (OFF: every file brings its own, as tools that read one file want)" ON)
 function(lockstep_precompile target)
@@ -29,9 +30,27 @@ set_source_files_properties(integrators/rk4.cpp integrators/dopri5.cpp integrato
                             framework/tools/charts/chart_grid.cpp
                             PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)  # their private names are those of a sibling
 
-# Code that no inner loop calls is compiled quickly. The core is not: by -O2 its runs take a tenth longer.
+# Code that no inner loop calls is compiled quickly. The rest of the core is not: by -O2 its runs take a tenth longer.
 function(lockstep_cold target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+endfunction()
+
+# lockstep_around_core(target): such code of our own, with one set of precompiled headers.
+function(lockstep_around_core target)
+  lockstep_cold(${target})
+  target_compile_definitions(${target} PRIVATE lockstep_EXPORTS)
+  lockstep_share_precompiled(${target} lockstep_setup)
+endfunction()
+
+# lockstep_setup: the rooms of the core in which nothing runs at every step. Its precompiled headers are those of all such
+# code.
+function(lockstep_setup_of_core)
+  lockstep_cold(lockstep_setup)
+  target_link_libraries(lockstep_setup PRIVATE lockstep_own Eigen3::Eigen spdlog::spdlog Boost::headers)
+  target_compile_definitions(lockstep_setup PRIVATE lockstep_EXPORTS ${lockstep_shared_settings})
+  target_include_directories(lockstep_setup PRIVATE $<TARGET_PROPERTY:lockstep_core,INCLUDE_DIRECTORIES>)
+  lockstep_unity(lockstep_setup 10)
+  lockstep_precompile(lockstep_setup ${lockstep_core_headers})
 endfunction()
 
 # lockstep_clones(source...): which variants of the functions marked in these files are compiled (support/clones.h). Native:
@@ -66,8 +85,8 @@ function(lockstep_add_library part file)
                       "LINKER:--version-script=${PROJECT_SOURCE_DIR}/framework/cmake/exports.map")
   lockstep_unity(lockstep_${part} 10)
   if(part STREQUAL "core")
-    lockstep_precompile(lockstep_core ${lockstep_common_headers} <lockstep/step_loop.h> <lockstep/author/registry.h>)
+    lockstep_precompile(lockstep_core ${lockstep_core_headers})
   elseif(NOT part STREQUAL "batch")
-    lockstep_cold(lockstep_${part})
+    lockstep_around_core(lockstep_${part})
   endif()
 endfunction()

@@ -26,9 +26,9 @@ double squared_turn(const double* a, const double* b) {
 
 // Largest squared norms of the first and of the last three of every slot's 6. `sum` adds all of them and is not finite
 // when any of them is not.
-struct Largest {
+struct SlotNorms {
   double linear = 0, angular = 0, sum = 0;
-  explicit Largest(const VecX& v) {
+  explicit SlotNorms(const VecX& v) {
     const double* p = v.data();
     for (const double* end = p + v.size(); p != end; p += 6) {
       const double x = squared(p), w = squared(p + 3);
@@ -46,7 +46,7 @@ Change change_of_slots(const State& y0, const StateRate& k0, double h, const Sta
   for (Eigen::Index i = 0; i < n; ++i, q0 += 7, q1 += 7, v0 += 6, v1 += 6)
     c.take(squared_difference(q1, q0), 4 * squared_turn(q0 + 3, q1 + 3), squared_difference(v1, v0),
            squared_difference(v1 + 3, v0 + 3));
-  const Largest speed(y0.v), acceleration(k0.v);
+  const SlotNorms speed(y0.v), acceleration(k0.v);
   const double h2 = h * h;
   c.take(h2 * speed.linear, h2 * speed.angular, h2 * acceleration.linear, h2 * acceleration.angular);
   return c;
@@ -98,7 +98,7 @@ void ErrorNorm::scale(const State& y0, double length) {
     now_.at(y0, n_s_);
     for (const Motion& O : now_.motions) v = std::max(v, O.v.squaredNorm()), w = std::max(w, O.w.squaredNorm());
   } else {
-    const Largest speed(y0.v);
+    const SlotNorms speed(y0.v);
     v = speed.linear, w = speed.angular;
   }
   const double atol = tolerance_.atol_x + kTiny, rtol = tolerance_.relative;
@@ -133,7 +133,7 @@ double ErrorNorm::of(const StateRate& error, const State& y1) {
       c.take(x, 4 * r, 0, 0);
       sum += x + r;
     }
-    const Largest v(error.v);
+    const SlotNorms v(error.v);
     c.take(0, 0, v.linear, v.angular);
     sum += v.sum;
   }
