@@ -84,7 +84,7 @@ double GeneralizedAlpha::start_step(Dynamics& dynamics, double h) {
   const Evaluated& values = dynamics.evaluate(start_);
   vd_ = a_ = values.a;
   lambda_ = values.lambda;
-  if (start_.s.size() > 0) dynamics.system().state_rates(values, sd_);
+  if (start_.s.size() > 0) passes::state_rates(dynamics.system(), values, sd_);
   as_ = sd_;
   h_ = 0;
   for (VecX* v : {&rows_, &C_, &Cd_, &mu_}) v->setZero(lambda_.size());
@@ -206,7 +206,7 @@ double GeneralizedAlpha::correct(Dynamics& dynamics, double h, bool anew) {
   }
   double change = 0;
   if (start_.s.size() > 0) {  // not in the matrix: repeated until it settles
-    dynamics.system().state_rates({e.inputs(), vd1_, lambda1_, e.rows()}, sd_now_);
+    passes::state_rates(dynamics.system(), {e.inputs(), vd1_, lambda1_, e.rows()}, sd_now_);
     const int n = dynamics.system().n_error_controlled_states();  // the others follow the motion
     const double scale = 1 + end_.s.head(n).lpNorm<Eigen::Infinity>();
     change = gh * (sd_now_ - sd1_).head(n).lpNorm<Eigen::Infinity>() / scale * length;

@@ -8,6 +8,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <lockstep/author/passes.h>
 #include <lockstep/couplings.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/joints.h>
@@ -52,9 +53,9 @@ struct Probe {
     state = scene.system.start();
     for (int i = 0; i < state.v.size(); ++i) state.v[i] = std::sin(1.0 + i);
     inputs = &dynamics->gather(state).inputs();
-    scene.system.lay_out(state.modes, table);
+    passes::lay_out(scene.system, state.modes, table);
   }
-  void gather() { scene.system.gather_rows(*inputs, table); }
+  void gather() { passes::gather_rows(scene.system, *inputs, table); }
 };
 
 double difference(const Probe& a, const Probe& b) {

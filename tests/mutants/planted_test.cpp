@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <lockstep/assembly.h>
+#include <lockstep/author/passes.h>
 #include <lockstep/author/registry.h>
 #include <lockstep/error.h>
 #include <lockstep/integrators.h>
@@ -16,7 +17,6 @@
 #include <lockstep/solvers.h>
 #include <lockstep/step_loop.h>
 #include <lockstep/sweep.h>
-#include <lockstep/system.h>
 #include "framework/mechanism/params/units.h"
 #include "framework/tools/precision/history.h"
 #include "framework/tools/scene_run/scene_run.h"
@@ -149,7 +149,7 @@ TEST_CASE("the jumps of all laws are asked for: of markers, turns, slips and of 
   for (const auto& [what, scene] : scenes) {
     INFO(what);
     const Mechanism m = made(kArm + scene);
-    const std::vector<double> instants = m.system.breakpoints(0, 1);
+    const std::vector<double> instants = passes::breakpoints(m.system, 0, 1);
     CHECK(has(instants, 0.3));
     CHECK(has(instants, 0.7));
   }

@@ -6,9 +6,9 @@
 #include <memory>
 #include <string>
 
+#include <lockstep/author/passes.h>
 #include <lockstep/detail/kernel.h>
 #include <lockstep/joints.h>
-#include <lockstep/system.h>
 #include "tests/support/configuration.h"
 #include "tests/support/paper_lock.h"
 
@@ -142,13 +142,13 @@ inline Rows gathered(System& system, const State& state) {
   system.setup();
   RowTable table;
   std::vector<Motion> motions;
-  system.lay_out(state.modes, table);
-  system.motions(state, motions);
+  passes::lay_out(system, state.modes, table);
+  passes::motions(system, state, motions);
   Inputs in;
   in.t = state.t, in.motions = motions;
   in.s = {state.s.data(), static_cast<std::size_t>(state.s.size())};
   in.z = {state.z.data(), static_cast<std::size_t>(state.z.size())};
-  system.gather_rows(in, table);
+  passes::gather_rows(system, in, table);
   Rows r{VecX(table.n_rows), VecX(table.n_rows), VecX(table.n_rows), MatX::Zero(table.n_rows, 6 * system.n_slots())};
   for (const RowEntry& e : table.entries) {
     const RowBlock block = table.block(e);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <lockstep/author/law.h>
+#include <lockstep/author/passes.h>
 #include <lockstep/dynamics.h>
 #include "tests/support/configuration.h"
 
@@ -38,7 +39,7 @@ class Quadratic final : public MotionLaw {
 /// along them.
 inline VecX accelerations(Dynamics& dynamics, const State& state, const StateRate& rate) {
   std::vector<Motion> motions;
-  dynamics.system().motions(state, motions);
+  passes::motions(dynamics.system(), state, motions);
   VecX dx, dv;
   state.coordinates->variations(state, motions, rate, dx, dv);
   return dv;

@@ -2,6 +2,7 @@
 // The four derivations of the lock's rows against the 60 digits of lock-checks.json: what the benchmark charts.
 #include "tests/support/derivations.h"
 
+#include <lockstep/author/passes.h>
 #include "tests/support/catch.h"
 #include "tests/support/lock_checks.h"
 #include "tests/support/paths.h"
@@ -61,11 +62,11 @@ TEST_CASE("a joint made of derived rows moves as the library's own", "[unit][der
   RowTable table;
   std::vector<Motion> motions;
   const State state = sys.start();
-  sys.lay_out(state.modes, table);
-  sys.motions(state, motions);
+  passes::lay_out(sys, state.modes, table);
+  passes::motions(sys, state, motions);
   Inputs inputs;
   inputs.motions = motions;
-  sys.gather_rows(inputs, table);
+  passes::gather_rows(sys, inputs, table);
   constexpr int kRows[] = {0, 2, 4};
   for (const RowEntry& e : table.entries)
     for (int k = 0; k < 3; ++k) {

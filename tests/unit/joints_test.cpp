@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <lockstep/author/passes.h>
 #include <lockstep/author/phi_links.h>
 #include <lockstep/author/registry.h>
 #include <lockstep/error.h>
@@ -352,10 +353,10 @@ TEST_CASE("a screw counts its turns, a step thrown away leaves no trace", "[unit
     const auto error = [&](const State& s) { return gathered(system, s).C[4]; };
     const auto accept = [&](State& s) {
       std::vector<Motion> motions;
-      system.motions(s, motions);
+      passes::motions(system, s, motions);
       Inputs in;
       in.t = s.t, in.motions = motions, in.s = {s.s.data(), static_cast<std::size_t>(s.s.size())};
-      system.accept(in, s);
+      passes::accept(system, in, s);
     };
     double angle = home;
     for (int step = 0; step < 40; ++step) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include <lockstep/author/passes.h>
 #include <lockstep/author/registry.h>
 #include <lockstep/author/relative.h>
 #include <lockstep/scene.h>
@@ -194,7 +195,7 @@ TEST_CASE("a plan of the block elimination says how many operations it takes", "
     Mechanism m = built(name, Formulation::omega);
     System& system = system_of(m);
     RowTable all;
-    system.lay_out(system.start().modes, all);
+    passes::lay_out(system, system.start().modes, all);
     const bool planar(system.plane());
     const schur::Plan plan = schur::make_plan(all, system.n_slots(), planar);
     const double counted = oracle::elimination(plan), predicted = schur::count_operations(plan).multiply_adds;

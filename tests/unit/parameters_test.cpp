@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include <lockstep/author/passes.h>
 #include <lockstep/author/registry.h>
 #include <lockstep/error.h>
 #include <lockstep/laws.h>
@@ -214,7 +215,7 @@ TEST_CASE("laws by formula read the scene's parameters in SI", "[unit][scene]") 
                "drive": {"axis": "y", "law": {"type": "formula", "y": )";
   const auto law_of = [&](const std::string& law) {
     const Mechanism m = built(scene + law + "}}}]");
-    std::vector<double> breaks = m.system.breakpoints(0, 10);
+    std::vector<double> breaks = passes::breakpoints(m.system, 0, 10);
     return breaks;
   };
   CHECK(law_of(R"~("=a*sin(w*t) + (t > 2*T ? P.y*(t - 1)^2 : 0)")~") == std::vector<double>{1});
@@ -251,7 +252,7 @@ TEST_CASE("repeated parts have an index in names, points and formulas", "[unit][
     const Marker& end = m.system.marker("m" + std::to_string(2 * k));
     CHECK(((end.body->home * end.local).x - Vec3(0.2 * k, 3, 0)).norm() < 1e-15);
   }
-  CHECK(m.system.breakpoints(0, 1) == std::vector<double>{1.0 / 3, 0.5});
+  CHECK(passes::breakpoints(m.system, 0, 1) == std::vector<double>{1.0 / 3, 0.5});
   CHECK(set_in_scene(scene, {"n=5"}, builtin()).parameters.size() == 2 + 6);
 
   check_words(refusal(R"("repeat": {"times": 2})"), {"scene.repeat", "expected a list"});
@@ -338,7 +339,7 @@ TEST_CASE("a scene is a part of another, with a prefix and parameters", "[unit][
   CHECK((m.system.body("right_leg").home.x - Vec3(5, -0.25, 0)).norm() < 1e-15);
   CHECK((m.system.body("hips").home.x - Vec3(7, 0, 0)).norm() < 1e-15);
   CHECK(m.system.marker("right_end").body == &m.system.body("right_leg"));
-  CHECK(m.system.breakpoints(0, 10) == std::vector<double>{2, 3});
+  CHECK(passes::breakpoints(m.system, 0, 10) == std::vector<double>{2, 3});
   CHECK(m.run.until == 1);
   REQUIRE(m.events.size() == 2);
   CHECK(m.events[1].channel == "right_leg.x@right_end");

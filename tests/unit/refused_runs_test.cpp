@@ -7,6 +7,7 @@
 
 #include <lockstep/analysis.h>
 #include <lockstep/assembly.h>
+#include <lockstep/author/passes.h>
 #include <lockstep/author/registry.h>
 #include <lockstep/integrators.h>
 #include <lockstep/joints.h>
@@ -164,13 +165,13 @@ TEST_CASE("passes over a system and poses of bodies refuse vectors and states of
   const std::vector<std::string> counted{"numbers where", "are needed", "System::start()"},
       holds{"does not hold body 'door'", "System::start()"};
   check_refusals({
-      {"motions, q", [&] { driven.system.motions(short_q, motions); }, counted},
-      {"motions, v", [&] { driven.system.motions(short_v, motions); }, counted},
-      {"rows", [&] { driven.system.lay_out({}, rows); }, counted},
-      {"forces", [&] { driven.system.gather_forces(inputs, none); }, counted},
-      {"sums of forces", [&] { driven.system.check_forces(inputs, none); }, counted},
-      {"rates", [&] { driven.system.state_rates(solution, none); }, counted},
-      {"memory", [&] { driven.system.accept(inputs, no_memory); }, counted},
+      {"motions, q", [&] { passes::motions(driven.system, short_q, motions); }, counted},
+      {"motions, v", [&] { passes::motions(driven.system, short_v, motions); }, counted},
+      {"rows", [&] { passes::lay_out(driven.system, {}, rows); }, counted},
+      {"forces", [&] { passes::gather_forces(driven.system, inputs, none); }, counted},
+      {"sums of forces", [&] { passes::check_forces(driven.system, inputs, none); }, counted},
+      {"rates", [&] { passes::state_rates(driven.system, solution, none); }, counted},
+      {"memory", [&] { passes::accept(driven.system, inputs, no_memory); }, counted},
       {"a pose, q", [&] { body_pose(door, short_q); }, holds},
       {"a pose, v", [&] { body_pose(door, short_v); }, holds},
       {"a twist", [&] { body_twist(door, State{}); }, holds},

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The system: names, set-up, slots, groups, links out of force, and a gather that asks for no memory.
-#include <lockstep/system.h>
+#include <lockstep/author/passes.h>
 
 #include <cmath>
 #include <limits>
@@ -247,12 +247,12 @@ TEST_CASE("links of one kind are gathered by one call", "[unit][system]") {
   std::vector<Motion> motions;
   State state = system.start();
   const auto gather = [&] {
-    system.lay_out(state.modes, table);
-    system.motions(state, motions);
+    passes::lay_out(system, state.modes, table);
+    passes::motions(system, state, motions);
     Inputs in;
     in.motions = motions;
     Counting::n_calls = 0, Counting::most_lanes = 0;
-    system.gather_rows(in, table);
+    passes::gather_rows(system, in, table);
   };
   gather();
   CHECK(Counting::n_calls == 4);
@@ -263,7 +263,7 @@ TEST_CASE("links of one kind are gathered by one call", "[unit][system]") {
     const RowEntry& e = table.entries[table.entry_of_link[k]];
     CHECK(e.link == k);
     CHECK(table.block(e).C(0) == k);
-    CHECK(system.row_name(table, e.first_row) == "row row of link 'l" + std::to_string(k) + "'");
+    CHECK(passes::row_name(system, table, e.first_row) == "row row of link 'l" + std::to_string(k) + "'");
   }
 
   // the middle one of a group out of force: its row goes, and the group is gathered in two pieces
@@ -310,12 +310,12 @@ TEST_CASE("a second gather asks for no memory", "[unit][system]") {
   std::vector<Motion> motions;
   VecX f(6 * two.system.n_slots());
   const auto gather = [&] {
-    two.system.lay_out(state.modes, table);
-    two.system.motions(state, motions);
+    passes::lay_out(two.system, state.modes, table);
+    passes::motions(two.system, state, motions);
     Inputs in;
     in.motions = motions;
-    two.system.gather_rows(in, table);
-    two.system.gather_forces(in, f);
+    passes::gather_rows(two.system, in, table);
+    passes::gather_forces(two.system, in, f);
   };
   gather();
   const long before = allocations();
@@ -365,7 +365,7 @@ TEST_CASE("a moment on a particle is refused by name", "[unit][system]") {
   VecX f = VecX::Zero(6);
   StateInputs inputs;
   const State start = system.start();
-  const std::string said = message_of<ModelError>([&] { system.gather_forces(inputs.at(system, start), f); });
+  const std::string said = message_of<ModelError>([&] { passes::gather_forces(system, inputs.at(system, start), f); });
   CHECK(says(said, {twists ? "force 'twist'" : "no error"}));
   CHECK(says(said, {twists ? "0.5 N m on body 'bead'" : ""}));
 }

@@ -3,6 +3,7 @@
 // variations; motions of masks with one turn alone. Other runs: joint_runs_test.cpp.
 #include <cmath>
 
+#include <lockstep/author/passes.h>
 #include <lockstep/author/stepping.h>
 #include <lockstep/forces.h>
 #include <lockstep/integrators.h>
@@ -171,7 +172,7 @@ VecX differences(Dynamics& dynamics, const State& state, const StateRate& rate) 
       State y = state;
       y.t += sign * k * h;
       y.q += sign * k * h * rate.q, y.v += sign * k * h * rate.v;
-      dynamics.system().motions(y, motions);
+      passes::motions(dynamics.system(), y, motions);
       for (int slot = 0; slot < dynamics.system().n_slots(); ++slot) {
         const Motion& O = motions[slot + 1];
         a.segment<3>(6 * slot) += sign * weight[k - 1] / h * O.v;
@@ -436,7 +437,7 @@ TEST_CASE("a state read off gives its motions back", "[verification][joint]") {
     dynamics.to_formulation(there, &state);
     CHECK(largest(there.v - state.v) < 1e-11);
     std::vector<Motion> a, b;
-    system.motions(state, a), system.motions(there, b);
+    passes::motions(system, state, a), passes::motions(system, there, b);
     for (std::size_t k = 0; k < a.size(); ++k) {
       CHECK((a[k].x - b[k].x).norm() < 1e-11);
       CHECK((a[k].A - b[k].A).norm() < 1e-12);
@@ -461,13 +462,13 @@ TEST_CASE("variations are the differences of motions", "[verification][joint]") 
     for (double& x : d.q) x = draw.number(-1, 1);
     for (double& x : d.v) x = draw.number(-1, 1);
     std::vector<Motion> at, above, below;
-    system.motions(state, at);
+    passes::motions(system, state, at);
     VecX dx, dv;
     state.coordinates->variations(state, at, d, dx, dv);
     const double h = 1e-5;
     State up = state, down = state;
     up.q += h * d.q, up.v += h * d.v, down.q -= h * d.q, down.v -= h * d.v;
-    system.motions(up, above), system.motions(down, below);
+    passes::motions(system, up, above), passes::motions(system, down, below);
     for (int k = 0; k < system.n_slots(); ++k) {
       const Motion &a = above[std::size_t(k + 1)], &b = below[std::size_t(k + 1)], &c = at[std::size_t(k + 1)];
       const Mat3 turn = (a.A - b.A) * c.A.transpose() / (2 * h);

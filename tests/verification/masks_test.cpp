@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include <lockstep/author/passes.h>
 #include "tests/support/catch.h"
 #include "tests/support/constraint.h"
 #include "tests/support/dense.h"
@@ -166,7 +167,7 @@ TEST_CASE("a driven speed takes its value from the state and its rates from the 
   CHECK(worst(gathered(two.system, state), Exact(c), Mask::all, 0) < kTolerance);
 
   std::vector<Motion> motions;
-  two.system.motions(state, motions);
+  passes::motions(two.system, state, motions);
   Inputs in;
   in.motions = motions, in.s = {state.s.data(), 2};
   VecX sd(2);

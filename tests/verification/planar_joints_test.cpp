@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include <lockstep/author/passes.h>
 #include <lockstep/forces.h>
 #include <lockstep/integrators.h>
 #include <lockstep/joints.h>
@@ -166,7 +167,7 @@ void check_omega(Dynamics& dynamics, const std::shared_ptr<const JointTree>& tre
   Inputs in;
   in.t = state.t, in.motions = motions;
   VecX f = VecX::Zero(6 * system.n_slots()), vd, a;
-  system.gather_forces(in, f);
+  passes::gather_forces(system, in, f);
   flat->accelerate(motions, f, vd), flat->accelerations(motions, a);
   StateRate rate;
   dynamics.rates(state, rate);

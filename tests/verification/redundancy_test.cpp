@@ -5,6 +5,7 @@
 #include <string>
 
 #include <lockstep/assembly.h>
+#include <lockstep/author/passes.h>
 #include <lockstep/author/registry.h>
 #include <lockstep/integrators.h>
 #include <lockstep/lockstep.h>
@@ -40,7 +41,7 @@ Mechanism of_scene(const std::string& name) {
 State moved(Dynamics& dynamics, const State& from, double angle) {
   State state = from;
   std::vector<Motion> motions;
-  dynamics.system().motions(state, motions);
+  passes::motions(dynamics.system(), state, motions);
   double turn = 0;
   for (const Motion& O : motions) turn = std::max(turn, O.w.norm());
   for (int k = 0; k < 40; ++k) {

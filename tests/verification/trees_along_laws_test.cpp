@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <lockstep/assembly.h>
+#include <lockstep/author/passes.h>
 #include <lockstep/body.h>
 #include <lockstep/integrators.h>
 #include <lockstep/joints.h>
@@ -144,7 +145,7 @@ TEST_CASE("rates of slots that laws alone move are the accelerations of omega", 
       REQUIRE(y.coordinates->followed().size() == static_cast<std::size_t>(system.n_slots()));
       REQUIRE(rate.followed.size() == 2 * expected.size());
       std::vector<Motion> motions;
-      system.motions(y, motions);
+      passes::motions(system, y, motions);
       Eigen::Index at = 0;
       for (const int k : y.coordinates->followed()) {
         const Motion& O = motions[k + 1];

@@ -10,7 +10,7 @@ namespace lockstep {
 void Dynamics::Tree::gather(System& system, const State& state) {
   motions.resize(system.n_slots() + 1);
   coordinates->motions(state, motions);
-  system.gather_rows(inputs(state), closure_rows);
+  passes::gather_rows(system, inputs(state), closure_rows);
   closures().residuals(motions, closure_rows, C, Cd);
 }
 

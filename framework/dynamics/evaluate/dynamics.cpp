@@ -156,7 +156,7 @@ const Solution& Dynamics::rate(const State& state, StateRate& out) {
   out.v = a_;
   out.s.resize(state.s.size());
   if (state.s.size() > 0) {
-    system_.state_rates(solution, out.s);
+    passes::state_rates(system_, solution, out.s);
     if (!out.s.allFinite()) diagnose_rates(system_, state.t, out.s);
   }
   return solution;
@@ -233,9 +233,9 @@ double Dynamics::project_velocity(State& state) {
 
 const Inputs* Dynamics::accept(State& state) {
   check_state(system_, state);
-  if (!system_.keeps_anything()) return nullptr;
+  if (!passes::keeps_anything(system_)) return nullptr;
   const Inputs& in = read(state);
-  system_.accept(in, state);
+  passes::accept(system_, in, state);
   if (tree_) tree_->kept.s = state.s;  // corrected, which moves nothing
   return &in;
 }

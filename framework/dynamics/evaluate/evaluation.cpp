@@ -39,7 +39,7 @@ void for_each_rate(const RowTable& rows, Velocity&& velocity, Visit&& visit) {
 }  // namespace
 
 const Inputs& StateInputs::at(const System& system, const State& state) {
-  system.motions(state, motions_);
+  passes::motions(system, state, motions_);
   look_at(state);
   in_.motions = motions_;
   return in_;
@@ -60,7 +60,7 @@ void Evaluation::lay_out(const State& state) {
   system_.setup();
   system_.check_size(state);
   layout_ = nullptr, redundant_ = Kkt::kUnknown;
-  system_.lay_out(state.modes, rows_);
+  passes::lay_out(system_, state.modes, rows_);
   f_.setZero(6 * system_.n_slots());
   reacting_.clear();
   for (const auto& force : system_.forces())
@@ -70,12 +70,12 @@ void Evaluation::lay_out(const State& state) {
 
 void Evaluation::at(const State& state) {
   rows_at(state);
-  system_.gather_forces(inputs(), f_);
+  passes::gather_forces(system_, inputs(), f_);
 }
 
 void Evaluation::rows_at(const State& state) {
   lay_out(state);
-  system_.gather_rows(inputs_.at(system_, state), rows_);
+  passes::gather_rows(system_, inputs_.at(system_, state), rows_);
   f_.setZero();
 }
 

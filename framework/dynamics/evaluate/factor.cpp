@@ -86,7 +86,7 @@ void Factor::check(const Evaluation& e, const VecX& a, const VecX& lambda, const
   const double off = e.norm(C), relative = off / e.system().length();
   if (report.residual <= kLeftPerViolation * relative) return;
   throw SolveError(
-      when() + e.system().row_name(e.rows(), report.worst_row) + " cannot hold together with the others (" +
+      when() + passes::row_name(e.system(), e.rows(), report.worst_row) + " cannot hold together with the others (" +
           text::brief(100 * report.residual) + " % of its right side is left over); " +
           (relative > kOnConstraints ? "this stage of a step is off the constraints by " + text::brief(off) +
                                            " m: take a smaller step; or two laws drive one coordinate"

@@ -197,7 +197,7 @@ void Dynamics::lay_out_reactions(Tree& t) const {
     if (n.has_laws() || (n.left != 0 && may_have_laws(*n.lock))) show(n.link);
   for (const int link : t.coordinates->closures())
     if (may_have_laws(*system_.links()[link])) show(link);
-  system_.lay_out(shown, t.rows);
+  passes::lay_out(system_, shown, t.rows);
   t.solves = t.reads_all || (any && laws), t.reads_power = power && laws && !t.solves;
   if (t.solves) t.reactions.begin(*t.coordinates, system_, t.rows);
 }
@@ -230,7 +230,7 @@ double Dynamics::joint_law_power(Tree& t) {
 // Accelerations and multipliers for the states that are integrated. Where rows are redundant the multipliers of closures
 // are not those of omega, which are the smallest of all: the sum of their power is the same.
 void Dynamics::joint_reactions(Tree& t, const Inputs& in) {
-  system_.gather_rows(in, t.rows);
+  passes::gather_rows(system_, in, t.rows);
   load_closures(t);
   const ClosureRows& closures = t.closures();
   for (const RowEntry& e : t.rows.entries)
@@ -263,7 +263,7 @@ void to_slot_coordinates(const System& system, State& state) {
   system.check_size(state);
   if (!state.coordinates) return;
   std::vector<Motion> motions;
-  system.motions(state, motions);
+  passes::motions(system, state, motions);
   // Made beside: where memory ends, Eigen's resize leaves a vector that points to what it has freed.
   VecX q(7 * system.n_slots()), v(6 * system.n_slots());
   state.q = std::move(q), state.v = std::move(v);
@@ -298,7 +298,7 @@ const VecX& Dynamics::accelerations(const State& state) {
   system_.check_size(state);
   t.outward_once(state, inputs_.get());
   const Inputs in = t.inputs(state);
-  system_.gather_forces(in, t.f);
+  passes::gather_forces(system_, in, t.f);
   t.recursion->accelerate(t.motions, t.f, t.correction);
   if (t.coordinates->n_v() == 0) t.recursion->follow();
   t.recursion->accelerations(t.motions, asked_a_);
@@ -316,7 +316,7 @@ void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* repo
   t.outward_once(state, inputs_.get());
   const Inputs in = t.inputs(state);
   const bool driven = t.coordinates->n_v() == 0;
-  system_.gather_forces(in, t.f);  // and says what is wrong with them, where they move nothing too
+  passes::gather_forces(system_, in, t.f);  // and says what is wrong with them, where they move nothing too
   const Solution* solved = nullptr;
   t.multipliers_known = true;
   if (driven)
@@ -334,12 +334,12 @@ void Dynamics::joint_rates(const State& state, StateRate& out, SolveReport* repo
     if ((t.solves || t.reads_power) &&
         (solved || !t.multipliers_known || (t.reads_all && t.coordinates->may_be_redundant()))) {
       if (!solved) solved = &evaluate(state), --work_.evaluations;
-      system_.state_rates(*solved, out.s);
+      passes::state_rates(system_, *solved, out.s);
     } else if (t.solves) {
       joint_reactions(t, in);
-      system_.state_rates({in, t.a, t.reactions.lambda(), t.rows}, out.s);
+      passes::state_rates(system_, {in, t.a, t.reactions.lambda(), t.rows}, out.s);
     } else {
-      system_.state_rates({in, t.none, t.none, t.rows, t.reads_power ? joint_law_power(t) : 0.0}, out.s);
+      passes::state_rates(system_, {in, t.none, t.none, t.rows, t.reads_power ? joint_law_power(t) : 0.0}, out.s);
     }
     if (!out.s.allFinite()) diagnose_rates(system_, state.t, out.s);
   }
@@ -359,7 +359,7 @@ const Solution* Dynamics::joint_accelerations(Tree& t, const State& state, const
                                               SolveReport* report) {
   TreeRecursion& recursion = *t.recursion;
   ClosureRows& closures = t.closures();
-  system_.gather_rows(in, t.closure_rows);
+  passes::gather_rows(system_, in, t.closure_rows);
   recursion.read(t.motions, t.closure_rows);
   if (const Stabilization& s = options_.stabilization; s.kind == Stabilization::Kind::baumgarte) {
     closures.residuals(t.motions, t.closure_rows, t.C, t.Cd);

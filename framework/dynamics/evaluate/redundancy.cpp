@@ -142,7 +142,7 @@ Redundancy Dynamics::find_redundancy(const State& state) try {
   Redundancy found = of_here;
   const auto look_along = [&](const State& moving, bool from_rest) {  // then its velocities are accelerations
     std::vector<Motion> motions;
-    system_.motions(moving, motions);
+    passes::motions(system_, moving, motions);
     const double speed = speed_of(motions, system_.length());
     if (!(speed > kNegligible)) return false;
     int n = 0;

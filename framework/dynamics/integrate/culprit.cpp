@@ -92,7 +92,7 @@ std::string in_words(Dynamics& dynamics, const State& state, const Given& from, 
   return fmt::format(
       "{} changes most there, {} within {:.2g} s; look at its laws, and whether its markers come to where it "
       "has no direction",
-      dynamics.system().row_name(dynamics.gather(state).rows(), static_cast<int>(which)),
+      passes::row_name(dynamics.system(), dynamics.gather(state).rows(), static_cast<int>(which)),
       kind == 1 ? fmt::format("its direction by {:.2g} of itself", most)
                 : fmt::format("the acceleration that it asks for from {:.4g} to {:.4g}", was[0], is[0]),
       after);
@@ -135,7 +135,7 @@ std::string who_varies(Dynamics& dynamics, const State& state, double after) {
     if (const SolveReport report = now.full_report();
         report.worst_row >= 0 && report.residual > std::max(kContradict, kLeftPerViolation * off))
       return fmt::format("{} cannot hold together with the others there ({:.2g} % of its right side is left over): {}",
-                         dynamics.system().row_name(now.rows, report.worst_row), 100 * report.residual,
+                         passes::row_name(dynamics.system(), now.rows, report.worst_row), 100 * report.residual,
                          why_contradict(moved_by_laws(dynamics, state), or_against_stops(dynamics.system(), now.rows)));
     const Given from = given_at(dynamics, state);
     State then = state;
@@ -167,7 +167,7 @@ std::string most_violated(Dynamics& dynamics, const State& state) {
     one[row] = 0;
     if (size > most) most = size, worst = row;
   }
-  return worst < 0 ? "" : fmt::format("{} by {:.2g} m", e.system().row_name(e.rows(), worst), most);
+  return worst < 0 ? "" : fmt::format("{} by {:.2g} m", passes::row_name(e.system(), e.rows(), worst), most);
 }
 
 StepError end_not_projected_by(Dynamics& dynamics, const State& end, const ProjectReport& report,

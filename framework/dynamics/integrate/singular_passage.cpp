@@ -54,7 +54,7 @@ void SingularPassage::start_step() {
 bool SingularPassage::evaluate(Dynamics& dynamics, const State& y, double h, int first, int last, Stages& stages) {
   if (!active_) return stages.evaluate(dynamics, y, h, first, last, on_);
   if (first == 0) {
-    dynamics.system().motions(y, motions_);
+    passes::motions(dynamics.system(), y, motions_);
     rate_of_turn_ = fastest_turn(motions_);
   }
   seen_ = first == 0 ? Seen{} : first == 1 ? first_ : seen_;

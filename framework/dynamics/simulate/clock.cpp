@@ -84,7 +84,7 @@ void Clock::refresh_breakpoints(double t, double limit, double largest) {
   const bool open = !std::isfinite(limit);  // single steps: no end is known
   if (breakpoints_to_ >= (open ? t + 2 * size : limit)) return;
   const double far = open ? t + 256 * size : limit;
-  system_.breakpoints(t, std::nextafter(far, kNever), breakpoints_);  // including one at the very end
+  passes::breakpoints(system_, t, std::nextafter(far, kNever), breakpoints_);  // including one at the very end
   breakpoints_to_ = far;
   next_breakpoint_ = 0;
 }

@@ -54,7 +54,7 @@ std::string worst_rows(const Evaluation& e, const VecX& sizes) {
   std::ranges::sort(order, std::greater{}, [&](int row) { return sizes[row]; });
   std::vector<std::string> words;
   for (std::size_t i = 0; i < order.size() && i < 3; ++i)
-    words.push_back(e.system().row_name(e.rows(), order[i]) + " (" + text::brief(sizes[order[i]]) + ")");
+    words.push_back(passes::row_name(e.system(), e.rows(), order[i]) + " (" + text::brief(sizes[order[i]]) + ")");
   return words.empty() ? "no row" : text::join(words);
 }
 
@@ -81,7 +81,7 @@ void check_gradients(const Evaluation& e) {
       throw AssemblyError(
           fmt::format("{} has no gradient at the start: no motion of its bodies changes it here, as at the centre of "
                       "a curve or on the axis of a cam; start them elsewhere",
-                      e.system().row_name(e.rows(), row)));
+                      passes::row_name(e.system(), e.rows(), row)));
   });
 }
 

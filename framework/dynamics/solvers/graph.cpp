@@ -62,7 +62,7 @@ LinkGraph link_graph(const RowTable& rows, int n_slots) {
 
 bool has_loops(const System& system, const std::vector<bool>& modes) {
   RowTable rows;
-  system.lay_out(modes, rows);
+  passes::lay_out(system, modes, rows);
   return !link_graph(rows, system.n_slots()).is_tree();
 }
 

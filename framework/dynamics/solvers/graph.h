@@ -11,8 +11,8 @@
 
 #include <boost/container/small_vector.hpp>
 
+#include <lockstep/author/passes.h>
 #include <lockstep/detail/export.h>
-#include <lockstep/system.h>
 
 namespace lockstep {
 

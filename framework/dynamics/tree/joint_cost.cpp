@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include <lockstep/author/passes.h>
 #include "framework/dynamics/solvers/schur_plan.h"
 
 namespace lockstep {
@@ -48,7 +49,7 @@ Operations count_operations(const JointTree& tree, const ClosureFronts& fronts, 
 
 Operations count_in_omega(const System& system, const std::vector<bool>& modes, const RowTable& closures) {
   RowTable all;
-  system.lay_out(modes, all);
+  passes::lay_out(system, modes, all);
   Operations sum = schur::count_operations(schur::make_plan(all, system.n_slots(), bool(system.plane())));
   for (const RowEntry& e : all.entries)
     if (closures.entry_of_link[e.link] < 0) sum.add((system.plane() ? kInPlane : kInSpace).row * e.m, 1);

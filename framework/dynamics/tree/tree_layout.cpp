@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include <lockstep/author/passes.h>
 #include "framework/dynamics/tree/absent_rows.h"
 #include "framework/dynamics/tree/joint_cost.h"
 #include "framework/dynamics/tree/rows_in_plane.h"
@@ -29,7 +30,7 @@ RowTable rows_beside(const JointTree& tree, const System& system, std::size_t n_
   for (const TreeNode& n : tree.nodes())
     if (n.left != 0) shown[n.link] = true, left[n.link] = n.left;
   RowTable table;
-  system.lay_out(shown, table);
+  passes::lay_out(system, shown, table);
   if (std::ranges::all_of(left, [](unsigned own) { return own == 0; })) return table;
   std::vector<unsigned> absent;
   for (const RowEntry& e : table.entries) {

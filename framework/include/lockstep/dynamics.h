@@ -9,10 +9,11 @@
 #include <string_view>
 #include <vector>
 
+#include <lockstep/author/force.h>
+#include <lockstep/author/passes.h>
 #include <lockstep/author/solver.h>
 #include <lockstep/body.h>
 #include <lockstep/dynamics_options.h>
-#include <lockstep/system.h>
 
 namespace lockstep {
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The system: bodies, markers, links and forces, and how they are connected.
+// The system: bodies, markers, links and forces, and how they are connected. What evaluates it: author/passes.h.
 #pragma once
 
 #include <cmath>
+#include <concepts>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -10,20 +11,25 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <type_traits>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
-#include <lockstep/author/force.h>
-#include <lockstep/author/lock.h>
 #include <lockstep/body.h>
 #include <lockstep/detail/counted_angle.h>
-#include <lockstep/detail/rows.h>
+#include <lockstep/detail/export.h>
 #include <lockstep/error.h>
 #include <lockstep/state.h>
 
 namespace lockstep {
+
+class Auxiliary;
+class Force;
+class Lock;
+template <class L>
+void check_facets();
+template <class F>
+void check_force_facets();
 
 // Poses and twists of bodies in a state, read and set independently of the coordinates that the state stores.
 
@@ -88,13 +94,6 @@ inline Pose pose_at(const Vec3& x, const Quat& q = {}) { return {x, q}; }
 /// its y for z along x). Throws ModelError for a zero z.
 LOCKSTEP_API Pose pose_at(const Vec3& x, const Vec3& z);
 
-/// The rows of a link that lie in the plane of a planar mechanism.
-struct PlanarRows {
-  signed char m = 0;                        ///< how many
-  std::array<signed char, kMaxRows> own{};  ///< their numbers among the rows of the link
-  bool by_link = false;                     ///< the link gathers them itself; see Planar
-};
-
 /// What becomes of rows that depend on others but for a singular value below 1e-3, of rows of length 1 with rotations as
 /// lengths (System::length), everywhere and not in one position only: two hinges whose axes are a ten-millionth of a metre
 /// apart. Held, they lock the door, by forces ten million times the load; free, it turns, and one of its hinges gives way
@@ -107,7 +106,8 @@ enum class NearlyRedundant {
   automatic
 };
 
-/// A mechanism: its bodies, markers, links and forces, their setup, and the passes that evaluate them.
+/// A mechanism: its bodies, markers, links and forces, and what setup() finds of them. Who asks a link or force includes
+/// the header of its type, or author/lock.h and author/force.h.
 class LOCKSTEP_API System final : public AngleCounter {
  public:
   /// Options of a new system.
@@ -164,16 +164,12 @@ class LOCKSTEP_API System final : public AngleCounter {
   /// A link or force of type L on existing markers. `args` go to its constructor after the markers.
   template <class L, class... Args>
   L& add(const std::string& name, Marker& p, Marker& s, Args&&... args) {
-    check_facets<L>();
-    check_force_facets<L>();
-    return static_cast<L&>(add(std::make_unique<L>(name, p, s, std::forward<Args>(args)...)));
+    return add_checked(std::make_unique<L>(name, p, s, std::forward<Args>(args)...));
   }
   /// The same with the options in braces: `sys.add<SpringDamper>("spring", p, s, {.stiffness = 1e4})`.
   template <class L>
   L& add(const std::string& name, Marker& p, Marker& s, typename L::Options options) {
-    check_facets<L>();
-    check_force_facets<L>();
-    return static_cast<L&>(add(std::make_unique<L>(name, p, s, std::move(options))));
+    return add_checked(std::make_unique<L>(name, p, s, std::move(options)));
   }
   Vec3 gravity() const { return options_.gravity; }  ///< acceleration of gravity, world, m/s^2
   /// Sets the acceleration of gravity, world, m/s^2. Call changed() after it when the system is planar.
@@ -216,17 +212,14 @@ class LOCKSTEP_API System final : public AngleCounter {
     merge_ = merge, kept_ = std::move(keep), ready_ = false;
   }
   /// After setup: whether the link was merged into a slot, so that it has neither rows nor a reaction.
-  bool merged(const Lock& link) const { return merged_.size() == links_.size() && merged_[index_of(link)]; }
+  bool merged(const Lock&) const;
   /// Leaves rows of a link out of all tables: they hold nothing and have no reaction. Meant for rows that depend on others,
   /// exactly or nearly (decide_nearly_redundant()): an evaluation throws ModelError where such a row is violated by more
   /// than a hundredth: of length(), or as a number. `rows`: a bit for each number among the rows of the link; those of
   /// before are forgotten. Call it after setup. Throws ModelError for a row that the link has not.
   void leave_out(const Lock&, unsigned rows);
   /// Rows that were left out, a bit for each.
-  unsigned left_out(const Lock& link) const {
-    const auto k = static_cast<std::size_t>(link.number());
-    return link.number() >= 0 && k < left_out_.size() ? left_out_[k] : 0U;
-  }
+  unsigned left_out(const Lock&) const;
   /// Says that rows hold which nearly depend on others, with the least singular value of rows of length 1; 0: none do. The
   /// accelerations are then found by DenseSolver, whichever solver was given, with its own limit of the rank: how large
   /// the value is says how many digits multipliers lose, and is not read. Only where no row depends on others exactly.
@@ -235,7 +228,7 @@ class LOCKSTEP_API System final : public AngleCounter {
   double held_down_to() const { return held_; }
   /// After setup in a plane: whether rows or forces have lever arms along its normal. The motion is exact all the same,
   /// since links hold all bodies in the plane, but their moments about axes in the plane are left out.
-  bool has_offsets() const { return offsets_; }
+  bool has_offsets() const { return found_.has_offsets; }
 
   // -- finding by name; throws ModelError with the closest name
   Body& body(const std::string& name);                        ///< the body of that name; throws ModelError
@@ -270,76 +263,63 @@ class LOCKSTEP_API System final : public AngleCounter {
   /// To be called after a body, marker or gravity was altered in place: the next evaluation sets the system up anew.
   void changed() { ready_ = false; }
   long revision() const { return revision_; }                      ///< counts the setups that did something
-  int n_slots() const { return static_cast<int>(slots_.size()); }  ///< how many slots move
-  const Slot& slot(int k) const { return slots_[static_cast<std::size_t>(k)]; }  ///< slot k, 0 <= k < n_slots()
+  int n_slots() const { return static_cast<int>(found_.slots.size()); }                ///< how many slots move
+  const Slot& slot(int k) const { return found_.slots[static_cast<std::size_t>(k)]; }  ///< slot k, 0 <= k < n_slots()
   /// The first body of slot k; names the slot in messages.
   const Body& body_of_slot(int k) const { return *slot(k).bodies.front(); }
   /// Unknown velocities: 6 per body, 3 per particle; planar 3 and 2.
-  int n_velocities() const { return n_velocities_; }
-  int n_states() const { return n_states_; }  ///< size of State::s
-  int n_memory() const { return n_memory_; }  ///< size of State::z
+  int n_velocities() const { return found_.n_velocities; }
+  int n_states() const { return found_.n_states; }  ///< size of State::s
+  int n_memory() const { return found_.n_memory; }  ///< size of State::z
   /// How many of State::s, from the first on, control the step of an adaptive integrator by their error; the others are
   /// quadratures and counted angles.
-  int n_error_controlled_states() const { return n_controlled_; }
+  int n_error_controlled_states() const { return found_.n_controlled; }
   /// The state at the start, t = 0: home poses, start velocities, start values; not yet assembled. Throws ModelError
   /// before setup.
   State start() const;
   /// Throws ModelError when the state belongs to another description: by the sizes of q, v, s, z, modes and watched.
   void check_size(const State&) const;
 
-  // -- evaluation, after setup
-  /// Lays out the rows of the links in force, `modes` by link number, group after group. Allocates only when the table
-  /// grows. `all`: with rows that were left out.
-  void lay_out(const std::vector<bool>& modes, RowTable& table, bool all = false) const;
-  /// Motions of the ground and then the slots, from the state; quaternions are normalised.
-  void motions(const State&, std::vector<Motion>& out) const;
-  /// Writes the rows of every link in the table, group by group. Throws what links and laws throw, named by
-  /// rethrow_in(); ModelError for a row that leaves the plane.
-  void gather_rows(const Inputs&, RowTable& table) const;
-  /// Writes gravity, -w x J w and all forces to f: per slot 6, force (world, N) and moment about the mass centre (slot
-  /// axes, N m). f has its size already. Throws what forces and laws throw, named by rethrow_in(); ModelError for a
-  /// force that leaves the plane.
-  void gather_forces(const Inputs&, VecX& f) const;
-  /// Throws ModelError for a force that exerts a moment on a particle or leaves the plane, by its name. `f`: the sums of
-  /// the forces, with or without weights, as gather_forces() writes them.
-  void check_forces(const Inputs&, const VecX& f) const;
-  /// Writes the rates of State::s to sd, which has its size already; zero for links that are not in force. `values` as
-  /// solved.
-  void state_rates(const Evaluated& values, VecX& sd) const;
-  /// The part of that which counted angles are.
-  void angle_rates(const Inputs&, VecX& sd) const;
-  /// Updates what a state keeps after an accepted step: memories of links and forces, and counted angles. `in`: of that
-  /// state.
-  void accept(const Inputs& in, State&) const;
-  /// Whether accept() does anything.
-  bool keeps_anything() const { return n_memory_ > 0 || !angles_.empty(); }
-  /// Instants in (t0, t1), s, where any law of links and forces jumps, increasing, each once.
-  std::vector<double> breakpoints(double t0, double t1) const;
-  /// The same in place of what `times` holds, whose memory is used again.
-  void breakpoints(double t0, double t1, std::vector<double>& times) const;
-
-  /// "row e1 of link 'C'" for a row of the table; for messages.
-  std::string row_name(const RowTable& table, int row) const;
   /// Characteristic length, m, by which angles are turned into lengths in norms: the largest of the lever arms of
   /// markers on moving bodies, the radii of gyration of bodies that turn, and the distances of paired markers at the
   /// start. Where these are all less than 1e-6 m, as among particles: the distances of the points that forces join, else
   /// the size of the bodies, else the distances of the bodies, else 1 m.
-  double length() const { return length_; }
+  double length() const { return found_.length; }
+
+  /// What setup() finds, for the passes.
+  struct Found {
+    /// The rows of a link that hold in the plane of a planar mechanism, a bit for each.
+    struct PlanarRows {
+      unsigned held : 8 = 0,  ///< those that lie in it
+          by_link : 1 = 0;    ///< the link gathers them itself; see Planar
+    };
+    std::vector<Slot> slots;              ///< clusters of bodies that move as one
+    std::vector<const Lock*> ordered;     ///< links that have rows, groups one after another
+    std::vector<int> group;               ///< group of each of them
+    std::vector<bool> merged;             ///< by number of the link
+    std::vector<PlanarRows> planar_rows;  ///< by number of the link, while planar
+    bool has_offsets = false;             ///< as has_offsets()
+    int n_velocities = 0,                 ///< as n_velocities()
+        n_states = 0,                     ///< as n_states()
+        n_controlled = 0,                 ///< as n_error_controlled_states()
+        n_memory = 0;                     ///< as n_memory()
+    double length = 1e-6;                 ///< as length()
+  };
+  const Found& found() const { return found_; }  ///< valid until the next setup
 
  private:
   void check_new_name(const std::string& kind, const std::string& name) const;
+  Body& place_body(const std::string& name, const Pose& home);
   void setup_slots();
-  std::optional<ModelError> setup_plane();
-  void setup_merge();
-  void fill_slot(Slot&);
-  std::size_t index_of(const Lock&) const;
-  void check_plane(const Inputs&, const VecX& f) const;
-  void gather_from_space(const Inputs&, RowTable&, int entry) const;
-  void check_absent_row(const Inputs&, const Lock&, int row, const RowView&) const;
-  void setup_links();
-  void setup_forces();
-  void setup_states();
-  void setup_length();
+  bool owns(const Lock&) const;  // after setup
+  template <class L>
+  L& add_checked(std::unique_ptr<L> made) {
+    if constexpr (std::derived_from<L, Force>)
+      check_force_facets<L>();
+    else
+      check_facets<L>();
+    return static_cast<L&>(add(std::move(made)));
+  }
 
   Options options_;
   std::deque<Body> bodies_;
@@ -359,7 +339,8 @@ class LOCKSTEP_API System final : public AngleCounter {
   static std::string_view word_of(Kind);
   const std::string& name_of(const Named&) const;
   Named named_thing(std::string_view name) const;  // kind none: there is none
-  std::ptrdiff_t number_of(Kind, const std::string& name) const;  // among those of this kind; -1: none
+  template <class Things>
+  auto& find(const char* kind, Kind, Things&, const std::string& name) const;
   void take_name(const std::string& name, Kind, std::size_t number);
   std::vector<Named> names_;  // by hash: where a place is taken, the next ones are
   std::size_t n_names_ = 0;
@@ -369,18 +350,10 @@ class LOCKSTEP_API System final : public AngleCounter {
   bool plane_is_known_ = false, has_left_plane_ = false;
   bool merge_ = false;
   std::vector<const Lock*> kept_;
-  std::vector<bool> merged_;          // by number of the link
-  std::vector<std::size_t> part_of_;  // of each body: the first body of its slot
-  std::vector<Slot> slots_;
-  bool offsets_ = false;
-  std::vector<PlanarRows> planar_rows_;  // of each link, while planar
-  std::vector<unsigned> left_out_;       // by number of the link: bits of rows; may be shorter
+  std::vector<unsigned> left_out_;  // by number of the link: bits of rows; may be shorter
   double held_ = 0;
-  std::vector<const Lock*> ordered_;     // links, groups one after another
-  std::vector<int> group_;               // group of each of them
-  int n_velocities_ = 0, n_states_ = 0, n_controlled_ = 0, n_memory_ = 0;
+  Found found_;
   long revision_ = 0;
-  double length_ = 1e-6;
 };
 
 /// The plane in which the system moves exactly as in space, reactions included: axes, forces, starts and mass centres

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <functional>
 
+#include <lockstep/author/passes.h>
 #include "framework/mechanism/system/diagnose.h"
-#include <lockstep/system.h>
 
 namespace lockstep {
 namespace {
@@ -190,14 +190,14 @@ void check_writes(const System& system) {
   State state;
   std::vector<Motion> motions;
   if (!runs([&] { state = system.start(); })) return;
-  system.motions(state, motions);
+  passes::motions(system, state, motions);
   const auto numbers = [](const VecX& x) {
     return std::span<const double>(x.data(), static_cast<std::size_t>(x.size()));
   };
   const Inputs in{state.t, motions, numbers(state.s), numbers(state.z)};
 
   RowTable table;
-  system.lay_out(std::vector<bool>(system.links().size(), true), table);
+  passes::lay_out(system, std::vector<bool>(system.links().size(), true), table);
   for (const RowRun& run : table.runs) {
     std::vector<const Lock*> links;
     for (int k = 0; k < run.n; ++k) links.push_back(system.links()[table.entries[run.first_entry + k].link].get());

@@ -171,12 +171,15 @@ void refuse_laws(const Lock& link, double t) {
   refuse_number(link, t, " computed a number that is not finite", "look at its laws");
 }
 
-void check_wrench(const System& system, const Inputs& in, const Force& force) {
-  if (!force.acts(in)) return;
+VecX wrench_of(const System& system, const Inputs& in, const Force& force) {
   VecX f = VecX::Zero(6 * system.n_slots());
   WrenchSum sum(in.motions, f);
-  named(force, in.t, [&] { force.apply(in, sum); });
-  if (!f.allFinite())
+  if (force.acts(in)) named(force, in.t, [&] { force.apply(in, sum); });
+  return f;
+}
+
+void check_wrench(const System& system, const Inputs& in, const Force& force) {
+  if (!wrench_of(system, in, force).allFinite())
     refuse_number(force, in.t,
                   " is not finite" + (force.slots().empty() ? "" : " with " + place_of(system, in, force.slots())),
                   "look at its law and parameters");

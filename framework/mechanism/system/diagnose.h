@@ -6,6 +6,7 @@
 
 #include <lockstep/author/force.h>
 #include <lockstep/author/lock.h>
+#include <lockstep/detail/counted_angle.h>
 #include <lockstep/error.h>
 
 namespace lockstep {
@@ -51,6 +52,8 @@ void set_up(T& thing) {
 /// Throws NonFiniteError naming the body, link, force or law with a number that is not finite: in the motions, the
 /// rows, or the forces `f` (6 per slot).
 LOCKSTEP_API void check_finite(const System&, const Inputs&, const RowTable&, const VecX& f);
+/// What a force exerts alone, 6 per slot; zero while it does not act. Throws what it throws, by name.
+VecX wrench_of(const System&, const Inputs&, const Force&);
 /// Throws NonFiniteError naming the force and its bodies where its wrench is not finite.
 LOCKSTEP_API void check_wrench(const System&, const Inputs&, const Force&);
 /// Throws NonFiniteError: a law of the link is not finite at t.

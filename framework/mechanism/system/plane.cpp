@@ -10,8 +10,9 @@
 
 #include <Eigen/SparseQR>
 
+#include <lockstep/author/force.h>
+#include <lockstep/author/passes.h>
 #include <lockstep/error.h>
-#include <lockstep/system.h>
 #include <lockstep/text.h>
 #include "framework/foundation/math/limits.h"
 #include "framework/mechanism/system/diagnose.h"
@@ -22,7 +23,7 @@ namespace lockstep {
 RowsAtStart::RowsAtStart(const System& system, Plane plane, State start)
     : system_(system), plane_(plane), start_(std::move(start)) {
   start_.v.setZero();
-  system.motions(start_, motions_);
+  passes::motions(system, start_, motions_);
   in_.t = start_.t, in_.motions = motions_;
   in_.s = {start_.s.data(), static_cast<std::size_t>(start_.s.size())};
   in_.z = {start_.z.data(), static_cast<std::size_t>(start_.z.size())};
@@ -196,7 +197,7 @@ Refusal check_tipping(const System& system, RowsAtStart& at_start, std::vector<T
 }
 
 // The reactions that a force reads must be complete. `arms`: there may be lever arms along the normal.
-Refusal check_reads(const Force& force, Plane plane, const std::vector<PlanarRows>& rows, bool arms) {
+Refusal check_reads(const Force& force, Plane plane, const System::Found& found, bool arms) {
   const Thing thing{.kind = "force", .name = force.name()};
   if (force.reacting() == nullptr) return {};
   for (const Lock* link : force.reacting()->reads()) {
@@ -204,7 +205,7 @@ Refusal check_reads(const Force& force, Plane plane, const std::vector<PlanarRow
       return leaves(plane, thing,
                     "it reads reactions, which lack the moments of lever arms along the normal in a planar scene",
                     ", or put links and forces into one plane");
-    if (rows[link->number()].m == 0)
+    if (found.planar_rows[link->number()].held == 0)
       return leaves(plane, thing, "it reads link '" + link->name() + "', which lies out of the plane");
   }
   return {};
@@ -212,57 +213,58 @@ Refusal check_reads(const Force& force, Plane plane, const std::vector<PlanarRow
 
 }  // namespace
 
-std::optional<ModelError> System::setup_plane() {
-  offsets_ = false;
-  for (const Slot& s : slots_) {
+std::optional<ModelError> setup_plane(const System& system, System::Found& found) {
+  const Plane plane = system.plane();
+  const double length = system.length();
+  for (const Slot& s : found.slots) {
     for (const Body* b : s.bodies)
-      if (Refusal refusal = check_body(*b, s, plane_, length_)) return refusal;
-    offsets_ = offsets_ || has_products(s, plane_);  // welded bodies at different heights
+      if (Refusal refusal = check_body(*b, s, plane, length)) return refusal;
+    found.has_offsets = found.has_offsets || has_products(s, plane);  // welded bodies at different heights
   }
-  if (const double g = options_.gravity[plane_.n]; std::abs(g) > kNegligible * options_.gravity.norm())
-    return leaves(plane_, {}, "gravity has " + text::brief(g) + " m/s^2 along it");
-  if (plane_is_known_)
-    if (Refusal refusal = check_declared(*this)) return refusal;
-  RowsAtStart at_start(*this, plane_, start());
+  if (const double g = system.gravity()[plane.n]; std::abs(g) > kNegligible * system.gravity().norm())
+    return leaves(plane, {}, "gravity has " + text::brief(g) + " m/s^2 along it");
+  if (system.plane_is_known())
+    if (Refusal refusal = check_declared(system)) return refusal;
+  RowsAtStart at_start(system, plane, system.start());
   const Inputs& in = at_start.inputs();
   std::vector<Tipped> tipped;
-  VecX f(6 * n_slots());
-  for (const auto& force : forces_) {
-    if (force->stays_in_plane(plane_)) continue;
+  VecX f(6 * system.n_slots());
+  for (const auto& force : system.forces()) {
+    if (force->stays_in_plane(plane)) continue;
     const Thing thing{.kind = "force", .name = force->name()};
     for (const int slot : force->slots()) f.segment<6>(6 * slot).setZero();
     WrenchSum sum(in.motions, f);
     named(*force, in.t, [&] { force->apply(in, sum); });
     PartsInPlane parts;
-    for (const int k : force->slots()) parts.add(f.segment<3>(6 * k), f.segment<3>(6 * k + 3) / length_, plane_);
+    for (const int k : force->slots()) parts.add(f.segment<3>(6 * k), f.segment<3>(6 * k + 3) / length, plane);
     if (parts.leaves())
-      return leaves(plane_, thing, "it pushes out of the plane (" + text::brief(parts.along) + " N)",
+      return leaves(plane, thing, "it pushes out of the plane (" + text::brief(parts.along) + " N)",
                     ", or turn it into the plane");
-    offsets_ = offsets_ || parts.has_arm();
+    found.has_offsets = found.has_offsets || parts.has_arm();
     if (parts.has_arm() || dynamic_cast<const MarkerForce*>(force.get()) != nullptr)  // it may have one later
       for (const int slot : force->slots()) tipped.push_back({slot, thing});
   }
-  planar_rows_.assign(links_.size(), {});
-  for (std::size_t l = 0; l < links_.size(); ++l) {
-    if (merged_[l]) continue;
-    PlanarRows& rows = planar_rows_[l];
-    const std::span<const RowAtStart> at = at_start.of(*links_[l]);
-    const bool is_watched = !plane_is_known_ && std::ranges::any_of(at, &RowAtStart::lies_in);
+  found.planar_rows.assign(system.links().size(), {});
+  for (std::size_t l = 0; l < system.links().size(); ++l) {
+    if (found.merged[l]) continue;
+    System::Found::PlanarRows& rows = found.planar_rows[l];
+    const std::span<const RowAtStart> at = at_start.of(*system.links()[l]);
+    const bool is_watched = !system.plane_is_known() && std::ranges::any_of(at, &RowAtStart::lies_in);
     int row = 0;
     for (const RowAtStart& r : at) {
-      if (Refusal refusal = check_row(*links_[l], row, r, is_watched, *this)) return refusal;
-      if (r.lies_in()) rows.own[rows.m++] = row, offsets_ = offsets_ || r.has_arm();
+      if (Refusal refusal = check_row(*system.links()[l], row, r, is_watched, system)) return refusal;
+      if (r.lies_in()) rows.held |= 1U << row, found.has_offsets = found.has_offsets || r.has_arm();
       ++row;
     }
-    Planar* own = links_[l]->planar();
-    rows.by_link = own != nullptr && own->setup_plane(plane_);
+    Planar* own = system.links()[l]->planar();
+    rows.by_link = own != nullptr && own->setup_plane(plane);
   }
-  if (offsets_ && plane_is_known_)
-    return leaves(plane_, {}, "there are lever arms along it, whose reactions would be left out");
-  const bool arms = offsets_ || !tipped.empty();
-  if (Refusal refusal = arms ? check_tipping(*this, at_start, std::move(tipped)) : Refusal()) return refusal;
-  for (const auto& force : forces_)
-    if (Refusal refusal = check_reads(*force, plane_, planar_rows_, arms)) return refusal;
+  if (found.has_offsets && system.plane_is_known())
+    return leaves(plane, {}, "there are lever arms along it, whose reactions would be left out");
+  const bool arms = found.has_offsets || !tipped.empty();
+  if (Refusal refusal = arms ? check_tipping(system, at_start, std::move(tipped)) : Refusal()) return refusal;
+  for (const auto& force : system.forces())
+    if (Refusal refusal = check_reads(*force, plane, found, arms)) return refusal;
   return {};
 }
 

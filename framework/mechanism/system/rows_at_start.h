@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -14,11 +15,10 @@
 #include <lockstep/body.h>
 #include <lockstep/detail/export.h>
 #include <lockstep/detail/rows.h>
+#include <lockstep/system.h>
 #include "framework/foundation/math/limits.h"
 
 namespace lockstep {
-
-class System;
 
 /// The largest parts of a row or force on any slot. Moments are divided by the length of the mechanism.
 struct PartsInPlane {
@@ -63,6 +63,8 @@ class LOCKSTEP_API RowsAtStart {
   std::vector<RowAtStart> rows_;
 };
 
+/// Of System::setup() in a plane: which rows lie in it. Returns the error for what leaves it.
+std::optional<ModelError> setup_plane(const System&, System::Found&);
 /// find_plane(), and sets the system up in the plane that it finds; without one the system is in space, to be set up.
 LOCKSTEP_API Plane settle_in_plane(System&, const std::function<bool(Plane)>& starts_in);
 

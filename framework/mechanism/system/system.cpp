@@ -1,51 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/system.h>
 
-#include <spdlog/fmt/fmt.h>
-
-#include <algorithm>
 #include <array>
 #include <functional>
-#include <map>
-#include <tuple>
-#include <typeindex>
-#include <unordered_set>
 #include <utility>
 
+#include <lockstep/author/force.h>
+#include <lockstep/author/lock.h>
 #include <lockstep/error.h>
 #include <lockstep/text.h>
-#include "framework/mechanism/system/check_writes.h"
 #include "framework/mechanism/system/diagnose.h"
 
 namespace lockstep {
 namespace {
 
-constexpr double kShortest = 1e-12;  // m, of a body with a size; and, of the distance from the origin, its rounding
-constexpr double kApart = 1e-6;      // m, between points: less may be a misfit
-
-// Between the ends of a force.
-template <class Forces>
-double length_between_ends(const Forces& forces) {
-  double length = 0;
-  for (const auto& force : forces) {
-    const std::vector<const Marker*> ends = force->markers();
-    for (const Marker* end : ends)
-      length = std::max(length, ((end->body->home * end->local).x - (ends[0]->body->home * ends[0]->local).x).norm());
-  }
-  return length;
-}
-
-// Particles without links have no length of their own: that between bodies, else 1 m.
-template <class Bodies>
-double length_between_bodies(const Bodies& bodies) {
-  double length = 0;
-  for (const Body& body : bodies)
-    if (body.slot != kGround) length = std::max(length, (body.home.x - bodies.front().home.x).norm());
-  return length > kApart ? length : 1;
-}
-
 template <class Item>
-const std::string& name_of(const Item& item) {
+const std::string& name_in(const Item& item) {
   if constexpr (requires { item->name(); })
     return item->name();
   else if constexpr (requires { item.name(); })
@@ -57,46 +27,8 @@ const std::string& name_of(const Item& item) {
 template <class Range>
 std::vector<std::string> names_of(const Range& range) {
   std::vector<std::string> names;
-  for (const auto& item : range) names.push_back(name_of(item));
+  for (const auto& item : range) names.push_back(name_in(item));
   return names;
-}
-
-// By its number among the names, -1: none; a thing that was named anew is looked for.
-template <class Range>
-auto& find(const std::string& kind, Range& range, std::ptrdiff_t number, const std::string& name) {
-  if (number >= 0) return range[number];
-  for (auto& item : range)
-    if (name_of(item) == name) return item;
-  throw ModelError("unknown " + kind + " \"" + name + "\"" + text::suggestion(name, names_of(range)));
-}
-
-// Markers and links of another System would be read as if they were of this one.
-template <class Bodies, class Links, class Forces>
-void check_markers(const Bodies& bodies, const Links& links, const Forces& forces) {
-  std::vector<const Body*> own;
-  own.reserve(bodies.size());
-  for (const Body& body : bodies) own.push_back(&body);
-  std::ranges::sort(own);
-  const auto check = [&](const auto& thing, const Marker* m) {
-    if (m == nullptr || m->body == nullptr || std::ranges::binary_search(own, m->body)) return;
-    throw ModelError(thing_of(thing).words() + ": marker '" + m->name + "' is on body '" + m->body->name +
-                         "' of another System; make a marker of this one (add_marker)",
-                     {.thing = thing_of(thing)});
-  };
-  for (const auto& link : links)
-    for (const auto& [p, s] : link->pairs()) check(*link, p), check(*link, s);
-  std::unordered_set<const Lock*> known;
-  if (std::ranges::any_of(forces, [](const auto& force) { return force->reacting() != nullptr; }))
-    for (const auto& link : links) known.insert(link.get());
-  for (const auto& force : forces) {
-    for (const Marker* m : force->markers()) check(*force, m);
-    if (force->reacting() == nullptr) continue;
-    for (const Lock* link : force->reacting()->reads())
-      if (link != nullptr && !known.contains(link))
-        throw ModelError(
-            thing_of(*force).words() + ": link '" + link->name() + "', whose reactions it reads, is of another System",
-            {.thing = thing_of(*force)});
-  }
 }
 
 void check_pose(const std::string& what, const Pose& pose) {
@@ -121,11 +53,8 @@ Pose pose_at(const Vec3& x, const Vec3& z) {
 }
 
 System::System(Options options) : options_(options) {
-  Body& g = bodies_.emplace_back();
-  g.name = "ground";
-  take_name(g.name, Kind::body, 0);
-  g.fixed = true;
-  ground_ = &g;
+  ground_ = &place_body("ground", {});
+  ground_->fixed = true;
 }
 System::~System() = default;
 System::System(System&&) noexcept = default;
@@ -195,9 +124,13 @@ void System::take_name(const std::string& name, Kind kind, std::size_t number) {
   ++n_names_;
 }
 
-std::ptrdiff_t System::number_of(Kind kind, const std::string& name) const {
-  const Named known = named_thing(name);
-  return static_cast<Kind>(known.kind) == kind ? static_cast<std::ptrdiff_t>(known.number) : -1;
+// A thing that was named anew is looked for.
+template <class Things>
+auto& System::find(const char* kind, Kind of, Things& things, const std::string& name) const {
+  if (const Named known = named_thing(name); static_cast<Kind>(known.kind) == of) return things[known.number];
+  for (auto& thing : things)
+    if (name_in(thing) == name) return thing;
+  throw ModelError(std::string("unknown ") + kind + " \"" + name + "\"" + text::suggestion(name, names_of(things)));
 }
 
 void System::check_new_name(const std::string& kind, const std::string& name) const {
@@ -209,14 +142,21 @@ void System::check_new_name(const std::string& kind, const std::string& name) co
                    "; names are unique in a system, so that a channel name is unambiguous: choose another");
 }
 
-Body& System::add_body(const std::string& name, const MassProperties& mass, const Pose& home) {
-  check_new_name("body", name);
-  check_mass(mass, "body '" + name + "'");
+// Its name was checked.
+Body& System::place_body(const std::string& name, const Pose& home) {
   check_pose("body '" + name + "'", home);
   ready_ = false;
   Body& b = bodies_.emplace_back();
-  b.name = name, b.mass = mass, b.home = home;
+  b.name = name, b.home = home;
   take_name(name, Kind::body, bodies_.size() - 1);
+  return b;
+}
+
+Body& System::add_body(const std::string& name, const MassProperties& mass, const Pose& home) {
+  check_new_name("body", name);
+  check_mass(mass, "body '" + name + "'");
+  Body& b = place_body(name, home);
+  b.mass = mass;
   return b;
 }
 
@@ -224,21 +164,15 @@ Body& System::add_particle(const std::string& name, double mass, const Vec3& x) 
   check_new_name("body", name);
   if (!(mass > 0) || !std::isfinite(mass))
     throw ModelError("body '" + name + "': mass " + text::brief(mass) + " kg; a particle needs a mass above zero");
-  check_pose("body '" + name + "'", {x, {}});
-  ready_ = false;
-  Body& b = bodies_.emplace_back();
-  b.name = name, b.mass.mass = mass, b.home.x = x, b.freedoms = Freedoms::particle;
-  take_name(name, Kind::body, bodies_.size() - 1);
+  Body& b = place_body(name, {x, {}});
+  b.mass.mass = mass, b.freedoms = Freedoms::particle;
   return b;
 }
 
 Body& System::add_fixed(const std::string& name, const Pose& home) {
   check_new_name("body", name);
-  check_pose("body '" + name + "'", home);
-  ready_ = false;
-  Body& b = bodies_.emplace_back();
-  b.name = name, b.home = home, b.fixed = true;
-  take_name(name, Kind::body, bodies_.size() - 1);
+  Body& b = place_body(name, home);
+  b.fixed = true;
   return b;
 }
 
@@ -311,240 +245,37 @@ ControlInput& System::add_input(const std::string& name, double value, const std
   return added;
 }
 
-ControlInput& System::input(const std::string& name) {
-  return find("input", inputs_, number_of(Kind::input, name), name);
-}
-Body& System::body(const std::string& name) { return find("body", bodies_, number_of(Kind::body, name), name); }
-Marker& System::marker(const std::string& name) {
-  return find("marker", markers_, number_of(Kind::marker, name), name);
-}
-Lock& System::link(const std::string& name) { return *find("link", links_, number_of(Kind::link, name), name); }
-Force& System::force(const std::string& name) { return *find("force", forces_, number_of(Kind::force, name), name); }
-const Body& System::body(const std::string& name) const {
-  return find("body", bodies_, number_of(Kind::body, name), name);
-}
-const Marker& System::marker(const std::string& name) const {
-  return find("marker", markers_, number_of(Kind::marker, name), name);
-}
-const Lock& System::link(const std::string& name) const {
-  return *find("link", links_, number_of(Kind::link, name), name);
-}
-const Force& System::force(const std::string& name) const {
-  return *find("force", forces_, number_of(Kind::force, name), name);
+ControlInput& System::input(const std::string& name) { return find("input", Kind::input, inputs_, name); }
+Body& System::body(const std::string& name) { return find("body", Kind::body, bodies_, name); }
+Marker& System::marker(const std::string& name) { return find("marker", Kind::marker, markers_, name); }
+Lock& System::link(const std::string& name) { return *find("link", Kind::link, links_, name); }
+Force& System::force(const std::string& name) { return *find("force", Kind::force, forces_, name); }
+const Body& System::body(const std::string& name) const { return find("body", Kind::body, bodies_, name); }
+const Marker& System::marker(const std::string& name) const { return find("marker", Kind::marker, markers_, name); }
+const Lock& System::link(const std::string& name) const { return *find("link", Kind::link, links_, name); }
+const Force& System::force(const std::string& name) const { return *find("force", Kind::force, forces_, name); }
+
+bool System::owns(const Lock& link) const {
+  const auto k = static_cast<std::size_t>(link.number());
+  return link.number() >= 0 && k < links_.size() && links_[k].get() == &link;
 }
 
-// --------------------------------------------------------------------------------------------------------------- setup
-
-void System::setup() {
-  if (ready_) return;
-  std::optional<ModelError> refusal = try_setup();
-  if (refusal && plane_is_known_) {
-    set_planar({});
-    refusal = try_setup();
-  }
-  if (refusal) throw ModelError(*refusal);
+bool System::merged(const Lock& link) const {
+  return found_.merged.size() == links_.size() && owns(link) && found_.merged[static_cast<std::size_t>(link.number())];
 }
 
-System::InSpace::InSpace(System& system) : system_(system) {
-  system.setup();
-  revision_ = system.revision_;
-  if (!system.plane_is_known_ || !system.plane_) return;
-  plane_ = system.plane_;
-  set({}, -2 - revision_);  // of no setup, and the same in every look
-}
-
-void System::InSpace::end() {
-  if (plane_) set(std::exchange(plane_, {}), revision_);
-}
-
-void System::InSpace::stay() {
-  if (!plane_) return;
-  plane_ = {}, system_.plane_is_known_ = false, system_.has_left_plane_ = true;
-  system_.revision_ = revision_ + 1;
-}
-
-void System::InSpace::set(Plane plane, long revision) {
-  system_.plane_ = plane, system_.revision_ = revision;
-  system_.n_velocities_ = 0;
-  for (const Slot& slot : system_.slots_) system_.n_velocities_ += BodyMass(slot, plane).width();
-}
-
-std::optional<ModelError> System::try_setup() {
+void System::leave_out(const Lock& link, unsigned rows) {
+  if (!owns(link) || rows >> link.row_count() != 0)
+    throw ModelError("link '" + link.name() + "': rows to be left out are not its own, or the system is not set up",
+                     {.thing = thing_of(link)});
+  left_out_.resize(links_.size(), 0U);
+  left_out_[static_cast<std::size_t>(link.number())] = rows;
   ready_ = false;
-  check_markers(bodies_, links_, forces_);
-  setup_slots();
-  setup_links();
-  setup_forces();
-  setup_states();
-  setup_length();
-  ready_ = true;  // what follows evaluates it at its start
-  try {
-    if (plane_)
-      if (std::optional<ModelError> refusal = setup_plane()) {
-        ready_ = false;
-        return refusal;
-      }
-    ++revision_;
-    check_writes(*this);
-  } catch (...) {
-    ready_ = false;
-    throw;
-  }
-  return {};
 }
 
-// States whose error controls the step come first, then quadratures and counted angles.
-void System::setup_states() {
-  n_states_ = 0;
-  n_memory_ = 0;
-  int number = 0;
-  for (auto& link : links_) {
-    link->set_indices(number++, n_states_, n_memory_);
-    n_states_ += link->n_own_states();
-    n_memory_ += link->n_own_memory() + (link->unilateral() ? 1 : 0);
-  }
-  for (auto& force : forces_) {
-    force->place(n_memory_);
-    n_memory_ += force->n_own_memory() + (force->is_switched() ? 1 : 0);
-  }
-  for (const bool controlled : {true, false}) {
-    for (auto& auxiliary : auxiliaries_) {
-      if (auxiliary->controls_error() != controlled) continue;
-      auxiliary->place(n_states_);
-      n_states_ += auxiliary->size();
-    }
-    if (controlled) n_controlled_ = n_states_;
-  }
-  for (std::size_t k = 0; k < angles_.size(); ++k) {
-    angles_[k]->setup();
-    angles_[k]->place(static_cast<int>(k), n_states_);
-    n_states_ += CountedAngle::kStates;
-  }
-}
-
-void System::setup_length() {
-  double rounding = kShortest;  // of what is computed from places
-  for (const Slot& s : slots_) rounding = std::max(rounding, kShortest * s.home.x.norm());
-  length_ = rounding;
-  for (const Marker& m : markers_)
-    if (m.body->slot != kGround) length_ = std::max(length_, (m.body->in_slot * m.local).x.norm());
-  for (const Slot& s : slots_)  // (i_x^2 + i_y^2 + i_z^2)/2 = trace(J)/(2 m)
-    if (s.freedoms == Freedoms::spatial) length_ = std::max(length_, std::sqrt(s.J.trace() / (2 * s.mass)));
-  double apart = 0;
-  for (const auto& link : links_)
-    for (const auto& [p, s] : link->pairs())
-      apart = std::max(apart, ((p->body->home * p->local).x - (s->body->home * s->local).x).norm());
-  if (std::max(length_, apart) <= kApart) apart = length_between_ends(forces_);
-  if (apart > kApart) length_ = std::max(length_, apart);
-  if (length_ <= rounding) length_ = length_between_bodies(bodies_);
-}
-
-void System::setup_links() {
-  // Links of equal type, pattern, rows and slots form a group; groups are in the order of their first members.
-  using Likeness = std::tuple<std::type_index, LinkPattern, int, int>;
-  struct Alike {
-    std::size_t number;  // of the group
-    const Lock* first;
-  };
-  std::map<Likeness, Alike> known;
-  std::vector<std::size_t> of_link, first;  // groups of the links set up; where each group begins in ordered_
-  of_link.reserve(links_.size());
-  for (std::size_t k = 0; k < links_.size(); ++k) {
-    if (merged_[k]) continue;
-    Lock& l = *links_[k];
-    set_up(l);
-    l.count_angles(*this);
-    const auto [it, is_new] =
-        known.try_emplace({typeid(l), l.pattern(), l.row_count(), l.slots().n}, Alike{first.size(), &l});
-    if (is_new) first.push_back(0);
-    l.share_rows(*it->second.first);
-    of_link.push_back(it->second.number), ++first[it->second.number];
-  }
-  for (std::size_t begin = 0; std::size_t & n : first) begin += std::exchange(n, begin);
-  ordered_.resize(of_link.size()), group_.resize(of_link.size());
-  for (std::size_t k = 0, i = 0; k < links_.size(); ++k) {
-    if (merged_[k]) continue;
-    const std::size_t group = of_link[i++], at = first[group]++;
-    ordered_[at] = links_[k].get(), group_[at] = static_cast<int>(group);
-  }
-}
-
-void System::setup_forces() {
-  for (auto& force : forces_) {
-    set_up(*force);
-    force->count_angles(*this);
-  }
-}
-
-namespace {
-
-// Apart, since the check is made at every evaluation.
-[[noreturn]] void refuse_size(const System& system, const State& state) {
-  throw ModelError(
-      fmt::format("a state of {} coordinates, {} velocities, {} own states, {} remembered numbers and {} links does "
-                  "not fit a system "
-                  "of {} moving bodies, {} own states, {} remembered numbers and {} links; begin from System::start() "
-                  "once the system "
-                  "is complete",
-                  state.q.size(), state.v.size(), state.s.size(), state.z.size(), state.modes.size(), system.n_slots(),
-                  system.n_states(), system.n_memory(), system.links().size()));
-}
-
-}  // namespace
-
-void System::check_size(const State& state) const {
-  const auto links = links_.size();
-  const int n_q = state.coordinates ? state.coordinates->n_q() : 7 * n_slots();
-  const int n_v = state.coordinates ? state.coordinates->n_v() : 6 * n_slots();
-  if (state.q.size() != n_q || state.v.size() != n_v || state.s.size() != n_states_ || state.z.size() != n_memory_ ||
-      state.modes.size() != links || state.watched.size() != links)
-    refuse_size(*this, state);
-}
-
-State System::start() const {
-  if (!ready_)
-    throw ModelError(
-        "System::start: the system is not set up, or was changed since; call setup(), or make its Dynamics, first");
-  State state;
-  const int n = n_slots();
-  state.q.resize(7 * n);
-  state.v.resize(6 * n);
-  for (int k = 0; k < n; ++k) {
-    const Body& b = body_of_slot(k);
-    const Pose& home = slot(k).home;
-    state.set_slot_pose(k, home);
-    const Mat3 A = rotation(b.home.q);  // a slot moves with its first body
-    const Vec3 r = slot(k).bodies.size() == 1 ? b.mass.center : Vec3(A.transpose() * (home.x - b.home.x));
-    state.set_slot_twist(k, {b.start.v + A * cross(b.start.w, r), rotation(b.in_slot.q) * b.start.w});
-  }
-  state.s = VecX::Zero(n_states_);
-  state.z = VecX::Zero(n_memory_);
-  const auto part = [](VecX& x, int first, int size) {
-    return std::span<double>(x.data() + first, static_cast<std::size_t>(size));
-  };
-  for (const auto& link : links_) {
-    state.modes.push_back(link->active_at_start() && !link->unilateral());  // unilateral links: at contact
-    state.watched.push_back(link->active_at_start() && link->unilateral());
-    named(*link, 0.0, [&] {
-      if (const Stateful* own = link->stateful())
-        own->start_states(part(state.s, link->first_state(), own->n_states()));
-      if (const Remembering* own = link->remembering())
-        own->start_memory(part(state.z, link->first_memory(), own->n_memory()));
-    });
-  }
-  for (const auto& force : forces_) {
-    if (const Remembering* own = force->remembering())
-      named(*force, 0.0, [&] { own->start_memory(part(state.z, force->first_memory(), own->n_memory())); });
-    if (force->switch_memory() >= 0) state.z[force->switch_memory()] = force->acts_at_start() ? 1 : 0;
-  }
-  for (const auto& auxiliary : auxiliaries_)
-    named(*auxiliary, 0.0, [&] { auxiliary->start(part(state.s, auxiliary->first(), auxiliary->size())); });
-  if (angles_.empty()) return state;
-  std::vector<Motion> at_home;
-  motions(state, at_home);
-  const Inputs in{0, at_home, part(state.s, 0, n_states_), part(state.z, 0, n_memory_)};
-  for (const auto& angle : angles_) named(*angle, 0.0, [&] { angle->set(in, 0.0, state.s); });
-  return state;
+unsigned System::left_out(const Lock& link) const {
+  const auto k = static_cast<std::size_t>(link.number());
+  return link.number() >= 0 && k < left_out_.size() ? left_out_[k] : 0U;
 }
 
 }  // namespace lockstep

@@ -54,7 +54,7 @@ void DrivenMotion::check_states() const {
 
 void DrivenMotion::move_speed_drives(double t0, double t1) {
   if (speed_drives_.empty()) return;
-  std::vector<double> ends = dynamics_.system().breakpoints(std::min(t0, t1), std::max(t0, t1));
+  std::vector<double> ends = passes::breakpoints(dynamics_.system(), std::min(t0, t1), std::max(t0, t1));
   if (t1 < t0) std::ranges::reverse(ends);
   ends.push_back(t1);
   for (const SpeedDrive& drive : speed_drives_) {
@@ -141,7 +141,7 @@ void DrivenMotion::refuse(double t) const {
   throw AssemblyError(fmt::format(
       "kinematics stopped at t = {:.9g} s: {}; worst: {}. A law may jump in position, or ask for more than the "
       "mechanism reaches",
-      t, why_, C.size() > 0 ? e.system().row_name(e.rows(), static_cast<int>(worst)) : "none"));
+      t, why_, C.size() > 0 ? passes::row_name(e.system(), e.rows(), static_cast<int>(worst)) : "none"));
 }
 
 }  // namespace lockstep

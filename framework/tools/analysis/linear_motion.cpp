@@ -223,7 +223,7 @@ std::string why_unsteady(Dynamics& dynamics, const State& state, const Mechanism
            " about an axis that is none of symmetry of its inertia, so that the coefficients change with its angle; "
            "give the spin of axes that turn with it";
   VecX rate = VecX::Zero(state.s.size());
-  system.state_rates(dynamics.evaluate(state), rate);
+  passes::state_rates(system, dynamics.evaluate(state), rate);
   const State then = later(state, slots, axes, at.length, rate);
   if (dynamics.violation(then) > kSlight * at.length)
     return "the joints do not let it go on like this for a third of a turn";

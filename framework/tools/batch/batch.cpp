@@ -33,7 +33,7 @@ Batch::Batch(std::span<System* const> systems, int first, const CopiesOptions& o
   rates_of_one_.setZero(systems_[0]->n_states());
   lay_out(trees);
   if (integrated_.empty()) return;
-  systems_[0]->lay_out(std::vector<bool>(systems_[0]->links().size(), false), no_rows_);
+  passes::lay_out(*systems_[0], std::vector<bool>(systems_[0]->links().size(), false), no_rows_);
   no_accelerations_.setZero(6 * n_slots);
 }
 
@@ -82,7 +82,7 @@ void Batch::fill_wrench(const double* y, const Numbers8& t) {
       WrenchSum sum(in.motions, wrench_of_one_);
       guarded(l, [&] {
         for (const auto& force : system(l).forces()) force->apply(in, sum);
-        system(l).check_forces(in, wrench_of_one_);
+        passes::check_forces(system(l), in, wrench_of_one_);
       });
     }
     for (Eigen::Index i = 0; i < wrench_of_one_.size(); i += 3)
@@ -113,7 +113,7 @@ void Batch::state_rates(const double* y, const Numbers8& t, double* rate) {
           const Auxiliary& own = *system(l).auxiliaries()[k];
           own.rates(values, {rates_of_one_.data() + own.first(), static_cast<std::size_t>(own.size())});
         }
-        system(l).angle_rates(in, rates_of_one_);
+        passes::angle_rates(system(l), in, rates_of_one_);
       });
     double* to = rate + kL * (n_q_ + n_v_) + lane;
     for (Eigen::Index i = 0; i < rates_of_one_.size(); ++i, to += kLanes) *to = rates_of_one_[i];

@@ -17,8 +17,8 @@ namespace lockstep::lanes {
 void OutputSchedule::begin(const System& system, double t0, std::span<const double> times) {
   times_ = times;
   next_ = std::lower_bound(times.begin(), times.end(), t0) - times.begin();
-  jumps_ = times.empty() ? std::vector<double>{}
-                         : system.breakpoints(t0, std::nextafter(times.back(), HUGE_VAL));  // one at the very end, too
+  const double past_end = times.empty() ? t0 : std::nextafter(times.back(), HUGE_VAL);  // a jump at the very end, too
+  passes::breakpoints(system, t0, past_end, jumps_);
   next_jump_ = 0;
   span_ = times.empty() ? 0.0 : times.back() - t0;
 }

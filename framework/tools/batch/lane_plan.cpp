@@ -3,6 +3,7 @@
 
 #include <typeinfo>
 
+#include <lockstep/author/force.h>
 #include <lockstep/detail/kernel.h>
 #include <lockstep/joints.h>
 #include "framework/dynamics/tree/rows_in_plane.h"

@@ -199,9 +199,9 @@ void LaneRun::accept(int lane, double error) {
 
 void LaneRun::update_memory(int lane) {
   const System& system = batch_.system(lane);
-  if (!system.keeps_anything()) return;
+  if (!passes::keeps_anything(system)) return;
   read(lane, y_.data(), t_[lane], state_);
-  system.accept(inputs_.at(system, state_), state_);
+  passes::accept(system, inputs_.at(system, state_), state_);
   batch_.remember(lane, state_.z);
   batch_.put(lane, state_, y_.data());
 }

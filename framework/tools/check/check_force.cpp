@@ -74,7 +74,7 @@ class ForceCheck final : public StateCheck {
       add("reads", "reads the reactions of a link that is not there", "reads()");
       return true;
     }
-    system_.lay_out(std::vector<bool>(system_.links().size(), true), rows_);
+    passes::lay_out(system_, std::vector<bool>(system_.links().size(), true), rows_);
     Draw draw(options_.seed + 5);
     lambda_.resize(rows_.n_rows);
     for (double& x : lambda_) x = draw.number(-20, 20);

@@ -22,7 +22,7 @@ void TestState::stop() {
 TestState start_of(const System& system, double t) {
   const State start = system.start();
   TestState at{t, {}, start.s, start.z};
-  system.motions(start, at.motions);
+  passes::motions(system, start, at.motions);
   return at;
 }
 

@@ -80,7 +80,7 @@ class FreeWay {
 
 bool are_few_rows(const System& system, const std::vector<bool>& modes) {
   RowTable table;
-  system.lay_out(modes, table, true);
+  passes::lay_out(system, modes, table, true);
   return table.n_rows <= kDenseRows;
 }
 

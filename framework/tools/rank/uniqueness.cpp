@@ -90,7 +90,7 @@ UniquenessReport uniqueness(Dynamics& dynamics, const State& state) {
   RowTable all;  // with rows that were left out: they would take a share
   const bool any_left_out =
       std::ranges::any_of(system.links(), [&](const auto& link) { return system.left_out(*link) != 0; });
-  if (any_left_out) system.lay_out(state.modes, all, true), system.gather_rows(e.inputs(), all);
+  if (any_left_out) passes::lay_out(system, state.modes, all, true), passes::gather_rows(system, e.inputs(), all);
   const RowTable& table = any_left_out ? all : e.rows();
   const Undetermined u(system, table);
   UniquenessReport report;

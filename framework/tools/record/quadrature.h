@@ -5,6 +5,7 @@
 #include <functional>
 #include <string>
 
+#include <lockstep/detail/rows.h>
 #include <lockstep/system.h>
 
 namespace lockstep {
