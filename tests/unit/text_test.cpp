@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "framework/foundation/support/lines.h"
 #include "tests/support/catch.h"
 
 namespace text_test {
@@ -43,6 +44,15 @@ TEST_CASE("words are joined as in a sentence", "[unit][support]") {
   CHECK(text::join(words, " or ") == "a, b or c");
   CHECK(text::join(std::span(words).first(1)) == "a");
   CHECK(text::join({}).empty());
+}
+
+TEST_CASE("a text has a line for each of its ends, and one for what follows the last", "[unit][support]") {
+  const std::vector<std::string> lines{"a", "", "b"};
+  CHECK(lines_of("a\n\nb") == lines);
+  CHECK(lines_of("a\n\nb\n") == lines);
+  CHECK(lines_of("a::b", ':') == lines);
+  CHECK(lines_of("").empty());
+  CHECK(lines_of("\n") == std::vector<std::string>{""});
 }
 
 TEST_CASE("numbers read back as the same double", "[unit][support]") {

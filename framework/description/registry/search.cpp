@@ -9,11 +9,11 @@
 #include <boost/dll/shared_library.hpp>
 #include <cstdlib>
 #include <filesystem>
-#include <sstream>
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/description/registry/survey.h"
+#include "framework/foundation/support/lines.h"
 
 namespace lockstep {
 namespace {
@@ -101,8 +101,7 @@ std::vector<std::string> plugin_folders() {
     if (!name.empty() && std::find(folders.begin(), folders.end(), name) == folders.end()) folders.push_back(name);
   };
   if (const char* path = secure_getenv("LOCKSTEP_PLUGIN_PATH")) {
-    std::istringstream parts(path);
-    for (std::string folder; std::getline(parts, folder, ':');)
+    for (const std::string& folder : lines_of(path, ':'))
       if (!folder.empty()) add(folder);
   }
   std::error_code error;

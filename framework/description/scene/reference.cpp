@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "framework/description/scene/write.h"
+#include "framework/foundation/support/lines.h"
 #include "framework/mechanism/params/units.h"
 
 namespace lockstep {
@@ -51,8 +52,7 @@ void write_type(std::ostream& out, const Description& d) {
 // A description of words.cpp: the first line, then lines of examples.
 void write_form(std::ostream& out, const std::string& name, const std::string& text) {
   out << "\n### " << name << "\n";
-  std::istringstream lines(text.substr(text.find(": ") + 2));
-  for (std::string line; std::getline(lines, line);) {
+  for (const std::string& line : lines_of(std::string_view(text).substr(text.find(": ") + 2))) {
     if (line.ends_with(": a key")) break;
     if (line.starts_with("  "))
       out << "\n    " << line.substr(2) << "\n";

@@ -5,7 +5,6 @@
 #include <cctype>
 #include <optional>
 #include <set>
-#include <sstream>
 #include <string>
 #include <utility>
 
@@ -18,6 +17,7 @@
 #include "framework/description/scene/parts.h"
 #include "framework/description/scene/place.h"
 #include "framework/description/scene/tree.h"
+#include "framework/foundation/support/lines.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/refusals.h"
 #include "framework/mechanism/params/units.h"
@@ -271,8 +271,7 @@ std::string without_units(const Scene& scene, const std::string& formula, const 
 
 SceneError told_with_formulas(const Scene& scene, const SceneError& error) {
   std::string words;
-  std::istringstream lines(error.what());
-  for (std::string line; std::getline(lines, line);) {
+  for (const std::string& line : lines_of(error.what())) {
     words += (words.empty() ? "" : "\n") + line;
     const auto is_there = [&](const auto& formula) {
       return formula.first.line != 0 && line.starts_with(formula.first.text() + ": ");

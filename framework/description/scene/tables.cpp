@@ -3,11 +3,11 @@
 
 #include <cassert>
 #include <map>
-#include <sstream>
 
 #include <lockstep/forces.h>
 #include "framework/description/scene/json.h"
 #include "framework/description/scene/tree.h"
+#include "framework/foundation/support/lines.h"
 #include "framework/mechanism/params/read.h"
 #include "framework/mechanism/params/units.h"
 
@@ -268,8 +268,7 @@ std::vector<SceneTable> all_tables() {
   std::map<std::string, SceneTable> groups = {{"friction", {JointFriction::info()}}};
   std::vector<SceneTable> all;
   SceneTable* to = nullptr;
-  std::istringstream lines(kTables);
-  for (std::string line; std::getline(lines, line);) {
+  for (const std::string& line : lines_of(kTables)) {
     const std::vector<std::string> columns = words_at('|', line);
     if (line.starts_with("## ")) {
       all.push_back({{columns[0].substr(3), columns[2], {}}, {}, columns[1]});

@@ -9,11 +9,11 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/foundation/support/child.h"
+#include "framework/foundation/support/lines.h"
 
 namespace lockstep {
 namespace {
@@ -71,8 +71,7 @@ void hand_over(const std::string& made, const std::string& file, const std::stri
 
 std::string find_gnuplot() {
   const char* const path = std::getenv("PATH");
-  std::istringstream folders(path ? path : "");
-  for (std::string folder; std::getline(folders, folder, ':');) {
+  for (const std::string& folder : lines_of(path ? path : "", ':')) {
     if (folder.empty()) continue;
     const std::string file = folder + "/gnuplot";
     std::error_code none;

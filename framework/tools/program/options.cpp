@@ -2,8 +2,8 @@
 #include "framework/tools/program/options.h"
 
 #include <algorithm>
-#include <sstream>
 
+#include "framework/foundation/support/lines.h"
 #include "framework/tools/program/tools.h"
 
 namespace lockstep {
@@ -107,8 +107,7 @@ Json results_of(std::span<const Command> commands) {
 
 Json results_of_all() {
   Json all = results_of(own_commands());
-  std::istringstream answers(ask_tools("results"));
-  for (std::string line; std::getline(answers, line);)
+  for (const std::string& line : lines_of(ask_tools("results")))
     if (const Json more = Json::parse(line); true)
       for (const auto& [name, schema] : more.items())
         if (!all.contains(name)) all[name] = schema;

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <sstream>
 
 #include <lockstep/text.h>
 #include "framework/foundation/support/csv_cells.h"
+#include "framework/foundation/support/lines.h"
 #include "framework/tools/program/findings.h"
 #include "framework/tools/program/growing_file.h"
 #include "framework/tools/rank/doubts.h"
@@ -95,10 +95,11 @@ class Printer {
   static std::size_t most(const FieldInfo& f) { return f.whole ? std::string::npos : kMostLines; }
   // Further lines of the text are indented more.
   void line(std::size_t indent, const std::string& text) {
-    std::istringstream lines(text);
     std::size_t more = indent;
-    for (std::string each; std::getline(lines, each); more = indent + 2)
+    for (const std::string& each : lines_of(text)) {
       out_ += std::string(more, ' ') + each.substr(0, each.find_last_not_of(' ') + 1) + "\n";
+      more = indent + 2;
+    }
   }
   void rest(const FieldInfo& f, std::size_t n, std::size_t indent) {
     if (n > most(f)) line(indent, fmt::format("and {} more (--json)", n - kMostLines));

@@ -7,6 +7,7 @@
 
 #include <lockstep/text.h>
 #include "framework/description/scene/write.h"
+#include "framework/foundation/support/lines.h"
 #include "framework/tools/program/files.h"
 #include "framework/tools/report/points.h"
 
@@ -39,8 +40,7 @@ std::string unfinished_report(const std::string& report) {
 
 std::vector<std::pair<std::string, std::string>> facts_of(const std::string& lines) {
   std::vector<std::pair<std::string, std::string>> facts;
-  std::istringstream in(lines);
-  for (std::string line; std::getline(in, line);) {
+  for (const std::string& line : lines_of(lines)) {
     if (line.starts_with("   ")) {
       facts.emplace_back("", text::trimmed(line));
       continue;
