@@ -5,7 +5,6 @@
 #include <string>
 #include <string_view>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/author/registry.h>
 
 namespace lockstep {

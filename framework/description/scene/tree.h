@@ -7,7 +7,6 @@
 #include <string_view>
 #include <utility>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/author/params.h>
 
 namespace lockstep {

@@ -5,7 +5,6 @@
 #include <string>
 
 #include <lockstep/author/params.h>
-#include <lockstep/detail/export.h>
 
 namespace lockstep {
 

@@ -11,7 +11,6 @@
 #include "framework/foundation/math/sparse.h"
 
 #include <lockstep/body.h>
-#include <lockstep/detail/export.h>
 
 namespace lockstep {
 

@@ -2,7 +2,6 @@
 // Decompositions of dense matrices, compiled once: Eigen's cost seconds in each file that names them.
 #pragma once
 
-#include <lockstep/detail/export.h>
 #include <lockstep/math.h>
 
 namespace lockstep {

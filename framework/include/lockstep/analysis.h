@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/dynamics.h>
 
 namespace lockstep {
@@ -44,7 +43,6 @@ class LOCKSTEP_API Grid {
   std::vector<std::size_t> sizes_;
   long n_runs_ = 1;
 };
-
 
 // Mobility: rank, freedoms and redundant rows of a mechanism in one pose, by name.
 

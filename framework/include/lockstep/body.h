@@ -7,7 +7,6 @@
 #include <vector>
 
 #include <lockstep/author/law.h>
-#include <lockstep/detail/export.h>
 #include <lockstep/math.h>
 
 namespace lockstep {

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/dynamics.h>
 
 namespace lockstep {

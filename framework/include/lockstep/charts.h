@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/recorder.h>
 
 namespace lockstep {

@@ -7,7 +7,6 @@
 
 #include <lockstep/author/law.h>
 #include <lockstep/author/params.h>
-#include <lockstep/detail/export.h>
 
 namespace lockstep {
 

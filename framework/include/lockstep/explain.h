@@ -6,7 +6,6 @@
 #include <vector>
 
 #include <lockstep/analysis.h>
-#include <lockstep/detail/export.h>
 #include <lockstep/dynamics.h>
 
 namespace lockstep {

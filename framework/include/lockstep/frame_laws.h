@@ -6,7 +6,6 @@
 #include <vector>
 
 #include <lockstep/author/params.h>
-#include <lockstep/detail/export.h>
 
 namespace lockstep {
 

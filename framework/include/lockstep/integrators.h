@@ -10,7 +10,6 @@
 #include <lockstep/author/memory.h>
 #include <lockstep/author/params.h>
 #include <lockstep/author/stepping.h>
-#include <lockstep/detail/export.h>
 #include <lockstep/detail/newton.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/math.h>

@@ -12,7 +12,6 @@
 #include <lockstep/author/law_checks.h>
 #include <lockstep/author/params.h>
 #include <lockstep/combined_laws.h>
-#include <lockstep/detail/export.h>
 #include <lockstep/function_laws.h>
 
 namespace lockstep {

@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/finding.h>
 #include <lockstep/step_loop.h>
 #include <lockstep/table.h>

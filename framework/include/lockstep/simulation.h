@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/dynamics_options.h>
 #include <lockstep/table.h>
 

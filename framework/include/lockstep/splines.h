@@ -8,7 +8,6 @@
 #include <vector>
 
 #include <lockstep/author/params.h>
-#include <lockstep/detail/export.h>
 #include <lockstep/math.h>
 
 namespace lockstep {
@@ -137,7 +136,6 @@ LOCKSTEP_API LawPtr<TranslationLaw> path(const PathLaw::Points& points, const Sp
                                          const PathEndValues& ends = {});
 }  // namespace laws
 
-
 // Law 'spline'.
 
 /// Rates at clamped ends; second derivatives for the quintic only.
@@ -173,7 +171,6 @@ namespace laws {
 LOCKSTEP_API LawPtr<MotionLaw> spline(const Spline::Points& points, const SplineSettings& k = {},
                                       const SplineEndValues& ends = {});
 }  // namespace laws
-
 
 // The keys that 'spline', 'path' and 'spline_rotation' share, and how they are read.
 

@@ -9,7 +9,6 @@
 
 #include <lockstep/author/memory.h>
 #include <lockstep/body.h>
-#include <lockstep/detail/export.h>
 #include <lockstep/math.h>
 
 namespace lockstep {

@@ -17,7 +17,6 @@
 
 #include <lockstep/body.h>
 #include <lockstep/detail/counted_angle.h>
-#include <lockstep/detail/export.h>
 #include <lockstep/error.h>
 #include <lockstep/state.h>
 

@@ -5,7 +5,6 @@
 
 #include <lockstep/author/relative.h>
 #include <lockstep/body.h>
-#include <lockstep/detail/export.h>
 #include <lockstep/error.h>
 #include "framework/foundation/support/clones.h"
 #include "framework/mechanism/lock/dispatch.h"

@@ -5,7 +5,6 @@
 
 #include <lockstep/author/lock.h>
 #include <lockstep/author/relative.h>
-#include <lockstep/detail/export.h>
 #include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/foundation/support/clones.h"

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include <lockstep/author/params.h>
-#include <lockstep/detail/export.h>
 #include <lockstep/error.h>
 #include <lockstep/math.h>
 

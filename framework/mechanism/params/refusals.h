@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/error.h>
 
 namespace lockstep {

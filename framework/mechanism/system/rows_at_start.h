@@ -13,7 +13,6 @@
 
 #include <lockstep/author/lock.h>
 #include <lockstep/body.h>
-#include <lockstep/detail/export.h>
 #include <lockstep/detail/rows.h>
 #include <lockstep/system.h>
 #include "framework/foundation/math/limits.h"

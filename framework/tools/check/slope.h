@@ -11,7 +11,6 @@
 
 #include <functional>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/math.h>
 
 namespace lockstep {

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/dynamics.h>
 
 namespace lockstep {

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/scene.h>
 #include <lockstep/step_loop.h>
 

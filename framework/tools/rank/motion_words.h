@@ -4,7 +4,6 @@
 
 #include <string>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/system.h>
 #include "framework/foundation/math/limits.h"
 

@@ -5,7 +5,6 @@
 #include <unordered_map>
 #include <vector>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/dynamics.h>
 #include "framework/foundation/math/sparse.h"
 

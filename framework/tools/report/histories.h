@@ -9,7 +9,6 @@
 #include <unordered_map>
 #include <vector>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/report.h>
 #include <lockstep/scene.h>
 #include "framework/tools/report/run_data.h"

@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/report.h>
 #include <lockstep/scene.h>
 #include <lockstep/step_loop.h>

@@ -7,7 +7,6 @@
 #include <string>
 #include <string_view>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/report.h>
 
 namespace lockstep::report {

@@ -6,7 +6,6 @@
 #include <optional>
 #include <vector>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/recorder.h>
 #include <lockstep/solid.h>
 #include <lockstep/step_loop.h>

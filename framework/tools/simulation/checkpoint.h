@@ -14,7 +14,6 @@
 #include <string_view>
 
 #include <lockstep/author/memory.h>
-#include <lockstep/detail/export.h>
 #include "framework/foundation/support/hash.h"
 
 namespace lockstep {

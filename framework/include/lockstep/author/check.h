@@ -13,7 +13,6 @@
 #include <lockstep/author/lock.h>
 #include <lockstep/author/params.h>
 #include <lockstep/author/registry.h>
-#include <lockstep/detail/export.h>
 #include <lockstep/system.h>
 
 namespace lockstep {

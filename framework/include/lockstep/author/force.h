@@ -11,7 +11,6 @@
 #include <vector>
 
 #include <lockstep/author/lock.h>
-#include <lockstep/detail/export.h>
 #include <lockstep/detail/markers.h>
 #include <lockstep/detail/rows.h>
 #include <lockstep/error.h>

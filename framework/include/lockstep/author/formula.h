@@ -9,7 +9,6 @@
 #include <lockstep/author/force.h>
 #include <lockstep/author/jet.h>
 #include <lockstep/author/relative.h>
-#include <lockstep/detail/export.h>
 #include <lockstep/detail/rows.h>
 
 namespace lockstep {

@@ -7,7 +7,6 @@
 #include <string>
 
 #include <lockstep/author/law.h>
-#include <lockstep/detail/export.h>
 #include <lockstep/error.h>
 #include <lockstep/math.h>
 #include <lockstep/text.h>

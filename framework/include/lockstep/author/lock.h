@@ -14,7 +14,6 @@
 
 #include <lockstep/author/law.h>
 #include <lockstep/body.h>
-#include <lockstep/detail/export.h>
 #include <lockstep/detail/lock_facets.h>
 #include <lockstep/detail/markers.h>
 #include <lockstep/detail/rows.h>

@@ -13,7 +13,6 @@
 
 #include <lockstep/author/law.h>
 #include <lockstep/body.h>
-#include <lockstep/detail/export.h>
 #include <lockstep/error.h>
 #include <lockstep/math.h>
 

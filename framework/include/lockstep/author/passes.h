@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/detail/rows.h>
 #include <lockstep/state.h>
 #include <lockstep/system.h>

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include <lockstep/author/memory.h>
-#include <lockstep/detail/export.h>
 #include <lockstep/detail/rows.h>
 
 namespace lockstep {

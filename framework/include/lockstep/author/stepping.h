@@ -12,7 +12,6 @@
 
 #include <lockstep/author/integrator.h>
 #include <lockstep/author/memory.h>
-#include <lockstep/detail/export.h>
 #include <lockstep/dynamics.h>
 #include <lockstep/error.h>
 

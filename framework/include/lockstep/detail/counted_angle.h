@@ -9,7 +9,6 @@
 #include <string>
 #include <utility>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/detail/markers.h>
 #include <lockstep/math.h>
 #include <lockstep/state.h>

@@ -2,7 +2,6 @@
 // The equations of the lock on numbers of any kind.
 #pragma once
 
-#include <lockstep/detail/export.h>
 #include <lockstep/detail/vec.h>
 
 // The equations of the lock, (3.8)-(3.12) and (4.1)-(4.14) of the theory, written once. All code that needs them calls

@@ -4,7 +4,6 @@
 
 #include <lockstep/author/mask.h>
 #include <lockstep/detail/equations.h>
-#include <lockstep/detail/export.h>
 #include <lockstep/detail/markers.h>
 #include <lockstep/detail/vec.h>
 #include <lockstep/math.h>

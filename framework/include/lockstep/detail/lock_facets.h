@@ -10,7 +10,6 @@
 #include <lockstep/author/law.h>
 #include <lockstep/author/mask.h>
 #include <lockstep/body.h>
-#include <lockstep/detail/export.h>
 #include <lockstep/detail/markers.h>
 #include <lockstep/detail/rows.h>
 #include <lockstep/state.h>

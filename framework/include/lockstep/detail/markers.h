@@ -6,7 +6,6 @@
 
 #include <lockstep/author/law.h>
 #include <lockstep/body.h>
-#include <lockstep/detail/export.h>
 #include <lockstep/math.h>
 #include <lockstep/state.h>
 

@@ -13,7 +13,6 @@
 #include <lockstep/author/jet.h>
 #include <lockstep/author/memory.h>
 #include <lockstep/body.h>
-#include <lockstep/detail/export.h>
 #include <lockstep/math.h>
 #include <lockstep/state.h>
 

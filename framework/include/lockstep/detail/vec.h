@@ -4,7 +4,6 @@
 
 #include <type_traits>
 
-#include <lockstep/detail/export.h>
 #include <lockstep/math.h>
 
 /// Vectors, matrices and quaternions as plain structs whose components each have a type: a number (double, a pack of
