@@ -7,6 +7,21 @@ bool are_parallel(const Vec3& a, const Vec3& b, double tolerance) { return cross
 bool are_perpendicular(const Vec3& a, const Vec3& b, double tolerance) { return std::abs(a.dot(b)) <= tolerance; }
 
 // (1.12)
+Quat exponential(const Vec3& th) {
+  const double a2 = th.squaredNorm();
+  double c, s;  // cos(a/2), sin(a/2)/a
+  if (a2 < 1e-4) {
+    c = 1.0 - a2 / 8.0 * (1.0 - a2 / 48.0 * (1.0 - a2 / 120.0));
+    s = 0.5 * (1.0 - a2 / 24.0 * (1.0 - a2 / 80.0 * (1.0 - a2 / 168.0)));
+  } else {
+    const double a = std::sqrt(a2);
+    c = std::cos(0.5 * a);
+    s = std::sin(0.5 * a) / a;
+  }
+  return {c, s * th[0], s * th[1], s * th[2]};
+}
+
+// (1.12)
 Vec3 rotation_vector(const Quat& q) {
   const double sign = q.w < 0 ? -1.0 : 1.0;
   const Vec3 v = sign * q.vec();

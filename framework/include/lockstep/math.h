@@ -152,19 +152,7 @@ inline QuatT<T> second_rate(const QuatT<T>& q, const Vec3T<T>& w, const Vec3T<T>
 }
 
 /// (1.12) exponential: the quaternion of the turn by |th|, rad, about th; a series below |th| = 1e-2.
-inline Quat exponential(const Vec3& th) {
-  const double a2 = th.squaredNorm();
-  double c, s;  // cos(a/2), sin(a/2)/a
-  if (a2 < 1e-4) {
-    c = 1.0 - a2 / 8.0 * (1.0 - a2 / 48.0 * (1.0 - a2 / 120.0));
-    s = 0.5 * (1.0 - a2 / 24.0 * (1.0 - a2 / 80.0 * (1.0 - a2 / 168.0)));
-  } else {
-    const double a = std::sqrt(a2);
-    c = std::cos(0.5 * a);
-    s = std::sin(0.5 * a) / a;
-  }
-  return {c, s * th[0], s * th[1], s * th[2]};
-}
+LOCKSTEP_API Quat exponential(const Vec3& th);
 
 /// (1.12) Cayley: 1 + th/2, normalised; a turn by 2 atan(|th|/2), rad, about th.
 inline Quat cayley(const Vec3& th) { return normalized(Quat{1.0, 0.5 * th[0], 0.5 * th[1], 0.5 * th[2]}); }

@@ -196,7 +196,7 @@ void check_type_info(const TypeInfo& info) {
 }
 
 Params::Params(std::initializer_list<std::pair<const char*, Value>> members)
-    : object_(std::make_shared<const Value>(Value::object(members))) {}
+    : object_(std::make_shared<const Value>(Value::object(members))), keys_(std::make_shared<const Keys>()) {}
 
 void Params::put_law(const std::string& key, MadeLaw law) { laws_[key] = std::move(law); }
 

@@ -23,6 +23,14 @@ double Differences::distance(std::span<const int> slots, const Inputs& in) {
   return d > 0 ? std::max(d, 1e-3) : 1.0;  // a single slot near the origin is no sign of a small mechanism
 }
 
+struct TangentSum::Block {
+  Mat6 K = Mat6::Zero(), D = Mat6::Zero();
+};
+
+TangentSum::TangentSum() = default;
+
+TangentSum::~TangentSum() = default;
+
 void TangentSum::lay_out(int n_slots) {
   neighbours_.assign(n_slots, {});
   pairs_.clear();
@@ -74,6 +82,10 @@ void TangentSum::add_D(int row, Half r, int column, Half c, const Mat3& D) {
   if (row != kGround && column != kGround)
     block(row, column).D.block<3, 3>(static_cast<int>(r), static_cast<int>(c)) += D;
 }
+
+const Mat6& TangentSum::K(std::size_t pair) const { return blocks_[pair].K; }
+
+const Mat6& TangentSum::D(std::size_t pair) const { return blocks_[pair].D; }
 
 Differences& TangentSum::differences(const Inputs& in) {
   if (!differences_.fresh) {

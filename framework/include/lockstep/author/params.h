@@ -268,7 +268,7 @@ class LOCKSTEP_API Params {
   template <class L>
   L made(std::string_view key) const;
   std::shared_ptr<const Value> object_;
-  std::shared_ptr<const Keys> keys_ = std::make_shared<const Keys>();
+  std::shared_ptr<const Keys> keys_;
   std::string owner_;
   std::map<std::string, MadeLaw> laws_;
 };

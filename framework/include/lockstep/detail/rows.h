@@ -353,7 +353,7 @@ class WrenchSum {
     if (slot == kGround) return;
     const Motion& O = motion(slot);
     for (int i = 0; i < 3; ++i) f_[6 * slot + i] += F[i];
-    add_moment(slot, cross(Vec3(x - O.x), F));
+    add_moment(slot, cross(Vec3(x[0] - O.x[0], x[1] - O.x[1], x[2] - O.x[2]), F));
   }
   /// Adds the moment tau (world axes, N m).
   void torque(int slot, const Vec3& tau) const {
@@ -367,7 +367,7 @@ class WrenchSum {
 
  private:
   const Motion& motion(int slot) const { return motions_[static_cast<std::size_t>(slot + 1)]; }
-  // A^T M. By components: an expression of Eigen's would be compiled in every file that includes this.
+  // A^T M. By components, as above: an expression of Eigen's would be compiled in every file that includes this.
   void add_moment(int slot, const Vec3& M) const {
     const Mat3& A = motion(slot).A;
     for (int i = 0; i < 3; ++i) f_[6 * slot + 3 + i] += A(0, i) * M[0] + A(1, i) * M[1] + A(2, i) * M[2];
@@ -415,6 +415,8 @@ class LOCKSTEP_API TangentSum {
         column;  ///< slot whose pose or velocity it changes with
   };
 
+  TangentSum();  ///< of no slots
+  ~TangentSum();
   /// Drops all pairs; for a system of n_slots slots.
   void lay_out(int n_slots);
   /// Sets all blocks to zero and keeps the pairs, so that nothing is allocated from the second evaluation on.
@@ -433,8 +435,8 @@ class LOCKSTEP_API TangentSum {
   // -- reading
   int n_slots() const { return static_cast<int>(neighbours_.size()); }  ///< as in lay_out()
   const std::vector<Pair>& pairs() const { return pairs_; }             ///< all pairs that have blocks
-  const Mat6& K(std::size_t pair) const { return blocks_[pair].K; }     ///< block of pairs()[pair]
-  const Mat6& D(std::size_t pair) const { return blocks_[pair].D; }     ///< block of pairs()[pair]
+  const Mat6& K(std::size_t pair) const;                                ///< block of pairs()[pair]
+  const Mat6& D(std::size_t pair) const;                                ///< block of pairs()[pair]
   /// Changes whenever pairs() does: a plan made for the pairs has to be made anew.
   long revision() const { return revision_; }
 
@@ -442,9 +444,7 @@ class LOCKSTEP_API TangentSum {
   Differences& differences(const Inputs& in);
 
  private:
-  struct Block {
-    Mat6 K = Mat6::Zero(), D = Mat6::Zero();
-  };
+  struct Block;
   struct Neighbour {
     int column;
     std::size_t block;
