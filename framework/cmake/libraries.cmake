@@ -5,7 +5,7 @@
 # other people's, these.
 set(lockstep_common_headers <Eigen/Core> <algorithm> <array> <cmath> <functional> <map> <memory> <optional> <span> <string>
     <string_view> <unordered_map> <utility> <vector> <spdlog/fmt/fmt.h>)
-set(lockstep_core_headers ${lockstep_common_headers} <lockstep/step_loop.h> <lockstep/author/registry.h>)
+set(lockstep_core_headers ${lockstep_common_headers} <lockstep/dynamics.h> <lockstep/step_loop.h> <lockstep/author/registry.h>)
 
 option(LOCKSTEP_PRECOMPILE "Compile common headers once (OFF: every file brings its own, as tools that read one file want)" ON)
 function(lockstep_precompile target)

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include <lockstep/author/plugin.h>
+#include <lockstep/dynamics.h>
 
 namespace {
 

@@ -7,6 +7,9 @@
 #include <limits>
 #include <stdexcept>
 
+#include <lockstep/author/registry.h>
+#include <lockstep/dynamics.h>
+
 using namespace lockstep;
 
 namespace {

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include <lockstep/author/registry.h>
+#include <lockstep/dynamics.h>
 #include "errors.h"
 
 using namespace lockstep;

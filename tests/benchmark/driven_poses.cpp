@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <lockstep/author/registry.h>
+#include <lockstep/dynamics.h>
 #include <lockstep/kinematics.h>
 #include <lockstep/lockstep.h>
 #include "framework/description/scene/system_of.h"

@@ -7,10 +7,12 @@
 #include <fstream>
 #include <string>
 
-#include "framework/description/scene/system_of.h"
-#include "framework/tools/precision/work_precision.h"
+#include <lockstep/author/registry.h>
+#include <lockstep/dynamics.h>
 #include <lockstep/lockstep.h>
 #include <lockstep/recorder.h>
+#include "framework/description/scene/system_of.h"
+#include "framework/tools/precision/work_precision.h"
 #include "samples/shared/output.h"
 #include "tests/support/paths.h"
 

@@ -10,6 +10,7 @@
 
 #include <lockstep/assembly.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/dynamics.h>
 #include <lockstep/error.h>
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include <lockstep/author/registry.h>
+#include <lockstep/dynamics.h>
 #include <lockstep/log.h>
 #include <lockstep/scene.h>
 #include <lockstep/step_loop.h>

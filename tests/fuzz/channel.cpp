@@ -2,6 +2,7 @@
 #include <optional>
 
 #include <lockstep/author/registry.h>
+#include <lockstep/dynamics.h>
 #include <lockstep/recorder.h>
 #include <lockstep/scene.h>
 #include "framework/description/scene/system_of.h"

@@ -5,6 +5,7 @@
 #include <lockstep/author/check.h>
 #include <lockstep/author/loader.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/dynamics.h>
 #include <lockstep/error.h>
 #include <lockstep/joints.h>
 #include <lockstep/solvers.h>

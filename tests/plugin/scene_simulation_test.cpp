@@ -11,6 +11,7 @@
 #include <type_traits>
 
 #include <lockstep/author/registry.h>
+#include <lockstep/dynamics.h>
 #include <lockstep/error.h>
 #include <lockstep/forces.h>
 #include <lockstep/joints.h>

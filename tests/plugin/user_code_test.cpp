@@ -12,6 +12,7 @@
 #include <lockstep/assembly.h>
 #include <lockstep/author/loader.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/dynamics.h>
 #include <lockstep/joints.h>
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>

@@ -10,6 +10,7 @@
 
 #include <lockstep/assembly.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/dynamics.h>
 #include <lockstep/joints.h>
 #include <lockstep/scene.h>
 #include <lockstep/step_loop.h>

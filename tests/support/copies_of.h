@@ -7,6 +7,7 @@
 
 #include <lockstep/assembly.h>
 #include <lockstep/batch.h>
+#include <lockstep/dynamics.h>
 #include <lockstep/forces.h>
 #include <lockstep/laws.h>
 #include <lockstep/solvers.h>

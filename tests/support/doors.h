@@ -9,6 +9,7 @@
 
 #include <lockstep/analysis.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/dynamics.h>
 #include <lockstep/joints.h>
 #include <lockstep/scene.h>
 #include "tests/support/worst.h"

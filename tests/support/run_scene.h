@@ -5,6 +5,7 @@
 #include <functional>
 #include <string>
 
+#include <lockstep/dynamics.h>
 #include <lockstep/recorder.h>
 #include <lockstep/scene.h>
 

@@ -7,6 +7,7 @@
 #include <set>
 
 #include <lockstep/author/params.h>
+#include <lockstep/dynamics.h>
 #include <lockstep/error.h>
 #include <lockstep/forces.h>
 #include <lockstep/joints.h>

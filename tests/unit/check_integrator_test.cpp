@@ -2,8 +2,8 @@
 // check_integrator: right methods pass, wrong ones are named in words.
 #include <lockstep/author/check.h>
 
-#include <lockstep/error.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/dynamics.h>
 #include <lockstep/error.h>
 #include "framework/tools/check/closed_motion.h"
 #include "tests/support/catch.h"

@@ -10,6 +10,7 @@
 #include <string>
 
 #include <lockstep/author/registry.h>
+#include <lockstep/dynamics.h>
 #include <lockstep/error.h>
 #include <lockstep/forces.h>
 #include <lockstep/joints.h>

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <lockstep/author/registry.h>
 #include <lockstep/integrators.h>
 #include <lockstep/laws.h>
 #include <lockstep/lockstep.h>

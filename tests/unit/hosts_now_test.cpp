@@ -10,10 +10,12 @@
 #include <thread>
 #include <vector>
 
+#include <lockstep/dynamics.h>
 #include <lockstep/error.h>
 #include <lockstep/forces.h>
 #include <lockstep/joints.h>
 #include <lockstep/laws.h>
+#include <lockstep/recorder.h>
 #include <lockstep/simulation.h>
 #include <lockstep/step_loop.h>
 #include "tests/support/allocations.h"

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <lockstep/dynamics.h>
 #include <lockstep/lockstep.h>
 #include <lockstep/uniqueness.h>
 #include "framework/dynamics/evaluate/row_space.h"

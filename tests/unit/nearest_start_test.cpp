@@ -8,6 +8,7 @@
 
 #include <lockstep/assembly.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/dynamics.h>
 #include <lockstep/error.h>
 #include <lockstep/joints.h>
 #include <lockstep/scene.h>

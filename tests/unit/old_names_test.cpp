@@ -5,6 +5,7 @@
 
 #include <sstream>
 
+#include <lockstep/author/registry.h>
 #include <lockstep/lockstep.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"

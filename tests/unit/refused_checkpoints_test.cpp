@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <lockstep/author/memory.h>
+#include <lockstep/dynamics.h>
 #include <lockstep/error.h>
 #include <lockstep/joints.h>
 #include <lockstep/laws.h>

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <lockstep/author/registry.h>
+#include <lockstep/dynamics.h>
 #include <lockstep/scene.h>
 #include <lockstep/sweep.h>
 #include "framework/description/scene/system_of.h"

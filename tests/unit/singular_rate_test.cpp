@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include <lockstep/author/registry.h>
 #include <lockstep/lockstep.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"

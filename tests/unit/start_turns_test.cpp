@@ -6,6 +6,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <lockstep/author/registry.h>
+#include <lockstep/dynamics.h>
 #include <lockstep/lockstep.h>
 #include "framework/description/scene/system_of.h"
 #include "framework/tools/sweep/sweep_lanes.h"

@@ -2,6 +2,7 @@
 // One-sided links, stops and friction as scenes say them.
 #include <lockstep/joints.h>
 
+#include <lockstep/author/registry.h>
 #include <lockstep/detail/phi_function.h>
 #include <lockstep/integrators.h>
 #include <lockstep/lockstep.h>

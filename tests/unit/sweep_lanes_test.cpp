@@ -10,6 +10,7 @@
 
 #include <lockstep/assembly.h>
 #include <lockstep/author/registry.h>
+#include <lockstep/dynamics.h>
 #include <lockstep/solvers.h>
 #include "tests/support/catch.h"
 #include "tests/support/messages.h"

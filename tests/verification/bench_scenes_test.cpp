@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include <lockstep/author/registry.h>
+#include <lockstep/dynamics.h>
 #include <lockstep/scene.h>
 #include "framework/description/scene/system_of.h"
 #include "tests/benchmark/peers/scenes.h"

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include <lockstep/dynamics.h>
 #include <lockstep/equilibrium.h>
 #include <lockstep/lockstep.h>
 #include "tests/support/catch.h"

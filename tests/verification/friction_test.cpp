@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <lockstep/author/registry.h>
+#include <lockstep/dynamics.h>
 #include <lockstep/lockstep.h>
 #include "tests/support/allocations.h"
 #include "tests/support/catch.h"

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <lockstep/author/registry.h>
+#include <lockstep/dynamics.h>
 #include <lockstep/lockstep.h>
 #include "framework/description/scene/system_of.h"
 #include "tests/support/allocations.h"

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include <lockstep/dynamics.h>
 #include <lockstep/explain.h>
 #include <lockstep/frame_laws.h>
 #include <lockstep/lockstep.h>

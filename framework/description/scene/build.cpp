@@ -278,11 +278,13 @@ Scene in_space(Scene scene) {
   return scene;
 }
 
+Mechanism::Mechanism() : methods(std::make_shared<Registry>()) {}
+
 Mechanism build_mechanism(const Scene& scene, const Registry& registry) { return build_mechanism(scene, registry, {}); }
 
 Mechanism build_mechanism(const Scene& scene, const Registry& registry, const AlsoWrong& also) {
   Mechanism mechanism;
-  Registry& methods = mechanism.methods;
+  Registry& methods = *mechanism.methods;
   methods.integrators = registry.integrators, methods.solvers = registry.solvers;
   methods.laws = registry.laws, methods.translation_laws = registry.translation_laws;  // a method may have laws as keys
   methods.rotation_laws = registry.rotation_laws;
@@ -322,6 +324,10 @@ Mechanism read_mechanism(const std::string& file, const Registry& given,
   Mechanism mechanism = build_mechanism(scene, registry);
   record_places(mechanism);
   return mechanism;
+}
+
+Mechanism read_mechanism(const std::string& file, const std::vector<std::pair<std::string, std::string>>& set) {
+  return read_mechanism(file, builtin_registry(), set);
 }
 
 }  // namespace lockstep

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include <lockstep/author/registry.h>
 #include <lockstep/error.h>
 #include <lockstep/scene.h>
 #include "framework/description/scene/system_of.h"

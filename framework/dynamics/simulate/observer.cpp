@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <lockstep/dynamics.h>
 #include <lockstep/step_loop.h>
 
 #include <string>
@@ -30,6 +31,33 @@ void Observer::load(SnapshotReader&) {}
 bool Observer::saves_all() const { return true; }
 
 bool Observer::keeps_rows() const { return false; }
+
+Sample::Sample(Dynamics& dynamics, const State& s, const StepReport& r, const Inputs* known)
+    : state(s), report(r), dynamics_(dynamics), inputs_(known), read_(dynamics.inputs_read()) {}
+
+const System& Sample::system() const { return dynamics_.system(); }
+
+const Solution& Sample::values() const {
+  if (!values_) values_ = &dynamics_.solution_at(state);
+  return *values_;
+}
+
+const VecX& Sample::accelerations() const {
+  if (!a_) a_ = values_ ? &values_->a : &dynamics_.accelerations(state);
+  return *a_;
+}
+
+const Inputs& Sample::inputs() const {
+  if (!inputs_ || read_ != dynamics_.inputs_read()) inputs_ = &dynamics_.inputs(state), read_ = dynamics_.inputs_read();
+  return *inputs_;
+}
+
+const LinkWrench& Sample::wrench(const Lock& link, const Marker& at, int part) const {
+  const Evaluated& v = values();
+  if (last_.link != &link || last_.at != &at || last_.part != part)
+    last_ = {&link, &at, part, Reactions(v).on_body_of(MarkerFrame(at), link, v.in, part)};
+  return last_.wrench;
+}
 
 namespace {
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <lockstep/assembly.h>
+#include <lockstep/dynamics.h>
 
 namespace lockstep {
 

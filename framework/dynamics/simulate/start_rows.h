@@ -8,6 +8,7 @@
 
 #include <lockstep/assembly.h>
 #include <lockstep/detail/kernel.h>
+#include <lockstep/dynamics.h>
 
 namespace lockstep {
 

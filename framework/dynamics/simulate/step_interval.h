@@ -3,6 +3,7 @@
 #pragma once
 
 #include <lockstep/author/integrator.h>
+#include <lockstep/dynamics.h>
 #include "framework/dynamics/simulate/step_watch.h"
 
 namespace lockstep {

@@ -64,6 +64,10 @@ StepLoop::StepLoop(Dynamics& dynamics, std::unique_ptr<Integrator> method, StepL
 
 StepLoop::~StepLoop() = default;
 
+const System& StepLoop::system() const { return dynamics_.system(); }
+
+ControlInput& StepLoop::input(const std::string& name) { return dynamics_.input(name); }
+
 void StepLoop::set_state(State state) {
   exclusively("set_state", [&] {
     system().check_size(state);

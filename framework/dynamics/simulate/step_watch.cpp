@@ -8,6 +8,7 @@
 #include <cstring>
 #include <string>
 
+#include <lockstep/dynamics.h>
 #include <lockstep/error.h>
 #include "framework/foundation/math/limits.h"
 

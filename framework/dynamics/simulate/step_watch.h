@@ -3,6 +3,7 @@
 #pragma once
 
 #include <lockstep/author/integrator.h>
+#include <lockstep/system.h>
 
 namespace lockstep {
 

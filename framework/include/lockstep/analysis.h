@@ -6,9 +6,11 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/dynamics.h>
+#include <lockstep/system.h>
 
 namespace lockstep {
+
+class Dynamics;
 
 // Grid: all combinations of several lists of values, numbered, and shared among programs that run side by side.
 

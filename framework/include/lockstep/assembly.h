@@ -7,10 +7,12 @@
 #include <vector>
 
 #include <lockstep/author/mask.h>
-#include <lockstep/dynamics.h>
 #include <lockstep/finding.h>
 
 namespace lockstep {
+
+class Dynamics;
+struct State;
 
 /// A velocity that the start is to have on a coordinate of a link: of P relative to S, along or about an axis of S.
 struct VelocityTarget {

@@ -12,7 +12,8 @@
 #include <vector>
 
 #include <lockstep/author/integrator.h>
-#include <lockstep/dynamics.h>
+#include <lockstep/dynamics_options.h>
+#include <lockstep/system.h>
 
 namespace lockstep {
 

@@ -5,9 +5,11 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/dynamics.h>
+#include <lockstep/state.h>
 
 namespace lockstep {
+
+class Dynamics;
 
 /// A way in which the mechanism fits together.
 struct AssemblyBranch {

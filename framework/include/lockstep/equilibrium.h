@@ -5,10 +5,13 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/dynamics.h>
 #include <lockstep/finding.h>
+#include <lockstep/state.h>
 
 namespace lockstep {
+
+class Dynamics;
+class Evaluation;
 
 /// A motion that the links leave free, at a position of rest.
 struct FreeMotion {

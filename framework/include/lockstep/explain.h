@@ -6,9 +6,12 @@
 #include <vector>
 
 #include <lockstep/analysis.h>
-#include <lockstep/dynamics.h>
+#include <lockstep/author/lock.h>
 
 namespace lockstep {
+
+class Dynamics;
+class Force;
 
 /// A force and a moment on a body, and what exerts them.
 struct Contribution {

@@ -5,9 +5,13 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/dynamics.h>
+#include <lockstep/state.h>
 
 namespace lockstep {
+
+class Dynamics;
+class MotionLaw;
+struct Solution;
 
 /// What keeps the motion of a mechanism from following from its laws alone.
 struct DriveReport {

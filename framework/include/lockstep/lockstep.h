@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// All that who builds and runs mechanisms needs. Who writes types includes headers of author/.
+// All that who builds and runs mechanisms needs. Who writes types or fills a registry includes headers of author/, who
+// evaluates without a Simulation dynamics.h.
 #pragma once
 
 /// @namespace lockstep
@@ -14,7 +15,6 @@
 #include <lockstep/charts.h>
 #include <lockstep/combined_laws.h>
 #include <lockstep/couplings.h>
-#include <lockstep/dynamics.h>
 #include <lockstep/dynamics_options.h>
 #include <lockstep/equilibrium.h>
 #include <lockstep/error.h>

@@ -10,12 +10,16 @@
 
 #include <lockstep/assembly.h>
 #include <lockstep/author/mask.h>
-#include <lockstep/author/registry.h>
+#include <lockstep/author/params.h>
+#include <lockstep/dynamics_options.h>
 #include <lockstep/solid.h>
 #include <lockstep/step_loop.h>
 #include <lockstep/system.h>
 
 namespace lockstep {
+
+class LinearSolver;
+class Registry;
 
 // Scene: a mechanism as data, and the way from a file to a System. A System is not converted back.
 
@@ -123,14 +127,15 @@ class HeldSystem {
 
 /// What a scene describes, ready to run: `Simulation run(std::move(mechanism));`. Its settings, events and targets may be
 /// changed before, its system by Simulation::system().
-struct Mechanism : HeldSystem {
+struct LOCKSTEP_API Mechanism : HeldSystem {
+  Mechanism();                                 ///< without a body, and with no methods
   RunSettings run;                             ///< of the scene
   std::vector<VelocityTarget> start_speeds{};  ///< velocities that the start is to have
   std::vector<EventRequest> events{};          ///< of the scene
   std::vector<Solid> solids{};                 ///< of the bodies, as far as the scene gives their shapes
   std::vector<Look> looks{};                   ///< of the bodies with a key "visual"
   AssemblyOptions assembly{};                  ///< coordinates that the start is to have, weights of the bodies' poses
-  Registry methods{};                          ///< integrators and solvers that `run` may name, and laws
+  std::shared_ptr<Registry> methods;           ///< integrators and solvers that `run` may name, and laws
 };
 
 /// The same scene, computed in space unless it has a key "planar".
@@ -144,7 +149,10 @@ LOCKSTEP_API void record_places(Mechanism&);
 /// {"run.until", "2 s"}), and makes its mechanism. Plugins that the scene requires and the registry lacks are loaded.
 /// Where the scene names no column, record_places() does. Throws what read_scene(), load_plugin(), set_in_scene() and
 /// build_mechanism() throw.
-LOCKSTEP_API Mechanism read_mechanism(const std::string& file, const Registry& = builtin_registry(),
+LOCKSTEP_API Mechanism read_mechanism(const std::string& file, const Registry&,
+                                      const std::vector<std::pair<std::string, std::string>>& set = {});
+/// The same by the built-in registry.
+LOCKSTEP_API Mechanism read_mechanism(const std::string& file,
                                       const std::vector<std::pair<std::string, std::string>>& set = {});
 
 /// Makes the integrator that the settings name, with their tolerance. Throws SceneError: an unknown name, refused keys,

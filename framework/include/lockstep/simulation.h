@@ -45,7 +45,7 @@ struct SimulationOptions {
 
 /// A run of a scene, or of one system. Its parts stay accessible: recorder(), loop(), dynamics().
 ///
-///     Simulation run(read_mechanism("four_bar.json", registry, {{"crank", "0.12 m"}}));
+///     Simulation run(read_mechanism("four_bar.json", {{"crank", "0.12 m"}}));
 ///     run.run();
 ///     write_csv("four_bar.csv", run.table());
 ///

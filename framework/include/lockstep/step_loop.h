@@ -13,52 +13,38 @@
 #include <lockstep/author/integrator.h>
 #include <lockstep/author/lock.h>
 #include <lockstep/finding.h>
+#include <lockstep/system.h>
 
 namespace lockstep {
 
 struct Delivery;
+struct Solution;
 
 // Observer: is called with the accepted states of a run; never changes them.
 
 /// A state of a run as observers and channels see it. All are views, valid during the call; accelerations and
 /// multipliers are solved for only when they are asked for.
-class Sample {
+class LOCKSTEP_API Sample {
  public:
   /// Of the state `s`, which the step `r` led to. All three must outlive it. `known`: its inputs, as Dynamics read them last;
   /// null: they are read at the first call of inputs().
-  Sample(Dynamics& dynamics, const State& s, const StepReport& r, const Inputs* known = nullptr)
-      : state(s), report(r), dynamics_(dynamics), inputs_(known), read_(dynamics.inputs_read()) {}
+  Sample(Dynamics& dynamics, const State& s, const StepReport& r, const Inputs* known = nullptr);
   const State& state;        ///< the state
   const StepReport& report;  ///< what the last step did
   /// What acted at this instant, to Observer::jumped: "event 'grab'", "a call", "an impact", "the jump of a law"; else "".
   std::string_view cause{};
-  const System& system() const { return dynamics_.system(); }  ///< the mechanism
+  const System& system() const;  ///< the mechanism
   /// Accelerations, multipliers, rows and inputs at this state; solved at the first call. Throws what
   /// Dynamics::solution_at throws.
-  const Solution& values() const {
-    if (!values_) values_ = &dynamics_.solution_at(state);
-    return *values_;
-  }
+  const Solution& values() const;
   /// Accelerations alone: of values() where these are solved for already, else as Dynamics::accelerations() finds them at the
   /// first call.
-  const VecX& accelerations() const {
-    if (!a_) a_ = values_ ? &values_->a : &dynamics_.accelerations(state);
-    return *a_;
-  }
+  const VecX& accelerations() const;
   /// Motions of all slots, integrated states and memory at this state; read again only after those of another.
-  const Inputs& inputs() const {
-    if (!inputs_ || read_ != dynamics_.inputs_read())
-      inputs_ = &dynamics_.inputs(state), read_ = dynamics_.inputs_read();
-    return *inputs_;
-  }
+  const Inputs& inputs() const;
   /// Force and moment that a link exerts on the body of one of its markers, by Reactions::on_body_of; computed once for
   /// all channels that ask one after the other.
-  const LinkWrench& wrench(const Lock& link, const Marker& at, int part = Reactions::kJoint) const {
-    const Evaluated& v = values();
-    if (last_.link != &link || last_.at != &at || last_.part != part)
-      last_ = {&link, &at, part, Reactions(v).on_body_of(MarkerFrame(at), link, v.in, part)};
-    return last_.wrench;
-  }
+  const LinkWrench& wrench(const Lock& link, const Marker& at, int part = Reactions::kJoint) const;
   Dynamics& dynamics() const { return dynamics_; }  ///< by which values() solves
 
  private:
@@ -204,7 +190,7 @@ class LOCKSTEP_API StepLoop {
   void set_state(State);
   const State& state() const { return state_; }                ///< at the present time
   Dynamics& dynamics() { return dynamics_; }                   ///< as given
-  const System& system() const { return dynamics_.system(); }  ///< the mechanism
+  const System& system() const;                                ///< the mechanism
   Integrator& integrator() { return *method_; }                ///< as given
 
   void add_observer(Observer&);  ///< not owned; in a run that has begun it is started at once
@@ -223,7 +209,7 @@ class LOCKSTEP_API StepLoop {
   void deactivate(const std::string& name);
   /// A number that forces and laws read (System::add_input), to be set between two steps; keep the reference. Throws
   /// ModelError with the closest name.
-  ControlInput& input(const std::string& name) { return dynamics_.input(name); }
+  ControlInput& input(const std::string& name);
   /// Called after every accepted step; returns false to end the run there.
   std::function<bool(const State&)> progress{};
 

@@ -6,9 +6,11 @@
 #include <vector>
 
 #include <lockstep/detail/export.h>
-#include <lockstep/dynamics.h>
 
 namespace lockstep {
+
+class Dynamics;
+struct State;
 
 /// Reactions that are not unique in one pose. Where rows are redundant, many sets of multipliers give the same motion:
 /// those that differ by a vector n with Jh^T n = 0. A reaction is unique if no such vector changes it. What is not unique

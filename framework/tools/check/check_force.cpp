@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include <lockstep/author/passes.h>
 #include <lockstep/author/relative.h>
 #include <lockstep/error.h>
 #include <lockstep/joints.h>

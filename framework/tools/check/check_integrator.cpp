@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <lockstep/author/force.h>
+#include <lockstep/dynamics.h>
 #include <lockstep/solvers.h>
 #include "framework/foundation/math/limits.h"
 #include "framework/foundation/support/thrown.h"

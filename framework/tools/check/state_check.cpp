@@ -8,8 +8,9 @@
 #include <numeric>
 #include <tuple>
 
-#include <lockstep/error.h>
+#include <lockstep/author/passes.h>
 #include <lockstep/author/relative.h>
+#include <lockstep/error.h>
 #include <lockstep/text.h>
 #include "framework/tools/check/jumps.h"
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include <lockstep/dynamics.h>
 #include <lockstep/scene.h>
 #include "framework/tools/program/commands.h"
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include <lockstep/author/memory.h>
+#include <lockstep/dynamics_options.h>
 #include <lockstep/step_loop.h>
 
 namespace lockstep {

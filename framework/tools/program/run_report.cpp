@@ -5,6 +5,7 @@
 #include <fstream>
 #include <sstream>
 
+#include <lockstep/dynamics.h>
 #include <lockstep/text.h>
 #include "framework/description/scene/write.h"
 #include "framework/foundation/support/lines.h"

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <string_view>
 
+#include <lockstep/dynamics.h>
 #include <lockstep/text.h>
 #include "framework/dynamics/solvers/graph.h"
 

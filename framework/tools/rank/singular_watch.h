@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <lockstep/dynamics.h>
 #include <lockstep/step_loop.h>
 
 namespace lockstep {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include <lockstep/dynamics.h>
 #include <lockstep/recorder.h>
 #include "framework/tools/record/frame.h"
 #include "framework/tools/record/quadrature.h"

@@ -5,6 +5,7 @@
 #include <string>
 #include <unordered_map>
 
+#include <lockstep/author/force.h>
 #include <lockstep/system.h>
 
 namespace lockstep::report {

@@ -5,6 +5,8 @@
 #include <set>
 
 #include <lockstep/analysis.h>
+#include <lockstep/author/registry.h>
+#include <lockstep/dynamics.h>
 #include <lockstep/log.h>
 #include <lockstep/recorder.h>
 #include <lockstep/scene.h>

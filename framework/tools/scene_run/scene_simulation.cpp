@@ -24,9 +24,9 @@ struct SceneParts final : HeldMechanism, Simulation::Parts {
         at_jumps([this](const Sample& s) { recorder->output(s); }, *recorder),
         singular(system) {}
 
-  std::unique_ptr<Integrator> make_method() const override { return make_integrator(settings, mechanism.methods); }
+  std::unique_ptr<Integrator> make_method() const override { return make_integrator(settings, *mechanism.methods); }
   std::unique_ptr<LinearSolver> make_solver() const override {
-    return lockstep::make_solver(settings, mechanism.methods);
+    return lockstep::make_solver(settings, *mechanism.methods);
   }
   Channel channel(const std::string& name) override { return channel_of(mechanism, name); }
   void before() override { audit = std::make_unique<EnergyAudit>(system, settings.limits); }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <lockstep/dynamics.h>
 #include <lockstep/recorder.h>
 #include <lockstep/scene.h>
 #include <lockstep/simulation.h>

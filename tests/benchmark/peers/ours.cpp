@@ -7,6 +7,8 @@
 #include <memory>
 #include <optional>
 
+#include <lockstep/author/registry.h>
+#include <lockstep/dynamics.h>
 #include <lockstep/lockstep.h>
 #include "framework/description/scene/json.h"
 #include "framework/description/scene/system_of.h"

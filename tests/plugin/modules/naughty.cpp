@@ -6,6 +6,7 @@
 #include <lockstep/author/integrator.h>
 #include <lockstep/author/plugin.h>
 #include <lockstep/author/relative.h>
+#include <lockstep/dynamics.h>
 
 namespace {
 

@@ -3,14 +3,15 @@
 #pragma once
 
 #include <string>
+#include <utility>
 
 #include <lockstep/author/memory.h>
-#include <lockstep/dynamics.h>
 #include <lockstep/error.h>
 #include <lockstep/state.h>
 
 namespace lockstep {
 
+class Dynamics;
 struct EmbeddedScheme;
 
 /// What a run has to know of a method.

@@ -120,6 +120,15 @@ struct Value::Member {
   SourceLocation where;  ///< where the key was written
 };
 
+// MethodSpec: an integrator or a solver by name, with the keys of its type.
+
+/// An integrator or solver by name, with the keys of its type.
+struct MethodSpec {
+  std::string type;        ///< name in the registry
+  Value keys{};            ///< an object, or null for the defaults
+  SourceLocation where{};  ///< its place in a file
+};
+
 // Checked parameters of a named thing. One table of keys per registered type serves the parser, the JSON schema,
 // `list`, `describe` and the errors; there is no second list.
 

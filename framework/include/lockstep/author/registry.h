@@ -104,15 +104,6 @@ extern template class Shelf<std::unique_ptr<LinearSolver>>;
 /// in plugin_folders(), and throws PluginError if it cannot.
 LOCKSTEP_API Registry builtin_registry();
 
-// MethodSpec: an integrator or a solver by name, with the keys of its type.
-
-/// An integrator or solver by name, with the keys of its type.
-struct MethodSpec {
-  std::string type;        ///< name in the registry
-  Value keys{};            ///< an object, or null for the defaults
-  SourceLocation where{};  ///< its place in a file
-};
-
 /// Descriptions of all types of a shelf, by name.
 template <class S>
 std::vector<TypeInfo> types_of(const S& shelf) {

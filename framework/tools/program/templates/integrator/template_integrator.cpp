@@ -5,6 +5,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <lockstep/author/plugin.h>
+#include <lockstep/dynamics.h>
 
 namespace {
 
