@@ -17,7 +17,6 @@
 #include <lockstep/frame_laws.h>
 #include <lockstep/joints.h>
 #include <lockstep/scene.h>
-#include <lockstep/uniqueness.h>
 #include "tests/support/catch.h"
 #include "tests/support/doors.h"
 #include "tests/support/messages.h"

@@ -19,7 +19,6 @@
 #include <lockstep/scene.h>
 #include <lockstep/solvers.h>
 #include <lockstep/sweep.h>
-#include <lockstep/uniqueness.h>
 #include "framework/description/scene/system_of.h"
 #include "framework/tools/rank/unknowns.h"
 #include "tests/support/catch.h"

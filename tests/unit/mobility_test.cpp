@@ -9,7 +9,7 @@
 
 #include <lockstep/dynamics.h>
 #include <lockstep/lockstep.h>
-#include <lockstep/uniqueness.h>
+#include <lockstep/analysis.h>
 #include "framework/dynamics/evaluate/row_space.h"
 #include "tests/support/catch.h"
 

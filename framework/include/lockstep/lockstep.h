@@ -41,5 +41,4 @@
 #include <lockstep/system.h>
 #include <lockstep/table.h>
 #include <lockstep/text.h>
-#include <lockstep/uniqueness.h>
 #include <lockstep/version.h>

@@ -12,7 +12,6 @@
 #include <lockstep/author/lock.h>
 #include <lockstep/error.h>
 #include <lockstep/text.h>
-#include <lockstep/uniqueness.h>
 #include "framework/dynamics/solvers/graph.h"
 #include "framework/tools/program/check_dependencies.h"
 #include "framework/tools/program/check_tree.h"

@@ -7,7 +7,6 @@
 
 #include <lockstep/analysis.h>
 #include <lockstep/scene.h>
-#include <lockstep/uniqueness.h>
 #include "framework/tools/program/result.h"
 #include "framework/tools/rank/doubts.h"
 

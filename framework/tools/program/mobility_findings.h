@@ -8,7 +8,6 @@
 
 #include <lockstep/analysis.h>
 #include <lockstep/kinematics.h>
-#include <lockstep/uniqueness.h>
 #include "framework/tools/program/result.h"
 #include "framework/tools/rank/branch_point.h"
 #include "framework/tools/scene_run/scene_run.h"

@@ -6,7 +6,7 @@
 #include <string>
 
 #include <lockstep/report.h>
-#include <lockstep/uniqueness.h>
+#include <lockstep/analysis.h>
 #include "framework/tools/program/commands.h"
 #include "framework/tools/report/histories.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <lockstep/uniqueness.h>
+#include <lockstep/analysis.h>
 
 #include <algorithm>
 #include <array>
