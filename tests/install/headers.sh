@@ -27,10 +27,10 @@ compiles() {  # compiles FILE WHAT
 mapfile -t headers < <(cd "$include" && find lockstep -name '*.h' | sort)
 old=()  # of those that lead to a new path
 for ((i = ${#headers[@]} - 1; i >= 0; --i)); do
-  new="$(cd "$include" && echo lockstep/{author,detail}/"${headers[i]#lockstep/}" | tr ' ' '\n' | while read -r f; do [ ! -e "$f" ] || echo "$f"; done)"
+  new="$(sed -n 's/^#pragma message("<.*> is now <\(.*\)>")$/\1/p' "$include/${headers[i]}")"
   [ -n "$new" ] || continue
   old+=("${headers[i]}")
-  grep -qxF "#include <$new>" "$include/${headers[i]}" || { echo "<${headers[i]}> does not lead to <$new>"; failed=1; }
+  [ -e "$include/$new" ] && grep -qxF "#include <$new>" "$include/${headers[i]}" || { echo "<${headers[i]}> does not lead to <$new>"; failed=1; }
   unset "headers[i]"
 done
 headers=("${headers[@]}")
