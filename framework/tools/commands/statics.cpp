@@ -190,6 +190,7 @@ Result vary(const Arguments& args, const Loaded& loaded) {
   GrowingFile file(record.empty() ? "-" : record);
   Table table;
   GrowingCsv rows(file, table);
+  file.clear();  // of what a run that was broken off left
   std::unique_ptr<Resting> before;
   long failed = 0;
   for (long run = 1; run <= grid.n_runs(); ++run) {
@@ -209,7 +210,7 @@ Result vary(const Arguments& args, const Loaded& loaded) {
     if (table.n_rows() == 1) rows.begin();
     rows.take(), file.write();
   }
-  file.commit();
+  if (before) file.commit();
   Result result;
   if (!record.empty() && before) {
     result = {loaded, varied_fields(), {table.n_rows(), failed}};

@@ -46,8 +46,7 @@ GrowingFile::GrowingFile(std::string name) : name_(std::move(name)) {
     if (!error) name_ = target.string();
   }
   if (there && ::access(name_.c_str(), W_OK) != 0)
-    throw FileError(
-        fmt::format("file '{}' is write-protected; allow it (chmod u+w), or name another (--record)", name_));
+    throw FileError(fmt::format("file '{}' is write-protected; allow it (chmod u+w), or name another", name_));
   partial_ = in_place_ ? name_ : name_ + ".partial";
   do {
     if (file_ >= 0) ::close(file_);
@@ -56,8 +55,7 @@ GrowingFile::GrowingFile(std::string name) : name_(std::move(name)) {
     if (in_place_) return;
     if (::flock(file_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) continue;  // some file systems have no locks
     ::close(file_);
-    throw FileError(
-        fmt::format("file '{}' is being written by another run; wait for it, or name another (--record)", name_));
+    throw FileError(fmt::format("file '{}' is being written by another run; wait for it, or name another", name_));
   } while (!is_still_partial());
 }
 
