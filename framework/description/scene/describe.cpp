@@ -78,7 +78,7 @@ std::vector<Description> all_descriptions(const Registry& registry) {
 std::vector<Description> find_descriptions(const Registry& registry, const std::string& name) {
   std::vector<Description> found = all_descriptions(registry);
   std::erase_if(found, [&](const Description& d) { return d.info.name != name; });
-  std::ranges::stable_partition(found, [](const Description& d) { return d.shelf != "scene"; });
+  std::stable_partition(found.begin(), found.end(), [](const Description& d) { return d.shelf != "scene"; });
   for (Description& d : found)
     for (const SceneTable& table : scene_tables())
       if (table.shelf == d.shelf) d.info.keys = keys_together(table.info.keys, d.info.keys), d.parts = table.parts;

@@ -244,7 +244,7 @@ void StateCheck::turn_about_z(int slot, const Marker& s, double sense, const std
         "{} jumps by {:.3g} where {} has turned by {:.0f} degrees about z of '{}'", name(row, c / is_.rows()), jump,
         who, (static_cast<double>(i) + static_cast<double>(k) / kFiner) * kStep * 180 / kPi, s.name);
     // The jacobian is continuous across an uncounted angle.
-    const auto J = [&](Eigen::Index at) -> VecX { return numbers(fine_way[at]).row(row).tail(6 * n_); };
+    const auto J = [&, &steps = fine_way](Eigen::Index at) -> VecX { return numbers(steps[at]).row(row).tail(6 * n_); };
     if (is_link_ && (J(k + 3) - J(k)).norm() > 0.01 * J(k).norm())
       report_.note(what + ", far off the constraint, and its jacobian with it: it passes to another place there");
     else if (remembering_ != nullptr)

@@ -20,6 +20,13 @@ struct Option {
   std::string_view needs{}, excludes{};  ///< another option
   bool required = false, repeats = false;
 
+  /// The same with another value of a member.
+  template <class T>
+  constexpr Option with(T Option::*member, T value) const {
+    Option o = *this;
+    o.*member = value;
+    return o;
+  }
   constexpr bool positional() const { return !name.starts_with('-'); }
   constexpr bool flag() const { return type.empty(); }
   constexpr std::string_view key() const { return name.substr(0, name.find(',')); }
@@ -34,14 +41,6 @@ struct Option {
   constexpr Option without(std::string_view other) const { return with(&Option::excludes, other); }
   constexpr Option needed() const { return with(&Option::required, true); }
   constexpr Option repeated() const { return with(&Option::repeats, true); }
-
- private:
-  template <class T>
-  constexpr Option with(T Option::*member, T value) const {
-    Option o = *this;
-    o.*member = value;
-    return o;
-  }
 };
 
 using Options = std::vector<Option>;
