@@ -106,6 +106,11 @@ TEST_CASE("runner: statics --vary draws a path, one row a value", "[plugin][runn
     CHECK(table["stable"][i] == 1);
     CHECK(std::abs(table["softest"][i] - 100 / mass) <= 1e-7);
   }
+  // Rows of a run that was broken off are no result, and a table stays where no value has an equilibrium.
+  std::ofstream(kRunnerFolder + "/path.csv.partial") << "stale\n";
+  const std::string four_bar = "statics " + sample("four_bar") + " --vary crank=10,11 --record path.csv";
+  CHECK(call(four_bar).exit != 0);
+  CHECK(read_csv(kRunnerFolder + "/path.csv").n_rows() == 4);
   check_refused(call("statics " + scene + " --vary bodies.load.mass=1:4:4 --json"), 2,
                 {"--json: with --vary the rows are CSV"});
 }

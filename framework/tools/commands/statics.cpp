@@ -149,6 +149,7 @@ const Fields<Varied>& varied_fields() {
 /// Adds an equilibrium to a table, whose columns come with the first: values of the variables, what was found, poses and
 /// reactions.
 void add_row(Table& table, const std::vector<Variable>& variables, std::vector<double> row, Resting& r) {
+  const auto numbers = pose_numbers(r.m.system, r.state, r.values());
   const Stability& s = r.report.stability;
   row.push_back(s.kind == Stability::Kind::stable || s.kind == Stability::Kind::gripped ? 1
                 : s.kind == Stability::Kind::neutral                                    ? 0
@@ -162,7 +163,7 @@ void add_row(Table& table, const std::vector<Variable>& variables, std::vector<d
     table.add_column("softest", "1/s^2");
     table.add_column("unbalanced");
   }
-  for (const PoseNumber& n : pose_numbers(r.m.system, r.state, r.values())) {
+  for (const PoseNumber& n : numbers) {
     if (first) table.add_column(n.name, n.unit);
     row.push_back(n.value);
   }
@@ -195,12 +196,11 @@ Result vary(const Arguments& args, const Loaded& loaded) {
   long failed = 0;
   for (long run = 1; run <= grid.n_runs(); ++run) {
     const std::vector<std::size_t> choice = grid.at(run);
-    const std::vector<double> values = numbers_of(variables, choice);
     try {
       auto now =
           std::make_unique<Resting>(vary_scene(loaded.scene, variables, choice, loaded.registry), loaded.registry);
       now->find(args, before ? &before->state : nullptr, false);
-      add_row(table, variables, values, *now);
+      add_row(table, variables, numbers_of(variables, choice), *now);
       before = std::move(now);
     } catch (const Error& error) {
       ++failed;
