@@ -172,12 +172,7 @@ void add_row(Table& table, const std::vector<Variable>& variables, std::vector<d
 
 std::vector<double> numbers_of(const std::vector<Variable>& variables, const std::vector<std::size_t>& choice) {
   std::vector<double> values;
-  for (std::size_t k = 0; k < variables.size(); ++k) {
-    const double* number = variables[k].values[choice[k]].number();
-    if (number == nullptr)
-      throw UsageError("--vary: \"" + variables[k].path + "\" takes words; statics draws its path over numbers");
-    values.push_back(*number);
-  }
+  for (std::size_t k = 0; k < variables.size(); ++k) values.push_back(*variables[k].values[choice[k]].number());
   return values;
 }
 
@@ -185,7 +180,12 @@ Result vary(const Arguments& args, const Loaded& loaded) {
   const std::vector<Variable> variables =
       as_usage("--vary", [&] { return read_variables(args.all("--vary"), loaded.scene, loaded.registry); });
   std::vector<std::size_t> sizes;
-  for (const Variable& v : variables) sizes.push_back(v.values.size());
+  for (const Variable& v : variables) {
+    for (const auto& value : v.values)
+      if (value.number() == nullptr)
+        throw UsageError("--vary: \"" + v.path + "\" takes words; statics draws its path over numbers");
+    sizes.push_back(v.values.size());
+  }
   const Grid grid(sizes);
   const std::string& record = args["--record"];
   GrowingFile file(record.empty() ? "-" : record);
