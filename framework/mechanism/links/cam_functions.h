@@ -74,7 +74,7 @@ struct RollerOnCam final : PhiHooks {
 
 /// phi = n . rho - h(alpha), m: the face passes through P, its normal n is y of P, alpha is the angle of n in S, and h
 /// the support function of the cam, h' = c . n', h'' = 1/curvature - h.
-struct FaceOnCam final : PhiHooks {
+struct LOCKSTEP_API FaceOnCam final : PhiHooks {
   CamProfile profile;                                            ///< of the cam, convex
   explicit FaceOnCam(CamProfile of) : profile(std::move(of)) {}  ///< of this profile
   static constexpr PhiSpec spec{

@@ -33,7 +33,7 @@ std::vector<Winner> winners_of(const WorkPrecision& result) {
     const std::vector<std::string> values = values_of(result, by);
     for (const std::string& value : values) {
       if (values.size() < 2) break;
-      Winner& winner = all.emplace_back(to_string(by), value);
+      Winner& winner = all.emplace_back(Winner{to_string(by), value, {}});
       const auto has = [&](const WorkPrecisionRun& run) { return value_of(run, by) == value; };
       for (const char* limit : kLimits) {
         const std::vector<CostAtError> costs = costs_below(result, limit);

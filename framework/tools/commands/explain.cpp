@@ -143,13 +143,13 @@ Result explain(const Arguments& args) {
                      text::suggestion(thing, known));
   const State state = run_to(m, loaded.registry, instant_of(args));
   Dynamics dynamics = make_dynamics(m, loaded.registry);
+  const auto at = [&]<class Account>(Account account) { return At<Account>{state.t, std::move(account)}; };
   for (const Body& body : system.bodies())
-    if (body.name == thing) return {loaded, account_fields().body, At(state.t, balance_of(dynamics, state, body))};
+    if (body.name == thing) return {loaded, account_fields().body, at(balance_of(dynamics, state, body))};
   for (const auto& link : system.links())
-    if (link->name() == thing) return {loaded, account_fields().link, At(state.t, account_of(dynamics, state, *link))};
+    if (link->name() == thing) return {loaded, account_fields().link, at(account_of(dynamics, state, *link))};
   for (const auto& force : system.forces())
-    if (force->name() == thing)
-      return {loaded, account_fields().force, At(state.t, account_of(dynamics, state, *force))};
+    if (force->name() == thing) return {loaded, account_fields().force, at(account_of(dynamics, state, *force))};
   Balances all{state.t, {}};
   for (int k = 0; k < system.n_slots(); ++k) all.account.push_back(balance_of(dynamics, state, system.body_of_slot(k)));
   return {loaded, account_fields().bodies, all};

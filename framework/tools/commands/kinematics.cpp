@@ -137,7 +137,7 @@ struct Motion {
 std::vector<Peak> peaks_of(const Table& table) {
   std::vector<Peak> all;
   for (const Column& column : table.columns()) {
-    Peak& peak = all.emplace_back(column);
+    Peak& peak = all.emplace_back(Peak{column});
     for (std::size_t i = 0; i < column.values.size(); ++i)
       if (std::abs(column.values[i]) > std::abs(peak.value))
         peak.value = column.values[i], peak.t = table.columns().front().values[i];

@@ -200,13 +200,13 @@ int run_words(const Program& program, int argc, const char* const* argv) {
   } catch (const CLI::ParseError& error) {
     return error.get_exit_code() == 0 ? app.exit(error) : print_usage_error(app, error);
   }
-  const auto [sub, command] = *std::ranges::find_if(commands, [](const auto& c) { return c.first->parsed(); });
+  const auto& chosen = *std::ranges::find_if(commands, [](const auto& c) { return c.first->parsed(); });
   const CommandFindings found;
   return guarded([&] {
-    const Arguments args = arguments_of(*sub, *command, argc, argv);
+    const Arguments args = arguments_of(*chosen.first, *chosen.second, argc, argv);
     if (args.has("--json") && args["--record"] == "-")
       throw UsageError("--json: standard output takes the rows (--record -); let one of the two go to a file");
-    Result result = command->run(args);
+    Result result = chosen.second->run(args);
     result.command = args.command;
     print(result, args);
     return result.code;
