@@ -46,7 +46,7 @@ class LOCKSTEP_API CamProfile {
 
 /// phi = d - roller, m, with the distance d of P from the profile; gradient n, second derivative k/(1 + k d) t t^T,
 /// k being the curvature.
-struct RollerOnCam final : PhiHooks {
+struct LOCKSTEP_API RollerOnCam final : PhiHooks {
   CamProfile profile;  ///< of the cam
   double roller;       ///< radius of the roller, m; 0: a knife edge
   RollerOnCam(CamProfile of, double radius) : profile(std::move(of)), roller(radius) {}  ///< of these
