@@ -1,32 +1,38 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/laws.h>
 
+#include "motionlaws/register.h"
 
 namespace lockstep {
+namespace {
 
-Constant::Constant(double value) : value_(value) { require_finite("constant", "value", value); }
+class Constant final : public MotionLaw {
+ public:
+  explicit Constant(double value) : value_(value) { require_finite("constant", "value", value); }
+  LawValue at(double) const override { return {value_, 0.0, 0.0}; }
+  bool is_constant() const override { return true; }
 
-LawValue Constant::at(double) const { return {value_, 0.0, 0.0}; }
+ private:
+  double value_;
+};
 
-const TypeInfo& Constant::info() {
-  static const TypeInfo info{"constant",
-                             "y = value",
-                             {{"value",
-                               Form::number,
-                               Unit::any,
-                               kRequired,
-                               "the value, in the unit of what it drives",
-                               {},
-                               LawQuantity::value}}};
-  return info;
-}
-
-LawPtr<MotionLaw> Constant::make(const Params& p) {
-  return laws::constant(p.number("value"));
-}
+}  // namespace
 
 namespace laws {
 LawPtr<MotionLaw> constant(double value) { return std::make_shared<const Constant>(value); }
 }  // namespace laws
+
+void add_constant(Registry& registry) {
+  registry.laws.add({"constant",
+                     "y = value",
+                     {{"value",
+                       Form::number,
+                       Unit::any,
+                       kRequired,
+                       "the value, in the unit of what it drives",
+                       {},
+                       LawQuantity::value}}},
+                    [](const Params& p) { return laws::constant(p.number("value")); });
+}
 
 }  // namespace lockstep

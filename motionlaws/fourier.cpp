@@ -7,52 +7,62 @@
 
 #include <lockstep/math.h>
 
+#include "motionlaws/register.h"
+
 namespace lockstep {
+namespace {
 
-Fourier::Fourier(FourierSettings k)
-    : omega_(k.omega), offset_(k.offset), a_(std::move(k.cosines)), b_(std::move(k.sines)) {
-  require_finite("fourier", "omega", omega_);
-  require_finite("fourier", "offset", offset_);
-  for (const double a : a_) require_finite("fourier", "cosines", a);
-  for (const double b : b_) require_finite("fourier", "sines", b);
-  const std::size_t n = std::max(a_.size(), b_.size());
-  a_.resize(n, 0.0);
-  b_.resize(n, 0.0);
-}
-
-LawValue Fourier::at(double t) const {
-  LawValue r{offset_, 0.0, 0.0};
-  for (std::size_t i = 0; i < a_.size(); ++i) {
-    const double w = static_cast<double>(i + 1) * omega_, c = std::cos(w * t), s = std::sin(w * t);
-    const double y = a_[i] * c + b_[i] * s;
-    r.y += y;
-    r.yd += w * (b_[i] * c - a_[i] * s);
-    r.ydd -= w * w * y;
+class Fourier final : public MotionLaw {
+ public:
+  explicit Fourier(FourierSettings k)
+      : omega_(k.omega), offset_(k.offset), a_(std::move(k.cosines)), b_(std::move(k.sines)) {
+    require_finite("fourier", "omega", omega_);
+    require_finite("fourier", "offset", offset_);
+    for (const double a : a_) require_finite("fourier", "cosines", a);
+    for (const double b : b_) require_finite("fourier", "sines", b);
+    const std::size_t n = std::max(a_.size(), b_.size());
+    a_.resize(n, 0.0);
+    b_.resize(n, 0.0);
   }
-  return r;
-}
+  LawValue at(double t) const override {
+    LawValue r{offset_, 0.0, 0.0};
+    for (std::size_t i = 0; i < a_.size(); ++i) {
+      const double w = static_cast<double>(i + 1) * omega_, c = std::cos(w * t), s = std::sin(w * t);
+      const double y = a_[i] * c + b_[i] * s;
+      r.y += y;
+      r.yd += w * (b_[i] * c - a_[i] * s);
+      r.ydd -= w * w * y;
+    }
+    return r;
+  }
 
-const TypeInfo& Fourier::info() {
-  static const TypeInfo info{
-      "fourier",
-      "y = offset + sum a_k cos(k omega t) + b_k sin(k omega t), k = 1, 2, ...",
-      {{"omega", Form::number, Unit::angular_speed, kOptional, "base circular frequency; this or frequency"},
-       {"frequency", Form::number, Unit::frequency, kOptional, "base cycles per second; this or omega"},
-       {"offset", Form::number, Unit::any, 0, "mean value", {}, LawQuantity::value},
-       {"cosines", Form::numbers, Unit::any, Value::List{}, "a_1, a_2, ...", {}, LawQuantity::value},
-       {"sines", Form::numbers, Unit::any, Value::List{}, "b_1, b_2, ...", {}, LawQuantity::value}}};
-  return info;
-}
+ private:
+  double omega_, offset_;
+  std::vector<double> a_, b_;  // of equal length
+};
 
-LawPtr<MotionLaw> Fourier::make(const Params& p) {
-  if (p.has("omega") && p.has("frequency")) p.refuse("frequency", "is given as well as omega; give one of the two");
-  if (!p.has("omega") && !p.has("frequency")) p.refuse("omega", "is missing; give omega or frequency");
-  const double omega = p.has("omega") ? p.number("omega") : kTwoPi * p.number("frequency");
-  return laws::fourier({omega, p.number("offset"), p.numbers("cosines"), p.numbers("sines")});
-}
+}  // namespace
 
 namespace laws {
 LawPtr<MotionLaw> fourier(FourierSettings k) { return std::make_shared<const Fourier>(std::move(k)); }
 }  // namespace laws
+
+void add_fourier(Registry& registry) {
+  registry.laws.add(
+      {"fourier",
+       "y = offset + sum a_k cos(k omega t) + b_k sin(k omega t), k = 1, 2, ...",
+       {{"omega", Form::number, Unit::angular_speed, kOptional, "base circular frequency; this or frequency"},
+        {"frequency", Form::number, Unit::frequency, kOptional, "base cycles per second; this or omega"},
+        {"offset", Form::number, Unit::any, 0, "mean value", {}, LawQuantity::value},
+        {"cosines", Form::numbers, Unit::any, Value::List{}, "a_1, a_2, ...", {}, LawQuantity::value},
+        {"sines", Form::numbers, Unit::any, Value::List{}, "b_1, b_2, ...", {}, LawQuantity::value}}},
+      [](const Params& p) {
+        if (p.has("omega") && p.has("frequency"))
+          p.refuse("frequency", "is given as well as omega; give one of the two");
+        if (!p.has("omega") && !p.has("frequency")) p.refuse("omega", "is missing; give omega or frequency");
+        const double omega = p.has("omega") ? p.number("omega") : kTwoPi * p.number("frequency");
+        return laws::fourier({omega, p.number("offset"), p.numbers("cosines"), p.numbers("sines")});
+      });
+}
 
 }  // namespace lockstep

@@ -1,33 +1,38 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/laws.h>
 
+#include "motionlaws/register.h"
 
 namespace lockstep {
+namespace {
 
-Ramp::Ramp(double slope, double t0, double y0) : slope_(slope), t0_(t0), y0_(y0) {
-  require_finite("ramp", "slope", slope);
-  require_finite("ramp", "t0", t0);
-  require_finite("ramp", "y0", y0);
-}
+class Ramp final : public MotionLaw {
+ public:
+  Ramp(double slope, double t0, double y0) : slope_(slope), t0_(t0), y0_(y0) {
+    require_finite("ramp", "slope", slope);
+    require_finite("ramp", "t0", t0);
+    require_finite("ramp", "y0", y0);
+  }
+  LawValue at(double t) const override { return {y0_ + slope_ * (t - t0_), slope_, 0.0}; }
 
-LawValue Ramp::at(double t) const { return {y0_ + slope_ * (t - t0_), slope_, 0.0}; }
+ private:
+  double slope_, t0_, y0_;
+};
 
-const TypeInfo& Ramp::info() {
-  static const TypeInfo info{
-      "ramp",
-      "y = y0 + slope (t - t0)",
-      {{"slope", Form::number, Unit::any, kRequired, "rate of y, its unit per second", {}, LawQuantity::rate},
-       {"t0", Form::number, Unit::time, 0, "instant at which y = y0"},
-       {"y0", Form::number, Unit::any, 0, "value at t0", {}, LawQuantity::value}}};
-  return info;
-}
-
-LawPtr<MotionLaw> Ramp::make(const Params& p) {
-  return laws::ramp(p.number("slope"), p.number("t0"), p.number("y0"));
-}
+}  // namespace
 
 namespace laws {
 LawPtr<MotionLaw> ramp(double slope, double t0, double y0) { return std::make_shared<const Ramp>(slope, t0, y0); }
 }  // namespace laws
+
+void add_ramp(Registry& registry) {
+  registry.laws.add(
+      {"ramp",
+       "y = y0 + slope (t - t0)",
+       {{"slope", Form::number, Unit::any, kRequired, "rate of y, its unit per second", {}, LawQuantity::rate},
+        {"t0", Form::number, Unit::time, 0, "instant at which y = y0"},
+        {"y0", Form::number, Unit::any, 0, "value at t0", {}, LawQuantity::value}}},
+      [](const Params& p) { return laws::ramp(p.number("slope"), p.number("t0"), p.number("y0")); });
+}
 
 }  // namespace lockstep

@@ -5,47 +5,10 @@
 
 #include <lockstep/math.h>
 
+#include "motionlaws/register.h"
 #include "motionlaws/side.h"
 
 namespace lockstep {
-
-Rise::Rise(const char* law, const RiseSettings& k) : k_(k) {
-  require_finite(law, "rise", k.rise);
-  require_positive(law, "duration", k.duration);
-  require_finite(law, "t0", k.t0);
-  require_finite(law, "y0", k.y0);
-}
-
-LawValue Rise::at(double t) const {
-  const double u = (t - k_.t0) / k_.duration;
-  if (u < -kEarly) return held(k_.y0);
-  if (u >= 1.0 - kEarly) return held(k_.y0 + k_.rise);
-  const LawValue s = shape(u);
-  const double v = k_.rise / k_.duration;
-  return {k_.y0 + k_.rise * s.y, v * s.yd, v / k_.duration * s.ydd};
-}
-
-LawValue Poly345::shape(double u) const {
-  const double w = 1.0 - u;
-  return {u * u * u * (10.0 - u * (15.0 - 6.0 * u)), 30.0 * u * u * w * w, 60.0 * u * w * (1.0 - 2.0 * u)};
-}
-
-LawValue Cycloid::shape(double u) const {
-  const double s = std::sin(kTwoPi * u), c = std::cos(kTwoPi * u);
-  return {u - s / kTwoPi, 1.0 - c, kTwoPi * s};
-}
-
-LawValue HarmonicRise::shape(double u) const {
-  const double s = std::sin(kPi * u), c = std::cos(kPi * u);
-  return {0.5 * (1.0 - c), 0.5 * kPi * s, 0.5 * kPi * kPi * c};
-}
-
-void HarmonicRise::breakpoints(double t0, double t1, std::vector<double>& out) const {
-  if (k_.rise == 0.0) return;
-  for (const double t : {k_.t0, k_.t0 + k_.duration})
-    if (t0 < t && t < t1) out.push_back(t);
-}
-
 namespace {
 
 TypeInfo rise_info(const char* name, const char* help) {
@@ -61,39 +24,81 @@ RiseSettings rise_settings(const Params& p) {
   return {p.number("rise"), p.number("duration"), p.number("t0"), p.number("y0")};
 }
 
+class Rise : public MotionLaw {
+ public:
+  LawValue at(double t) const final {
+    const double u = (t - k_.t0) / k_.duration;
+    if (u < -kEarly) return held(k_.y0);
+    if (u >= 1.0 - kEarly) return held(k_.y0 + k_.rise);
+    const LawValue s = shape(u);
+    const double v = k_.rise / k_.duration;
+    return {k_.y0 + k_.rise * s.y, v * s.yd, v / k_.duration * s.ydd};
+  }
+
+ protected:
+  Rise(const char* law, const RiseSettings& k) : k_(k) {
+    require_finite(law, "rise", k.rise);
+    require_positive(law, "duration", k.duration);
+    require_finite(law, "t0", k.t0);
+    require_finite(law, "y0", k.y0);
+  }
+  virtual LawValue shape(double u) const = 0;  // s, s', s'' for u in [0, 1]
+  RiseSettings k_;                             // the parameters
+};
+
+class Poly345 final : public Rise {
+ public:
+  explicit Poly345(const RiseSettings& k) : Rise("poly345", k) {}
+
+ protected:
+  LawValue shape(double u) const override {
+    const double w = 1.0 - u;
+    return {u * u * u * (10.0 - u * (15.0 - 6.0 * u)), 30.0 * u * u * w * w, 60.0 * u * w * (1.0 - 2.0 * u)};
+  }
+};
+
+class Cycloid final : public Rise {
+ public:
+  explicit Cycloid(const RiseSettings& k) : Rise("cycloid", k) {}
+
+ protected:
+  LawValue shape(double u) const override {
+    const double s = std::sin(kTwoPi * u), c = std::cos(kTwoPi * u);
+    return {u - s / kTwoPi, 1.0 - c, kTwoPi * s};
+  }
+};
+
+class HarmonicRise final : public Rise {
+ public:
+  explicit HarmonicRise(const RiseSettings& k) : Rise("harmonic_rise", k) {}
+  void breakpoints(double t0, double t1, std::vector<double>& out) const override {
+    if (k_.rise == 0.0) return;
+    for (const double t : {k_.t0, k_.t0 + k_.duration})
+      if (t0 < t && t < t1) out.push_back(t);
+  }
+
+ protected:
+  LawValue shape(double u) const override {
+    const double s = std::sin(kPi * u), c = std::cos(kPi * u);
+    return {0.5 * (1.0 - c), 0.5 * kPi * s, 0.5 * kPi * kPi * c};
+  }
+};
+
 }  // namespace
-
-const TypeInfo& Poly345::info() {
-  static const TypeInfo info = rise_info("poly345", "rise h (10 u^3 - 15 u^4 + 6 u^5), u = (t - t0)/T, held outside");
-  return info;
-}
-
-const TypeInfo& Cycloid::info() {
-  static const TypeInfo info = rise_info("cycloid", "rise h (u - sin(2 pi u)/(2 pi)), u = (t - t0)/T, held outside");
-  return info;
-}
-
-const TypeInfo& HarmonicRise::info() {
-  static const TypeInfo info = rise_info("harmonic_rise", "rise h (1 - cos(pi u))/2, u = (t - t0)/T, held outside");
-  return info;
-}
-
-LawPtr<MotionLaw> Poly345::make(const Params& p) {
-  return laws::poly345(rise_settings(p));
-}
-
-LawPtr<MotionLaw> Cycloid::make(const Params& p) {
-  return laws::cycloid(rise_settings(p));
-}
-
-LawPtr<MotionLaw> HarmonicRise::make(const Params& p) {
-  return laws::harmonic_rise(rise_settings(p));
-}
 
 namespace laws {
 LawPtr<MotionLaw> poly345(const RiseSettings& k) { return std::make_shared<const Poly345>(k); }
 LawPtr<MotionLaw> cycloid(const RiseSettings& k) { return std::make_shared<const Cycloid>(k); }
 LawPtr<MotionLaw> harmonic_rise(const RiseSettings& k) { return std::make_shared<const HarmonicRise>(k); }
 }  // namespace laws
+
+void add_rise(Registry& registry) {
+  registry.laws.add(rise_info("poly345", "rise h (10 u^3 - 15 u^4 + 6 u^5), u = (t - t0)/T, held outside"),
+                    [](const Params& p) { return laws::poly345(rise_settings(p)); });
+  registry.laws.add(rise_info("cycloid", "rise h (u - sin(2 pi u)/(2 pi)), u = (t - t0)/T, held outside"),
+                    [](const Params& p) { return laws::cycloid(rise_settings(p)); });
+  registry.laws.add(rise_info("harmonic_rise", "rise h (1 - cos(pi u))/2, u = (t - t0)/T, held outside"),
+                    [](const Params& p) { return laws::harmonic_rise(rise_settings(p)); });
+}
 
 }  // namespace lockstep

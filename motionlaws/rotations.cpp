@@ -6,93 +6,63 @@
 
 #include <lockstep/laws.h>
 
+#include "motionlaws/register.h"
+
 namespace lockstep {
+namespace {
 
-ConstantRotation::ConstantRotation(const Quat& q) : q_(require_orientation("constant", "orientation", q)) {}
+class ConstantRotation final : public RotationLaw {
+ public:
+  explicit ConstantRotation(const Quat& q) : q_(require_orientation("constant", "orientation", q)) {}
+  RotationValue at(double) const override { return {q_, Vec3::Zero(), Vec3::Zero()}; }
+  bool turns_about(const Vec3& axis) const override { return are_parallel(q_.vec(), axis); }
 
-RotationValue ConstantRotation::at(double) const { return {q_, Vec3::Zero(), Vec3::Zero()}; }
+ private:
+  Quat q_;
+};
 
-bool ConstantRotation::turns_about(const Vec3& axis) const { return are_parallel(q_.vec(), axis); }
+class AxisRotation final : public RotationLaw {
+ public:
+  AxisRotation(const Vec3& axis, LawPtr<MotionLaw> law)
+      : axis_(require_direction("axis_rotation", "axis", axis)), law_(std::move(law)) {
+    require_law("axis_rotation", "law", law_);
+  }
+  RotationValue at(double t) const override {
+    const LawValue y = law_->at(t);
+    return {Quat::from(std::cos(0.5 * y.y), Vec3(std::sin(0.5 * y.y) * axis_)), y.yd * axis_, y.ydd * axis_};
+  }
+  bool turns_about(const Vec3& axis) const override { return are_parallel(axis_, axis); }
+  void breakpoints(double t0, double t1, std::vector<double>& out) const override { law_->breakpoints(t0, t1, out); }
 
-AxisRotation::AxisRotation(const Vec3& axis, LawPtr<MotionLaw> law)
-    : axis_(require_direction("axis_rotation", "axis", axis)), law_(std::move(law)) {
-  require_law("axis_rotation", "law", law_);
-}
+ private:
+  Vec3 axis_;
+  LawPtr<MotionLaw> law_;
+};
 
-RotationValue AxisRotation::at(double t) const {
-  const LawValue y = law_->at(t);
-  return {Quat::from(std::cos(0.5 * y.y), Vec3(std::sin(0.5 * y.y) * axis_)), y.yd * axis_, y.ydd * axis_};
-}
+class RotationProduct final : public RotationLaw {
+ public:
+  RotationProduct(LawPtr<RotationLaw> first, LawPtr<RotationLaw> second)
+      : first_(std::move(first)), second_(std::move(second)) {
+    require_law("product", "first", first_);
+    require_law("product", "second", second_);
+  }
+  RotationValue at(double t) const override {
+    const RotationValue r1 = first_->at(t), r2 = second_->at(t);
+    const Mat3 A2 = rotation(r2.q);
+    const Vec3 w1 = A2.transpose() * r1.w;
+    return {r1.q * r2.q, w1 + r2.w, A2.transpose() * r1.a + r2.a + cross(w1, r2.w)};
+  }
+  bool turns_about(const Vec3& axis) const override { return first_->turns_about(axis) && second_->turns_about(axis); }
+  void breakpoints(double t0, double t1, std::vector<double>& out) const override {
+    first_->breakpoints(t0, t1, out);
+    second_->breakpoints(t0, t1, out);
+  }
 
-bool AxisRotation::turns_about(const Vec3& axis) const { return are_parallel(axis_, axis); }
+ private:
+  LawPtr<RotationLaw> first_, second_;
+};
 
-void AxisRotation::breakpoints(double t0, double t1, std::vector<double>& out) const { law_->breakpoints(t0, t1, out); }
-
-RotationProduct::RotationProduct(LawPtr<RotationLaw> first, LawPtr<RotationLaw> second)
-    : first_(std::move(first)), second_(std::move(second)) {
-  require_law("product", "first", first_);
-  require_law("product", "second", second_);
-}
-
-RotationValue RotationProduct::at(double t) const {
-  const RotationValue r1 = first_->at(t), r2 = second_->at(t);
-  const Mat3 A2 = rotation(r2.q);
-  const Vec3 w1 = A2.transpose() * r1.w;
-  return {r1.q * r2.q, w1 + r2.w, A2.transpose() * r1.a + r2.a + cross(w1, r2.w)};
-}
-
-bool RotationProduct::turns_about(const Vec3& axis) const {
-  return first_->turns_about(axis) && second_->turns_about(axis);
-}
-
-void RotationProduct::breakpoints(double t0, double t1, std::vector<double>& out) const {
-  first_->breakpoints(t0, t1, out);
-  second_->breakpoints(t0, t1, out);
-}
-
-const TypeInfo& ConstantRotation::info() {
-  static const TypeInfo info{
-      "constant",
-      "a fixed orientation",
-      {{"orientation", Form::orientation, Unit::none, kRequired, "the orientation, against the frame"}}};
-  return info;
-}
-
-const TypeInfo& AxisRotation::info() {
-  static const TypeInfo info{
-      "axis_rotation",
-      "turn about an axis by a scalar law",
-      {{"axis", Form::axis, Unit::none, kRequired, "direction, in axes of the frame"},
-       {"law", Form::law, Unit::none, kRequired, "scalar law of the angle", {}, LawQuantity::value}}};
-  return info;
-}
-
-const TypeInfo& RotationProduct::info() {
-  static const TypeInfo info{
-      "product",
-      "two rotations one after the other, q = q1 q2",
-      {{"first", Form::rotation_law, Unit::none, kRequired, "q1, against the frame", {}, LawQuantity::value},
-       {"second",
-        Form::rotation_law,
-        Unit::none,
-        kRequired,
-        "q2, about the axes turned by q1",
-        {},
-        LawQuantity::value}}};
-  return info;
-}
-
-LawPtr<RotationLaw> ConstantRotation::make(const Params& p) {
-  return laws::constant_rotation(p.orientation("orientation"));
-}
-
-LawPtr<RotationLaw> AxisRotation::make(const Params& p) {
-  return laws::axis_rotation(p.vector3("axis"), p.law("law"));
-}
-
-LawPtr<RotationLaw> RotationProduct::make(const Params& p) {
-  return laws::rotation_product(p.rotation_law("first"), p.rotation_law("second"));
-}
+}  // namespace
 
 namespace laws {
 LawPtr<RotationLaw> constant_rotation(const Quat& orientation) {
@@ -105,5 +75,31 @@ LawPtr<RotationLaw> rotation_product(LawPtr<RotationLaw> first, LawPtr<RotationL
   return std::make_shared<const RotationProduct>(std::move(first), std::move(second));
 }
 }  // namespace laws
+
+void add_rotations(Registry& registry) {
+  registry.rotation_laws.add(
+      {"constant",
+       "a fixed orientation",
+       {{"orientation", Form::orientation, Unit::none, kRequired, "the orientation, against the frame"}}},
+      [](const Params& p) { return laws::constant_rotation(p.orientation("orientation")); });
+  registry.rotation_laws.add(
+      {"axis_rotation",
+       "turn about an axis by a scalar law",
+       {{"axis", Form::axis, Unit::none, kRequired, "direction, in axes of the frame"},
+        {"law", Form::law, Unit::none, kRequired, "scalar law of the angle", {}, LawQuantity::value}}},
+      [](const Params& p) { return laws::axis_rotation(p.vector3("axis"), p.law("law")); });
+  registry.rotation_laws.add(
+      {"product",
+       "two rotations one after the other, q = q1 q2",
+       {{"first", Form::rotation_law, Unit::none, kRequired, "q1, against the frame", {}, LawQuantity::value},
+        {"second",
+         Form::rotation_law,
+         Unit::none,
+         kRequired,
+         "q2, about the axes turned by q1",
+         {},
+         LawQuantity::value}}},
+      [](const Params& p) { return laws::rotation_product(p.rotation_law("first"), p.rotation_law("second")); });
+}
 
 }  // namespace lockstep

@@ -4,108 +4,118 @@
 #include <algorithm>
 #include <utility>
 
+#include "motionlaws/register.h"
 #include "motionlaws/side.h"
 
 namespace lockstep {
+namespace {
 
-Sequence::Sequence(std::vector<Piece> pieces, const SequenceSettings& k) : pieces_(std::move(pieces)), k_(k) {
-  require_finite("sequence", "t0", k.t0);
-  require(!pieces_.empty(), "sequence", "laws", "are missing; give at least one");
-  double t = k.t0, y = 0;
-  for (const Piece& piece : pieces_) {
-    require_law("sequence", "laws", piece.law);
-    require_positive("sequence", "durations", piece.duration);
-    const bool first = start_.empty();
+class Sequence final : public MotionLaw {
+ public:
+  Sequence(std::vector<Piece> pieces, const SequenceSettings& k) : pieces_(std::move(pieces)), k_(k) {
+    require_finite("sequence", "t0", k.t0);
+    require(!pieces_.empty(), "sequence", "laws", "are missing; give at least one");
+    double t = k.t0, y = 0;
+    for (const Piece& piece : pieces_) {
+      require_law("sequence", "laws", piece.law);
+      require_positive("sequence", "durations", piece.duration);
+      const bool first = start_.empty();
+      start_.push_back(t);
+      offset_.push_back(k.chained && !first ? y - piece.law->at(0).y : 0.0);
+      y = piece.law->at(piece.duration).y + offset_.back();
+      t += piece.duration;
+    }
     start_.push_back(t);
-    offset_.push_back(k.chained && !first ? y - piece.law->at(0).y : 0.0);
-    y = piece.law->at(piece.duration).y + offset_.back();
-    t += piece.duration;
+    for (std::size_t i = 0; i < start_.size(); ++i) jump_.push_back(jumps_at(i));
   }
-  start_.push_back(t);
-  for (std::size_t i = 0; i < start_.size(); ++i) jump_.push_back(jumps_at(i));
-}
-
-// Compares the end of piece i - 1 with the start of piece i at T_i; beyond the ends the law is at rest.
-bool Sequence::jumps_at(std::size_t i) const {
-  const std::size_t n = pieces_.size();
-  if (k_.run_on && (i == 0 || i == n)) return false;  // a law's own jump is listed by the law
-  LawValue left, right, size;
-  const auto widen = [&](const Piece& p) {
-    const LawValue s = size_of(*p.law, 0, p.duration);
-    size = {std::max(size.y, s.y), std::max(size.yd, s.yd), std::max(size.ydd, s.ydd)};
-  };
-  if (i > 0) {
-    const Piece& p = pieces_[i - 1];
-    left = raised(left_limit(*p.law, p.duration, p.duration), offset_[i - 1]);
-    widen(p);
+  LawValue at(double t) const override {
+    const double early = kEarly * (start_.back() - start_.front());
+    if (!k_.run_on) {
+      if (t < start_.front() - early) return held(pieces_.front().law->at(0).y);
+      if (t >= start_.back() - early) return held(pieces_.back().law->at(pieces_.back().duration).y + offset_.back());
+    }
+    const auto next = std::upper_bound(start_.begin() + 1, start_.end() - 1, t + early);
+    const auto i = static_cast<std::size_t>(next - start_.begin()) - 1;
+    const double own = t - start_[i];
+    return raised(pieces_[i].law->at(own < 0 && own >= -early ? 0.0 : own), offset_[i]);
   }
-  if (i < n) {
-    right = raised(pieces_[i].law->at(0), offset_[i]);
-    widen(pieces_[i]);
+  void breakpoints(double t0, double t1, std::vector<double>& out) const override {
+    for (std::size_t i = 0; i < start_.size(); ++i)
+      if (jump_[i] && t0 < start_[i] && start_[i] < t1) out.push_back(start_[i]);
+    for (std::size_t i = 0; i < pieces_.size(); ++i) {
+      const bool on_left = k_.run_on && i == 0, on_right = k_.run_on && i + 1 == pieces_.size();
+      const double from = on_left ? t0 - start_[i] : std::max(t0 - start_[i], 0.0);
+      const double to = on_right ? t1 - start_[i] : std::min(t1 - start_[i], pieces_[i].duration);
+      if (!(from < to)) continue;
+      const std::size_t n = out.size();
+      pieces_[i].law->breakpoints(from, to, out);
+      for (std::size_t j = n; j < out.size(); ++j) out[j] += start_[i];
+    }
   }
-  if (i == 0) left = held(right.y);
-  if (i == n) right = held(left.y);
-  return differs(left, right, size);
-}
 
-LawValue Sequence::at(double t) const {
-  const double early = kEarly * (start_.back() - start_.front());
-  if (!k_.run_on) {
-    if (t < start_.front() - early) return held(pieces_.front().law->at(0).y);
-    if (t >= start_.back() - early) return held(pieces_.back().law->at(pieces_.back().duration).y + offset_.back());
+ private:
+  // Compares the end of piece i - 1 with the start of piece i at T_i; beyond the ends the law is at rest.
+  bool jumps_at(std::size_t i) const {
+    const std::size_t n = pieces_.size();
+    if (k_.run_on && (i == 0 || i == n)) return false;  // a law's own jump is listed by the law
+    LawValue left, right, size;
+    const auto widen = [&](const Piece& p) {
+      const LawValue s = size_of(*p.law, 0, p.duration);
+      size = {std::max(size.y, s.y), std::max(size.yd, s.yd), std::max(size.ydd, s.ydd)};
+    };
+    if (i > 0) {
+      const Piece& p = pieces_[i - 1];
+      left = raised(left_limit(*p.law, p.duration, p.duration), offset_[i - 1]);
+      widen(p);
+    }
+    if (i < n) {
+      right = raised(pieces_[i].law->at(0), offset_[i]);
+      widen(pieces_[i]);
+    }
+    if (i == 0) left = held(right.y);
+    if (i == n) right = held(left.y);
+    return differs(left, right, size);
   }
-  const auto next = std::upper_bound(start_.begin() + 1, start_.end() - 1, t + early);
-  const auto i = static_cast<std::size_t>(next - start_.begin()) - 1;
-  const double own = t - start_[i];
-  return raised(pieces_[i].law->at(own < 0 && own >= -early ? 0.0 : own), offset_[i]);
-}
+  std::vector<Piece> pieces_;
+  SequenceSettings k_;
+  std::vector<double> start_;   // T_0 .. T_n, the last one the end
+  std::vector<double> offset_;  // o_0 .. o_(n-1)
+  std::vector<bool> jump_;      // at T_0 .. T_n
+};
 
-void Sequence::breakpoints(double t0, double t1, std::vector<double>& out) const {
-  for (std::size_t i = 0; i < start_.size(); ++i)
-    if (jump_[i] && t0 < start_[i] && start_[i] < t1) out.push_back(start_[i]);
-  for (std::size_t i = 0; i < pieces_.size(); ++i) {
-    const bool on_left = k_.run_on && i == 0, on_right = k_.run_on && i + 1 == pieces_.size();
-    const double from = on_left ? t0 - start_[i] : std::max(t0 - start_[i], 0.0);
-    const double to = on_right ? t1 - start_[i] : std::min(t1 - start_[i], pieces_[i].duration);
-    if (!(from < to)) continue;
-    const std::size_t n = out.size();
-    pieces_[i].law->breakpoints(from, to, out);
-    for (std::size_t j = n; j < out.size(); ++j) out[j] += start_[i];
-  }
-}
-
-const TypeInfo& Sequence::info() {
-  static const TypeInfo info{"sequence",
-                             "laws one after another, each on its own time from 0",
-                             {{"durations", Form::numbers, Unit::time, kRequired, "how long each law runs"},
-                              {"laws", Form::laws, Unit::none, kRequired, "as many laws", {}, LawQuantity::value},
-                              {"continue", Form::boolean, Unit::none, false,
-                               "each law continues from the value at which the one before ended"},
-                              {"outside",
-                               Form::choice,
-                               Unit::none,
-                               "hold",
-                               "before and after: value held, or first and last law run on",
-                               {"hold", "run_on"}},
-                              {"t0", Form::number, Unit::time, 0, "start of the first law"}}};
-  return info;
-}
-
-LawPtr<MotionLaw> Sequence::make(const Params& p) {
-  const auto durations = p.numbers("durations");
-  const auto laws = p.laws("laws");
-  if (durations.size() != laws.size())
-    p.refuse("durations", "are " + std::to_string(durations.size()) + " for " + std::to_string(laws.size()) +
-                              " laws; give one per law");
-  std::vector<Piece> pieces;
-  for (std::size_t i = 0; i < laws.size(); ++i) pieces.push_back({durations[i], laws[i]});
-  return laws::sequence(std::move(pieces), {p.number("t0"), p.boolean("continue"), p.text("outside") == "run_on"});
-}
+}  // namespace
 
 namespace laws {
 LawPtr<MotionLaw> sequence(std::vector<Piece> pieces, const SequenceSettings& k) {
   return std::make_shared<const Sequence>(std::move(pieces), k);
 }
 }  // namespace laws
+
+void add_sequence(Registry& registry) {
+  registry.laws.add({"sequence",
+                     "laws one after another, each on its own time from 0",
+                     {{"durations", Form::numbers, Unit::time, kRequired, "how long each law runs"},
+                      {"laws", Form::laws, Unit::none, kRequired, "as many laws", {}, LawQuantity::value},
+                      {"continue", Form::boolean, Unit::none, false,
+                       "each law continues from the value at which the one before ended"},
+                      {"outside",
+                       Form::choice,
+                       Unit::none,
+                       "hold",
+                       "before and after: value held, or first and last law run on",
+                       {"hold", "run_on"}},
+                      {"t0", Form::number, Unit::time, 0, "start of the first law"}}},
+                    [](const Params& p) {
+                      const auto durations = p.numbers("durations");
+                      const auto laws = p.laws("laws");
+                      if (durations.size() != laws.size())
+                        p.refuse("durations", "are " + std::to_string(durations.size()) + " for " +
+                                                  std::to_string(laws.size()) + " laws; give one per law");
+                      std::vector<Piece> pieces;
+                      for (std::size_t i = 0; i < laws.size(); ++i) pieces.push_back({durations[i], laws[i]});
+                      return laws::sequence(std::move(pieces),
+                                            {p.number("t0"), p.boolean("continue"), p.text("outside") == "run_on"});
+                    });
+}
 
 }  // namespace lockstep

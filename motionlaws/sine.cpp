@@ -5,48 +5,57 @@
 
 #include <lockstep/math.h>
 
+#include "motionlaws/register.h"
+
 namespace lockstep {
+namespace {
 
-Sine::Sine(const SineSettings& k) : k_(k) {
-  require_finite("sine", "amplitude", k.amplitude);
-  require_finite("sine", "omega", k.omega);
-  require_finite("sine", "phase", k.phase);
-  require_finite("sine", "offset", k.offset);
-}
+class Sine final : public MotionLaw {
+ public:
+  explicit Sine(const SineSettings& k) : k_(k) {
+    require_finite("sine", "amplitude", k.amplitude);
+    require_finite("sine", "omega", k.omega);
+    require_finite("sine", "phase", k.phase);
+    require_finite("sine", "offset", k.offset);
+  }
+  LawValue at(double t) const override {
+    const double a = k_.omega * t + k_.phase;
+    const double s = k_.amplitude * std::sin(a), c = k_.amplitude * std::cos(a);
+    return {k_.offset + s, k_.omega * c, -k_.omega * k_.omega * s};
+  }
 
-LawValue Sine::at(double t) const {
-  const double a = k_.omega * t + k_.phase;
-  const double s = k_.amplitude * std::sin(a), c = k_.amplitude * std::cos(a);
-  return {k_.offset + s, k_.omega * c, -k_.omega * k_.omega * s};
-}
+ private:
+  SineSettings k_;
+};
 
-const TypeInfo& Sine::info() {
-  static const TypeInfo info{
-      "sine",
-      "y = offset + amplitude sin(omega t + phase)",
-      {{"amplitude",
-        Form::number,
-        Unit::any,
-        1,
-        "half of the swing, in the unit of what it drives",
-        {},
-        LawQuantity::value},
-       {"omega", Form::number, Unit::angular_speed, kOptional, "circular frequency; this or frequency"},
-       {"frequency", Form::number, Unit::frequency, kOptional, "cycles per second; this or omega"},
-       {"phase", Form::number, Unit::angle, 0, "angle at t = 0"},
-       {"offset", Form::number, Unit::any, 0, "mean value", {}, LawQuantity::value}}};
-  return info;
-}
-
-LawPtr<MotionLaw> Sine::make(const Params& p) {
-  if (p.has("omega") && p.has("frequency")) p.refuse("frequency", "is given as well as omega; give one of the two");
-  if (!p.has("omega") && !p.has("frequency")) p.refuse("omega", "is missing; give omega or frequency");
-  const double omega = p.has("omega") ? p.number("omega") : kTwoPi * p.number("frequency");
-  return laws::sine({p.number("amplitude"), omega, p.number("phase"), p.number("offset")});
-}
+}  // namespace
 
 namespace laws {
 LawPtr<MotionLaw> sine(const SineSettings& k) { return std::make_shared<const Sine>(k); }
 }  // namespace laws
+
+void add_sine(Registry& registry) {
+  registry.laws.add({"sine",
+                     "y = offset + amplitude sin(omega t + phase)",
+                     {{"amplitude",
+                       Form::number,
+                       Unit::any,
+                       1,
+                       "half of the swing, in the unit of what it drives",
+                       {},
+                       LawQuantity::value},
+                      {"omega", Form::number, Unit::angular_speed, kOptional, "circular frequency; this or frequency"},
+                      {"frequency", Form::number, Unit::frequency, kOptional, "cycles per second; this or omega"},
+                      {"phase", Form::number, Unit::angle, 0, "angle at t = 0"},
+                      {"offset", Form::number, Unit::any, 0, "mean value", {}, LawQuantity::value}}},
+                    [](const Params& p) {
+                      if (p.has("omega") && p.has("frequency"))
+                        p.refuse("frequency", "is given as well as omega; give one of the two");
+                      if (!p.has("omega") && !p.has("frequency"))
+                        p.refuse("omega", "is missing; give omega or frequency");
+                      const double omega = p.has("omega") ? p.number("omega") : kTwoPi * p.number("frequency");
+                      return laws::sine({p.number("amplitude"), omega, p.number("phase"), p.number("offset")});
+                    });
+}
 
 }  // namespace lockstep

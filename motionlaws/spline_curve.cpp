@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <lockstep/splines.h>
+#include "motionlaws/spline_curve.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include <lockstep/error.h>
-#include <lockstep/laws.h>
+#include <lockstep/author/law_checks.h>
 
 #include "motionlaws/side.h"
 

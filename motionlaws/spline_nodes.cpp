@@ -5,7 +5,7 @@
 // sign of a row).
 #include <Eigen/LU>
 
-#include <lockstep/splines.h>
+#include "motionlaws/spline_curve.h"
 
 namespace lockstep {
 namespace {

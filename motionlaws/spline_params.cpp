@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <lockstep/splines.h>
+#include "motionlaws/spline_curve.h"
 
 namespace lockstep {
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <lockstep/splines.h>
+#include "motionlaws/spline_curve.h"
 
 #include <cmath>
 
 #include <lockstep/laws.h>
 #include "framework/mechanism/params/read.h"
 #include "motionlaws/built_in.h"
+#include "motionlaws/register.h"
 
 namespace lockstep {
 namespace {
@@ -15,7 +16,7 @@ constexpr const char* kLaw = "spline_rotation";
 std::string ordinal(Eigen::Index i) { return text::number(static_cast<double>(i + 1)); }
 
 // One row per quaternion, of length 1, with the sign that is nearest to its neighbour.
-MatX aligned(const SplineRotation::Points& points) {
+MatX aligned(const RotationPoints& points) {
   MatX q(static_cast<Eigen::Index>(points.size()), 4);
   for (Eigen::Index i = 0; i < q.rows(); ++i) {
     q.row(i) = require_orientation(kLaw, "points", points[i].second).coefficients().transpose();
@@ -30,7 +31,7 @@ MatX aligned(const SplineRotation::Points& points) {
   return q;
 }
 
-SplineCurve curve_of(const SplineRotation::Points& points, const SplineSettings& k) {
+SplineCurve curve_of(const RotationPoints& points, const SplineSettings& k) {
   std::vector<double> t;
   for (const auto& [time, q] : points) t.push_back(time);
   MatX q = aligned(points);
@@ -46,74 +47,60 @@ SplineCurve curve_of(const SplineRotation::Points& points, const SplineSettings&
   return SplineCurve(kLaw, std::move(t), q, k, {}, turn);
 }
 
+class SplineRotation final : public RotationLaw {
+ public:
+  using Points = std::vector<std::pair<double, Quat>>;
+  explicit SplineRotation(const Points& points, const SplineSettings& = {});
+  RotationValue at(double t) const override {
+    Vec4 r, rd, rdd;
+    as_built_in_law(kLaw, [&] { curve_.at(t, r.data(), rd.data(), rdd.data()); });
+    const auto jet = [&](int k) { return Time(r[k], rd[k], rdd[k]); };
+    return rotation_value({jet(0), jet(1), jet(2), jet(3)});
+  }
+  // The components of its quaternion across the axis are constant, and zero at the start.
+  bool turns_about(const Vec3& axis) const override {
+    const Vec3 q = at(curve_.first()).q.vec();
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 across = Vec3::Unit(k) - axis[k] * axis;
+      VecX weights = VecX::Zero(4);
+      weights.tail<3>() = across;
+      if (!are_perpendicular(across, q) || !curve_.is_constant(weights)) return false;
+    }
+    return true;
+  }
+  void breakpoints(double t0, double t1, std::vector<double>& out) const override { curve_.breakpoints(t0, t1, out); }
+
+ private:
+  SplineCurve curve_;
+};
+
 }  // namespace
 
-SplineRotation::SplineRotation(const Points& points, const SplineSettings& k) : curve_(curve_of(points, k)) {
-  constexpr int kSamples = 32;
-  for (std::size_t i = 1; i < points.size(); ++i)
-    for (int j = 1; j < kSamples; ++j) {
-      Vec4 r, rd, rdd;
-      const double t0 = points[i - 1].first, t1 = points[i].first;
-      curve_.at(t0 + (t1 - t0) * j / kSamples, r.data(), rd.data(), rdd.data());
-      require(r.norm() > 0.5, kLaw, "points",
-              "turn too far between " + text::number(t0) + " s and " + text::number(t1) +
-                  " s; give orientations between them");
-    }
-}
-
-RotationValue SplineRotation::at(double t) const {
-  Vec4 r, rd, rdd;
-  as_built_in_law(kLaw, [&] { curve_.at(t, r.data(), rd.data(), rdd.data()); });
-  const auto jet = [&](int k) { return Time(r[k], rd[k], rdd[k]); };
-  return rotation_value({jet(0), jet(1), jet(2), jet(3)});
-}
-
-// The components of its quaternion across the axis are constant, and zero at the start.
-bool SplineRotation::turns_about(const Vec3& axis) const {
-  const Vec3 q = at(curve_.first()).q.vec();
-  for (int k = 0; k < 3; ++k) {
-    const Vec3 across = Vec3::Unit(k) - axis[k] * axis;
-    VecX weights = VecX::Zero(4);
-    weights.tail<3>() = across;
-    if (!are_perpendicular(across, q) || !curve_.is_constant(weights)) return false;
-  }
-  return true;
-}
-
-void SplineRotation::breakpoints(double t0, double t1, std::vector<double>& out) const {
-  curve_.breakpoints(t0, t1, out);
-}
-
-const TypeInfo& SplineRotation::info() {
-  static const TypeInfo info = [] {
-    TypeInfo i{kLaw,
-               "smooth through given orientations",
-               {{"points", Form::any, Unit::none, kRequired,
-                 "[[t, orientation], ...], times rising, orientations in any form"}}};
-    add_spline_keys(i.keys);
-    return i;
-  }();
-  return info;
-}
-
-LawPtr<RotationLaw> SplineRotation::make(const Params& p) {
-  const Value& list = p.value("points");
-  if (list.list() == nullptr) p.refuse("points", "must be a list [[t, orientation], ...], not " + shown(list));
-  Points points;
-  for (const Value& point : *list.list()) {
-    const std::string place = p.owner() + ".points[" + std::to_string(points.size()) + "]";
-    if (point.list() == nullptr || point.list()->size() != 2)
-      refuse(point.where, place, "must be [t, orientation], not " + shown(point));
-    const double t = read_number((*point.list())[0], Unit::time, place);
-    points.emplace_back(t, read_orientation_told((*point.list())[1], place));
-  }
-  return laws::spline_rotation(points, spline_settings(p));
-}
-
 namespace laws {
-LawPtr<RotationLaw> spline_rotation(const SplineRotation::Points& points, const SplineSettings& k) {
+LawPtr<RotationLaw> spline_rotation(const RotationPoints& points, const SplineSettings& k) {
   return std::make_shared<const SplineRotation>(points, k);
 }
 }  // namespace laws
+
+void add_spline_rotation(Registry& registry) {
+  TypeInfo i{kLaw,
+             "smooth through given orientations",
+             {{"points", Form::any, Unit::none, kRequired,
+               "[[t, orientation], ...], times rising, orientations in any form"}}};
+  add_spline_keys(i.keys);
+  registry.rotation_laws.add(std::move(i), [](const Params& p) {
+    const Value& list = p.value("points");
+    if (list.list() == nullptr) p.refuse("points", "must be a list [[t, orientation], ...], not " + shown(list));
+    RotationPoints points;
+    for (const Value& point : *list.list()) {
+      const std::string place = p.owner() + ".points[" + std::to_string(points.size()) + "]";
+      if (point.list() == nullptr || point.list()->size() != 2)
+        refuse(point.where, place, "must be [t, orientation], not " + shown(point));
+      const double t = read_number((*point.list())[0], Unit::time, place);
+      points.emplace_back(t, read_orientation_told((*point.list())[1], place));
+    }
+    return laws::spline_rotation(points, spline_settings(p));
+  });
+}
 
 }  // namespace lockstep

@@ -5,94 +5,75 @@
 
 #include <lockstep/laws.h>
 
+#include "motionlaws/register.h"
+
 namespace lockstep {
+namespace {
 
-ConstantTranslation::ConstantTranslation(const Vec3& value) : value_(value) {
-  for (const double x : value) require_finite("constant", "value", x);
-}
-
-TranslationValue ConstantTranslation::at(double) const { return {value_, Vec3::Zero(), Vec3::Zero()}; }
-bool ConstantTranslation::stays_in_plane(const Vec3&) const { return true; }
-
-ComponentsLaw::ComponentsLaw(LawPtr<MotionLaw> x, LawPtr<MotionLaw> y, LawPtr<MotionLaw> z)
-    : laws_{std::move(x), std::move(y), std::move(z)} {
-  constexpr const char* kNames[] = {"x", "y", "z"};
-  for (std::size_t i = 0; i < 3; ++i) require_law("components", kNames[i], laws_[i]);
-}
-
-TranslationValue ComponentsLaw::at(double t) const {
-  TranslationValue r;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const LawValue v = laws_[i]->at(t);
-    const auto k = static_cast<Eigen::Index>(i);
-    r.x[k] = v.y, r.v[k] = v.yd, r.a[k] = v.ydd;
+class ConstantTranslation final : public TranslationLaw {
+ public:
+  explicit ConstantTranslation(const Vec3& value) : value_(value) {
+    for (const double x : value) require_finite("constant", "value", x);
   }
-  return r;
-}
+  TranslationValue at(double) const override { return {value_, Vec3::Zero(), Vec3::Zero()}; }
+  bool stays_in_plane(const Vec3&) const override { return true; }
 
-bool ComponentsLaw::stays_in_plane(const Vec3& normal) const {
-  for (std::size_t i = 0; i < 3; ++i)
-    if (!are_perpendicular(Vec3::Unit(static_cast<Eigen::Index>(i)), normal) && !laws_[i]->is_constant()) return false;
-  return true;
-}
+ private:
+  Vec3 value_;
+};
 
-void ComponentsLaw::breakpoints(double t0, double t1, std::vector<double>& out) const {
-  for (const auto& law : laws_) law->breakpoints(t0, t1, out);
-}
+class ComponentsLaw final : public TranslationLaw {
+ public:
+  ComponentsLaw(LawPtr<MotionLaw> x, LawPtr<MotionLaw> y, LawPtr<MotionLaw> z)
+      : laws_{std::move(x), std::move(y), std::move(z)} {
+    constexpr const char* kNames[] = {"x", "y", "z"};
+    for (std::size_t i = 0; i < 3; ++i) require_law("components", kNames[i], laws_[i]);
+  }
+  TranslationValue at(double t) const override {
+    TranslationValue r;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const LawValue v = laws_[i]->at(t);
+      const auto k = static_cast<Eigen::Index>(i);
+      r.x[k] = v.y, r.v[k] = v.yd, r.a[k] = v.ydd;
+    }
+    return r;
+  }
+  bool stays_in_plane(const Vec3& normal) const override {
+    for (std::size_t i = 0; i < 3; ++i)
+      if (!are_perpendicular(Vec3::Unit(static_cast<Eigen::Index>(i)), normal) && !laws_[i]->is_constant())
+        return false;
+    return true;
+  }
+  void breakpoints(double t0, double t1, std::vector<double>& out) const override {
+    for (const auto& law : laws_) law->breakpoints(t0, t1, out);
+  }
 
-AlongLaw::AlongLaw(const Vec3& axis, LawPtr<MotionLaw> law, const Vec3& origin)
-    : axis_(require_direction("along", "axis", axis)), origin_(origin), law_(std::move(law)) {
-  for (const double x : origin) require_finite("along", "origin", x);
-  require_law("along", "law", law_);
-}
+ private:
+  std::array<LawPtr<MotionLaw>, 3> laws_;
+};
 
-TranslationValue AlongLaw::at(double t) const {
-  const LawValue s = law_->at(t);
-  return {origin_ + s.y * axis_, s.yd * axis_, s.ydd * axis_};
-}
+class AlongLaw final : public TranslationLaw {
+ public:
+  AlongLaw(const Vec3& axis, LawPtr<MotionLaw> law, const Vec3& origin)
+      : axis_(require_direction("along", "axis", axis)), origin_(origin), law_(std::move(law)) {
+    for (const double x : origin) require_finite("along", "origin", x);
+    require_law("along", "law", law_);
+  }
+  TranslationValue at(double t) const override {
+    const LawValue s = law_->at(t);
+    return {origin_ + s.y * axis_, s.yd * axis_, s.ydd * axis_};
+  }
+  bool stays_in_plane(const Vec3& normal) const override {
+    return are_perpendicular(normal, axis_) || law_->is_constant();
+  }
+  void breakpoints(double t0, double t1, std::vector<double>& out) const override { law_->breakpoints(t0, t1, out); }
 
-bool AlongLaw::stays_in_plane(const Vec3& normal) const {
-  return are_perpendicular(normal, axis_) || law_->is_constant();
-}
+ private:
+  Vec3 axis_, origin_;
+  LawPtr<MotionLaw> law_;
+};
 
-void AlongLaw::breakpoints(double t0, double t1, std::vector<double>& out) const { law_->breakpoints(t0, t1, out); }
-
-const TypeInfo& ConstantTranslation::info() {
-  static const TypeInfo info{
-      "constant", "x = value", {{"value", Form::vector3, Unit::length, kRequired, "the translation, in axes of the frame"}}};
-  return info;
-}
-
-const TypeInfo& ComponentsLaw::info() {
-  static const TypeInfo info{"components",
-                             "a scalar law for each component, in axes of the frame",
-                             {{"x", Form::law, Unit::none, 0, "law of x", {}, LawQuantity::value},
-                              {"y", Form::law, Unit::none, 0, "law of y", {}, LawQuantity::value},
-                              {"z", Form::law, Unit::none, 0, "law of z", {}, LawQuantity::value}}};
-  return info;
-}
-
-const TypeInfo& AlongLaw::info() {
-  static const TypeInfo info{
-      "along",
-      "x = origin + axis law(t)",
-      {{"axis", Form::axis, Unit::none, kRequired, "direction, in axes of the frame"},
-       {"law", Form::law, Unit::none, kRequired, "scalar law of the distance", {}, LawQuantity::value},
-       {"origin", Form::vector3, Unit::length, Value::List{0, 0, 0}, "where the distance is zero"}}};
-  return info;
-}
-
-LawPtr<TranslationLaw> ConstantTranslation::make(const Params& p) {
-  return laws::constant_translation(p.vector3("value"));
-}
-
-LawPtr<TranslationLaw> ComponentsLaw::make(const Params& p) {
-  return laws::components(p.law("x"), p.law("y"), p.law("z"));
-}
-
-LawPtr<TranslationLaw> AlongLaw::make(const Params& p) {
-  return laws::along(p.vector3("axis"), p.law("law"), p.vector3("origin"));
-}
+}  // namespace
 
 namespace laws {
 LawPtr<TranslationLaw> constant_translation(const Vec3& value) {
@@ -105,5 +86,26 @@ LawPtr<TranslationLaw> along(const Vec3& axis, LawPtr<MotionLaw> law, const Vec3
   return std::make_shared<const AlongLaw>(axis, std::move(law), origin);
 }
 }  // namespace laws
+
+void add_translations(Registry& registry) {
+  registry.translation_laws.add(
+      {"constant",
+       "x = value",
+       {{"value", Form::vector3, Unit::length, kRequired, "the translation, in axes of the frame"}}},
+      [](const Params& p) { return laws::constant_translation(p.vector3("value")); });
+  registry.translation_laws.add({"components",
+                                 "a scalar law for each component, in axes of the frame",
+                                 {{"x", Form::law, Unit::none, 0, "law of x", {}, LawQuantity::value},
+                                  {"y", Form::law, Unit::none, 0, "law of y", {}, LawQuantity::value},
+                                  {"z", Form::law, Unit::none, 0, "law of z", {}, LawQuantity::value}}},
+                                [](const Params& p) { return laws::components(p.law("x"), p.law("y"), p.law("z")); });
+  registry.translation_laws.add(
+      {"along",
+       "x = origin + axis law(t)",
+       {{"axis", Form::axis, Unit::none, kRequired, "direction, in axes of the frame"},
+        {"law", Form::law, Unit::none, kRequired, "scalar law of the distance", {}, LawQuantity::value},
+        {"origin", Form::vector3, Unit::length, Value::List{0, 0, 0}, "where the distance is zero"}}},
+      [](const Params& p) { return laws::along(p.vector3("axis"), p.law("law"), p.vector3("origin")); });
+}
 
 }  // namespace lockstep

@@ -203,7 +203,7 @@ TEST_CASE("a formula may have as many characters as it says", "[mutants][express
 
 TEST_CASE("a marker that a law turns about the normal stays in the plane", "[mutants][plane]") {
   MarkerFrame frame;
-  frame.rotation_law = std::make_shared<AxisRotation>(Vec3(0, 0, 1), laws::law([](auto t) { return t; }));
+  frame.rotation_law = laws::axis_rotation(Vec3(0, 0, 1), laws::law([](auto t) { return t; }));
   CHECK(frame.stays_in_plane({2}));
   CHECK(!frame.stays_in_plane({0}));
 }

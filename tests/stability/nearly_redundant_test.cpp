@@ -265,7 +265,7 @@ TEST_CASE("sets with a law are not decided, and no row of a law is left out", "[
       const auto two = door({}, true);
       Lock& hinge = two->system.link(moved);
       REQUIRE(hinge.jointed() != nullptr);
-      hinge.jointed()->move(std::make_shared<ConstantTranslation>(Vec3::Zero()));
+      hinge.jointed()->move(laws::constant_translation(Vec3::Zero()));
       two->system.setup();
       Dynamics dynamics(two->system, make_solver(RunSettings{}, builtin_registry()),
                         DynamicsOptions{Formulation::omega, {}});

@@ -137,7 +137,7 @@ TEST_CASE("A flat face on an eccentric circle has a closed form, however far off
 }
 
 TEST_CASE("Cams pass the check of links, with splines for profiles as well", "[unit][links]") {
-  Spline::Points points;
+  SplinePoints points;
   for (int i = 0; i <= 12; ++i) points.emplace_back(kTwoPi * i / 12, 0.3 + 0.03 * std::cos(kTwoPi * (i % 12) / 12));
   const auto quintic = laws::spline(points, {.degree = 5, .ends = SplineEnds::periodic});
   for (const auto& radius : {egg(), lobes(), quintic})

@@ -117,7 +117,7 @@ TEST_CASE("A follower's rows are zero on its path with its path's axes, and nowh
 }
 
 TEST_CASE("Points on curves and followers pass the check of links", "[unit][links]") {
-  PathLaw::Points points;  // longer than the check goes
+  PathPoints points;  // longer than the check goes
   for (int i = -4; i <= 8; ++i) points.emplace_back(i, Vec3(i, 0.3 * std::sin(i), 0.3 * std::cos(2 * i)));
   const auto splined = laws::path(points, {.degree = 5});
   for (const auto& way : {helix(), loop(), splined})

@@ -74,7 +74,7 @@ void check_rates_by_differences(const RotationLaw& law, double t) {
   CHECK((a - r.a).norm() < 1e-7 * (1 + r.a.norm()));
 }
 
-const SplineRotation::Points kPoses{
+const RotationPoints kPoses{
     {0.0, {1, 0, 0, 0}},          {0.3, {0.8, 0.5, -0.1, 0.2}}, {0.7, {-0.2, -0.9, 0.3, -0.1}},
     {1.2, {-0.1, 0.7, 0.2, 0.6}}, {1.5, {0.3, 0.2, 0.4, 0.9}},  {2.0, {-2, 0, 0, 0}}};
 
@@ -101,12 +101,12 @@ TEST_CASE("translation laws: constant, components, along", "[unit][motionlaws]")
 }
 
 TEST_CASE("path: each component is the scalar spline", "[unit][motionlaws]") {
-  const PathLaw::Points points{{0, {1, 2, 3}}, {0.4, {-1, 0, 3}}, {1, {2, 2, 0}}, {1.5, {0, 1, 1}}};
+  const PathPoints points{{0, {1, 2, 3}}, {0.4, {-1, 0, 3}}, {1, {2, 2, 0}}, {1.5, {0, 1, 1}}};
   for (const int degree : {3, 5}) {
     const SplineSettings k{degree, SplineEnds::clamped, SplineOutside::hold};
     const auto curve = laws::path(points, k, {.start_velocity = {1, 2, 3}, .end_acceleration = {4, 5, 6}});
     for (int i = 0; i < 3; ++i) {
-      Spline::Points own;
+      SplinePoints own;
       for (const auto& [t, x] : points) own.emplace_back(t, x[i]);
       const auto one = laws::spline(own, k, {.start_rate = 1.0 + i, .end_acceleration = 4.0 + i});
       for (const double t : {-1.0, 0.0, 0.2, 0.4, 0.9, 1.4, 3.0}) {
@@ -188,7 +188,7 @@ TEST_CASE("spline of orientations: many turns about an axis, converging to the e
   const Vec3 n = Vec3(1, 2, 2) / 3.0;
   double last = 0;
   for (const int n_points : {13, 25}) {  // 720 degrees: 60, then 30 degrees apart
-    SplineRotation::Points p;
+    RotationPoints p;
     for (int i = 0; i < n_points; ++i) {
       const double t = 2.0 * i / (n_points - 1);
       Quat q = axis_angle(n, kTwoPi * t);
@@ -205,7 +205,7 @@ TEST_CASE("spline of orientations: many turns about an axis, converging to the e
 
 TEST_CASE("spline of orientations: an odd number of turns closes too, quaternions with the other sign",
           "[unit][motionlaws]") {
-  SplineRotation::Points p;
+  RotationPoints p;
   for (int i = 0; i <= 6; ++i) p.emplace_back(0.5 * i, axis_angle(Vec3(0, 0, 1), kTwoPi * i / 6));
   const auto law = laws::spline_rotation(p, {.ends = SplineEnds::periodic, .outside = SplineOutside::repeat});
   for (int i = 0; i < 3; ++i) check_breakpoints(Component(law, i), -4, 7, {});
@@ -215,7 +215,7 @@ TEST_CASE("spline of orientations: an odd number of turns closes too, quaternion
 
 TEST_CASE("spline of orientations does not depend on the axes that are used", "[unit][motionlaws]") {
   const Quat left = axis_angle(Vec3(1, -2, 0.5), 1.1), right = axis_angle(Vec3(0.2, 1, 1), -0.7);
-  SplineRotation::Points turned;
+  RotationPoints turned;
   for (const auto& [t, q] : kPoses) turned.emplace_back(t, left * normalized(q) * right);
   const auto a = laws::spline_rotation(kPoses), b = laws::spline_rotation(turned);
   for (const double t : {0.1, 0.8, 1.7}) {

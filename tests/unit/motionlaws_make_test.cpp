@@ -81,7 +81,7 @@ TEST_CASE("every scalar law is made by name like its C++ function", "[unit][moti
 }
 
 TEST_CASE("spline is made from points and from a file beside the scene", "[unit][motionlaws]") {
-  const Spline::Points points{{0, 1}, {0.5, 3}, {1, 2}};
+  const SplinePoints points{{0, 1}, {0.5, 3}, {1, 2}};
   const auto expected = laws::spline(points, {5, SplineEnds::clamped, SplineOutside::hold}, {1, 2, 3, 4});
   const Value list(Value::List{Value::list({0, 1}), Value::list({0.5, 3}), Value::list({1, 2})});
   check_same(*make("spline", {{"points", list},

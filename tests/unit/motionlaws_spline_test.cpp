@@ -19,14 +19,14 @@ namespace {
 const std::vector<double> kTimes{0.0, 0.1, 0.35, 0.4, 1.0, 1.7, 2.0};
 
 template <class F>
-Spline::Points points(F f) {
-  Spline::Points p;
+SplinePoints points(F f) {
+  SplinePoints p;
   for (const double t : kTimes) p.emplace_back(t, f(t));
   return p;
 }
 
 // No number repeats and nothing is smooth, but the last equals the first.
-const Spline::Points kRough{{0.0, 0.3}, {0.1, -0.2}, {0.35, 0.9}, {0.4, 1.1}, {1.0, -1.0}, {1.7, 0.2}, {2.0, 0.3}};
+const SplinePoints kRough{{0.0, 0.3}, {0.1, -0.2}, {0.35, 0.9}, {0.4, 1.1}, {1.0, -1.0}, {1.7, 0.2}, {2.0, 0.3}};
 
 constexpr SplineEnds kEnds[] = {SplineEnds::natural, SplineEnds::clamped, SplineEnds::periodic};
 
@@ -162,7 +162,7 @@ TEST_CASE("spline outside of its points: refused, or held with its jumps", "[uni
     return std::string("no error");
   };
   CHECK(whose(laws::spline(kRough)) == "law spline built in");
-  CHECK(whose(std::make_shared<const PathLaw>(PathLaw::Points{{0, Vec3(0, 0, 0)}, {1, Vec3(1, 0, 0)}})) ==
+  CHECK(whose(laws::path({{0, Vec3(0, 0, 0)}, {1, Vec3(1, 0, 0)}})) ==
         "law path built in");
   CHECK(whose(laws::spline_rotation({{0, Quat{}}, {1, Quat{}}})) == "law spline_rotation built in");
   const auto held = laws::spline(kRough, {.outside = SplineOutside::hold});
@@ -194,7 +194,7 @@ TEST_CASE("a held spline breaks only at the end where it does not rest", "[unit]
 }
 
 TEST_CASE("a long table stays exact and cheap", "[unit][motionlaws]") {
-  Spline::Points p;
+  SplinePoints p;
   for (int i = 0; i <= 4000; ++i) p.emplace_back(0.001 * i, std::sin(0.001 * i));
   const SplineEndValues ends{1.0, std::cos(4.0), 0.0, -std::sin(4.0)};
   const auto law = laws::spline(p, {.degree = 5, .ends = SplineEnds::clamped}, ends);

@@ -131,7 +131,7 @@ TEST_CASE("weighted starts of very many bodies are refused by the number of unkn
 
 // 2.8 rad in 0.07 s after slow ones: before them the curve of the quaternions swings through zero.
 TEST_CASE("a spline of orientations that turn too far is refused with both instants", "[unit][refusals]") {
-  SplineRotation::Points points;
+  RotationPoints points;
   for (const auto& [t, angle] :
        {std::pair(0.0, 0.0), std::pair(1.83, 2.28), std::pair(3.4, 3.71), std::pair(3.47, 6.51)})
     points.emplace_back(t, axis_angle(Vec3(1, 0, 0), angle));

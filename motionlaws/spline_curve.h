@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Private to the room: the C2 (cubic) or C4 (quintic) spline through points of the laws 'spline', 'path' and
+// 'spline_rotation', and the keys that they share.
+#pragma once
+
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+#include <lockstep/author/params.h>
+#include <lockstep/splines.h>
+
+namespace lockstep {
+
+/// Derivatives at clamped ends, one per component; an empty one is 0.
+struct SplineEndRates {
+  VecX start_rate{},          ///< first derivative at the first point
+      end_rate{};             ///< first derivative at the last point
+  VecX start_acceleration{},  ///< second derivative at the first point; quintic only
+      end_acceleration{};     ///< second derivative at the last point; quintic only
+};
+
+/// A spline of `n_components` functions of t through the points (t_i, y_i), i = 0 .. n; one polynomial per interval.
+class SplineCurve {
+ public:
+  /// `law` names the type in messages; t strictly increasing, s; y has one row per point, one column per component.
+  /// `turn` = -1: the last point and its rates are the negatives of the first ones (quaternions after an odd number of
+  /// full turns). Throws ModelError (ParameterError) for too few points, times that do not increase, numbers that are
+  /// not finite, periodic ends that do not meet, or `repeat` without periodic ends.
+  SplineCurve(const char* law, std::vector<double> t, const MatX& y, const SplineSettings&, const SplineEndRates& = {},
+              double turn = 1);
+  /// Writes value, first and second derivative at t, s, n_components() each. Throws ModelError outside of the points
+  /// when that is refused.
+  void at(double t, double* y, double* yd, double* ydd) const;
+  /// Appends the jumps in (t0, t1), s: the ends of the range when the value is held outside and the curve does not come
+  /// to rest there. There are none between the points.
+  void breakpoints(double t0, double t1, std::vector<double>& out) const;
+  /// Whether this combination of its components, one weight each, has one value at all times.
+  bool is_constant(const VecX& weights) const;
+  double first() const { return t_.front(); }         ///< first time, s
+  double last() const { return t_.back(); }           ///< last time, s
+  int n_components() const { return n_components_; }  ///< number of components
+
+ private:
+  void check(const MatX& y) const;
+  void fill(const MatX& y, const MatX& nodes);
+  std::size_t interval(double t) const;
+  std::string law_;
+  std::vector<double> t_;
+  SplineSettings k_;
+  double turn_;
+  int n_components_;
+  std::vector<double> c_;  // [interval][component][power], powers 0 .. degree
+  bool rest_at_first_ = false, rest_at_last_ = false;
+};
+
+/// First (and for the quintic second) derivatives at the points, one column per component: row i of the result for a
+/// cubic, rows 2 i and 2 i + 1 for a quintic. Solves a system of blocks of 1 or 2, tridiagonal, with a border when
+/// periodic.
+MatX spline_nodes(const std::vector<double>& t, const MatX& y, int degree, SplineEnds, const SplineEndRates&,
+                  double turn);
+
+// The keys that 'spline', 'path' and 'spline_rotation' share, and how they are read.
+
+/// Appends the keys degree, ends and outside.
+void add_spline_keys(Keys&);
+/// Reads the keys of add_spline_keys().
+SplineSettings spline_settings(const Params&);
+
+/// Throws SceneError for keys of end rates that would have no effect: any of `first` and `second` without clamped ends,
+/// any of `second` (second derivatives) without degree 5.
+void check_end_keys(const Params&, const SplineSettings&, std::initializer_list<const char*> first,
+                    std::initializer_list<const char*> second);
+
+/// The points of a law from its key "points" (rows [t, y...]) or from its key "file" with the columns `t_column` and
+/// `y_columns`; a relative path starts at the scene's folder. Throws SceneError unless exactly one of the two is given
+/// and rows have 1 + n_components numbers, and what read_columns() throws.
+Columns points_of(const Params&, std::size_t n_components, const std::string& t_column,
+                  const std::vector<std::string>& y_columns);
+
+}  // namespace lockstep
