@@ -10,6 +10,27 @@
 
 namespace lockstep {
 
+namespace {
+
+// The same equations in real numbers: of A + iB those of (A -B; B A).
+MatX real_of(const MatX& A) { return A; }
+MatX real_of(const Eigen::MatrixXcd& A) {
+  MatX both(2 * A.rows(), 2 * A.cols());
+  both << A.real(), -A.imag(), A.imag(), A.real();
+  return both;
+}
+VecX solution(const PivotedLu& lu, const VecX& b) { return lu.solution(b); }
+Eigen::VectorXcd solution(const PivotedLu& lu, const Eigen::VectorXcd& b) {
+  VecX both(2 * b.size());
+  both << b.real(), b.imag();
+  both = lu.solution(std::move(both));
+  Eigen::VectorXcd x(b.size());
+  x.real() = both.head(b.size()), x.imag() = both.tail(b.size());
+  return x;
+}
+
+}  // namespace
+
 template <class T>
 void NewtonFactor<T>::lay_out(const NewtonNumbers& N) {
   A_.assign(N.tangents.pairs().size(), Mat6T::Zero());
@@ -97,15 +118,14 @@ void NewtonFactor<T>::factor_dense(const NewtonNumbers& N) {
     for (int j = 0; j < N.width[k]; ++j) A(N.n + row, N.first[k] + j) = A(N.first[k] + j, N.n + row) = r[j];
   });
   A.diagonal().tail(N.m) = (-E_).template cast<T>();
-  dense_.compute(A);
-  if (!dense_.matrixLU().allFinite() || !(dense_.matrixLU().diagonal().cwiseAbs().minCoeff() > 0))
+  if (!dense_.compute(real_of(A)))
     throw SolveError("the matrix of the implicit step is singular or not finite; reduce the step");
 }
 
 template <class T>
 void NewtonFactor<T>::add_correction(const NewtonNumbers& N) {
   if (is_dense_)
-    d_ = dense_.solve(d_).eval();
+    d_ = solution(dense_, d_);
   else
     blocks_.solve(N.plan, d_.data());
   x_ += d_;
@@ -131,9 +151,8 @@ typename NewtonFactor<T>::Residual NewtonFactor<T>::measure(const NewtonNumbers&
   for (unsigned kind = 0; kind < 3; ++kind)
     in_metres[2 + kind] = 1 / length_per_unit(static_cast<RowKind>(kind), N.length);
   std::array<double, 2> most{};
-  for_each_unknown(N, [&](int i, unsigned unit) {
-    most[unit > 1] = std::max(most[unit > 1], in_metres[unit] * size_of(x_[i]));
-  });
+  for_each_unknown(
+      N, [&](int i, unsigned unit) { most[unit > 1] = std::max(most[unit > 1], in_metres[unit] * size_of(x_[i])); });
   for_each_unknown(N, [&](int i, unsigned unit) {
     size_x_[i] = std::max(size_of(x_[i]), kScaleFloor * most[unit > 1] / in_metres[unit]);
   });

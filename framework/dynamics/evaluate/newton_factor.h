@@ -3,7 +3,6 @@
 // NewtonMatrix.
 #pragma once
 
-#include <Eigen/LU>
 #include <array>
 #include <complex>
 #include <vector>
@@ -13,19 +12,20 @@
 #include <lockstep/detail/rows.h>
 #include "framework/dynamics/solvers/block_factor.h"
 #include "framework/dynamics/solvers/stop_rule.h"
+#include "framework/foundation/math/decompositions.h"
 
 namespace lockstep {
 
 /// What the factors are computed from: the layout of the mechanism and the numbers gathered last.
 struct NewtonNumbers {
   TangentSum tangents;
-  std::vector<BodyMass> mass;                  // of each slot
-  std::vector<int> width, first;               // of each slot: unknowns and the first of them
-  std::vector<RowEntry> entries;               // as laid out
-  std::vector<double> J;                       // 6 per slot and row, entry by entry
-  VecX s;                                      // scale of each row, for the proximal term
-  double enough = kRowTolerance;               // relative residual that needs no correction
-  double length = 1;                           // of the mechanism, m
+  std::vector<BodyMass> mass;     // of each slot
+  std::vector<int> width, first;  // of each slot: unknowns and the first of them
+  std::vector<RowEntry> entries;  // as laid out
+  std::vector<double> J;          // 6 per slot and row, entry by entry
+  VecX s;                         // scale of each row, for the proximal term
+  double enough = kRowTolerance;  // relative residual that needs no correction
+  double length = 1;              // of the mechanism, m
   std::array<int, 6> velocity{};  // which of a slot's six velocities each unknown is; in a plane there are three
   int n = 0, m = 0;
   BlockPlan plan;
@@ -73,7 +73,7 @@ class NewtonFactor {
   VecX E_;
 
   BlockFactor<T> blocks_;
-  Eigen::PartialPivLU<Mat> dense_;
+  PivotedLu dense_;
   bool is_dense_ = false;
   long n_dense_ = 0;
   Vec b_, x_, d_;

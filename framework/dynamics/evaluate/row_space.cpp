@@ -31,39 +31,27 @@ VecX lengths_of_rows(const Sparse& Jt) {
 
 }  // namespace
 
-RowSpace::RowSpace(const Sparse& Jt) : n_(Jt.rows()), lengths_(lengths_of_rows(Jt)) {
-  if (Jt.size() > 0) qr_.compute(MatX(Jt * lengths_.cwiseInverse().asDiagonal()));
-}
-
-int RowSpace::rank(double limit) const {
-  int n = 0;
-  while (pivot(n) > limit) ++n;
-  return n;
-}
+RowSpace::RowSpace(const Sparse& Jt)
+    : lengths_(lengths_of_rows(Jt)), qr_(MatX(Jt * lengths_.cwiseInverse().asDiagonal())) {}
 
 double RowSpace::smallest_singular_value(int rank) const {
-  const MatX R = qr_.matrixR().topRows(rank).template triangularView<Eigen::Upper>();
-  return rank > 0 ? std::sqrt(std::max(0.0, symmetric_eigenvalues(R * R.transpose())[0])) : 1.0;
-}
-
-MatX RowSpace::free(double limit) const {
-  MatX N = MatX::Identity(n_, n_).rightCols(n_ - rank(limit));
-  if (qr_.rows() > 0 && N.cols() > 0) N.applyOnTheLeft(qr_.householderQ());
-  return N;
+  const MatX R = qr_.R.topRows(rank).triangularView<Eigen::Upper>();
+  return rank > 0 ? std::sqrt(std::max(0.0, symmetric_eigenvalues(R.lazyProduct(R.transpose()))[0])) : 1.0;
 }
 
 VecX RowSpace::free_part(const VecX& u) const {
-  if (qr_.rows() == 0) return u;
-  VecX held = qr_.householderQ().adjoint() * u;
-  held.tail(n_ - rank()).setZero();
-  return u - qr_.householderQ() * held;
+  VecX free = u;
+  apply_Qt(qr_.R, qr_.scale, free);
+  free.head(rank()).setZero();
+  apply_Q(qr_.R, qr_.scale, free);
+  return free;
 }
 
 VecX RowSpace::circuit(int place, int regular) const {
   VecX x = VecX::Zero(n_rows());
   if (regular > 0) {
-    VecX shares = qr_.matrixR().col(place).head(regular);
-    qr_.matrixR().topLeftCorner(regular, regular).triangularView<Eigen::Upper>().solveInPlace(shares);
+    VecX shares = qr_.R.col(place).head(regular);
+    qr_.R.topLeftCorner(regular, regular).triangularView<Eigen::Upper>().solveInPlace(shares);
     for (int i = 0; i < regular; ++i) x[row_at(i)] = -shares[i];
   }
   x[row_at(place)] = 1;

@@ -7,10 +7,9 @@
 #include <limits>
 #include <vector>
 
-#include <Eigen/QR>
-#include "framework/foundation/math/sparse.h"
-
 #include <lockstep/body.h>
+#include "framework/foundation/math/decompositions.h"
+#include "framework/foundation/math/sparse.h"
 
 namespace lockstep {
 
@@ -41,15 +40,14 @@ class LOCKSTEP_API RowSpace {
   /// Jt: rows transposed, of any length. Throws NonFiniteError.
   explicit RowSpace(const SparseMat& Jt);
 
-  int rank(double limit = kDependent) const;  ///< pivots up to `limit` are zero
+  int rank(double limit = kDependent) const { return qr_.rank(limit); }  ///< pivots up to `limit` are zero
   int nearly() const { return rank() - rank(kNearlyDependent); }
-  double pivot(int place) const {
-    return place < std::min(qr_.rows(), qr_.cols()) ? std::abs(qr_.matrixR()(place, place)) : 0.0;
-  }
+  double pivot(int place) const { return qr_.pivot(place); }
   double smallest_singular_value(int rank) const;         ///< of so many pivots; below 1e-7 it is rounding
   double length(int row) const { return lengths_[row]; }  ///< 1 for a row of zeros
-  MatX free(double limit = kDependent) const;             ///< N: what they leave free, orthonormal columns
-  VecX free_part(const VecX& u) const;                    ///< N N^T u
+  /// N: what they leave free, orthonormal columns.
+  MatX free(double limit = kDependent) const { return qr_.rest(rank(limit)); }
+  VecX free_part(const VecX& u) const;  ///< N N^T u
   /// How the row of a place depends on those of the first places: shares of rows of length 1, the largest is 1.
   VecX circuit(int place, int regular) const;
   /// Combinations of rows as they were given that are zero, one a column: of rows of length 1 the largest share is 1.
@@ -59,11 +57,10 @@ class LOCKSTEP_API RowSpace {
 
  private:
   int n_rows() const { return static_cast<int>(lengths_.size()); }
-  int row_at(int place) const { return qr_.rows() > 0 ? qr_.colsPermutation().indices()[place] : place; }
+  int row_at(int place) const { return qr_.column[place]; }
 
-  Eigen::Index n_;  // unknowns
   VecX lengths_;
-  Eigen::ColPivHouseholderQR<MatX> qr_;
+  PivotedQr qr_;
 };
 
 /// The dependencies of the rows of a loop, of any number. Beyond kDenseRows singular values below 1e-6 are zero, all

@@ -12,6 +12,7 @@
 #include <lockstep/error.h>
 #include "framework/dynamics/solvers/products.h"
 #include "framework/dynamics/solvers/stop_rule.h"
+#include "framework/foundation/math/decompositions.h"
 
 namespace lockstep {
 
@@ -48,22 +49,6 @@ void solve_lower_transposed(const double* L, int n, double* x) {
     for (int k = i + 1; k < n; ++k) x[i] -= L[k * n + i] * x[k];
     x[i] /= L[i * n + i];
   }
-}
-
-// x <- H_k x = x - tau (v . x) v, v = (0, 1, essential part): Eigen's product allocates for each reflection.
-void reflect(const Qr& qr, Eigen::Index k, VecX& x) {
-  const auto essential = qr.matrixQR().col(k).tail(x.size() - k - 1);
-  auto rest = x.tail(x.size() - k - 1);
-  const double s = qr.hCoeffs()[k] * (x[k] + essential.dot(rest));
-  x[k] -= s;
-  rest -= s * essential;
-}
-// x <- Q x and x <- Q^T x, Q = H_0 H_1 ...
-void apply_Q(const Qr& qr, VecX& x) {
-  for (Eigen::Index k = qr.hCoeffs().size() - 1; k >= 0; --k) reflect(qr, k, x);
-}
-void apply_Qt(const Qr& qr, VecX& x) {
-  for (Eigen::Index k = 0; k < qr.hCoeffs().size(); ++k) reflect(qr, k, x);
 }
 
 }  // namespace
@@ -147,19 +132,19 @@ void DenseFactorization::solve_once(const Kkt& kkt, const VecX& f, const VecX& c
   const auto& P2 = inner_.colsPermutation().indices();
   for (Eigen::Index j = 0; j < t_.size(); ++j) t_[j] = (c[P1[j]] - z_[P1[j]]) / root_E_[P1[j]];
 
-  apply_Qt(inner_, t_);
+  apply_Qt(inner_.matrixQR(), inner_.hCoeffs(), t_);
   const auto R2 = inner_.matrixQR().topLeftCorner(rank_, rank_).triangularView<Eigen::Upper>();
   R2.solveInPlace(t_.head(rank_));
   y_.setZero();
   for (int k = 0; k < rank_; ++k) y_[P2[k]] = t_[k];
-  apply_Q(outer_, y_);
+  apply_Q(outer_.matrixQR(), outer_.hCoeffs(), y_);
   invert_Lt(kkt.pattern, y_);
   a += y_;
 
   t_.tail(t_.size() - rank_).setZero();
   t_ = -t_;
   R2.transpose().solveInPlace(t_.head(rank_));
-  apply_Q(inner_, t_);
+  apply_Q(inner_.matrixQR(), inner_.hCoeffs(), t_);
   for (Eigen::Index j = 0; j < t_.size(); ++j) lambda[P1[j]] = t_[j] / root_E_[P1[j]];
 }
 

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <array>
 
-#include <Eigen/QR>
-
 namespace lockstep {
 
 void TreeReactions::begin(const JointTree& tree, const System& system, const RowTable& rows) {
@@ -59,26 +57,34 @@ void TreeReactions::wrenches(const JointTree& tree, const System& system, std::s
 
 // -J' lambda = (F, A' M) on the slot: six equations for at most six multipliers, which have one solution, since a joint
 // carries nothing along its free coordinates; three for a particle. Rows that the joint does not hold are forces. Moments
-// are divided by a length, as everywhere in norms.
+// are divided by a length, as everywhere in norms. Jt = Q R by Gram and Schmidt's modified method, which takes of the
+// right side what each column of Q has of it: as exact as reflections.
 void TreeReactions::multipliers(const RowEntry& e, const RowTable& rows, const Motion& motion, const Wrench& carried,
                                 const Slot& of, const TreeNode& n) {
-  using Equations = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6>;
   std::array<int, 6> held{};
   int m = 0;
   for (int k = 0; k < e.m; ++k)
     if ((n.left >> e.own[k] & 1U) == 0) held[m++] = k;
-  Equations Jt(6, m);
   const RowView block = rows.block(e);
   const int i = e.slots[0] == n.slot ? 0 : 1;
   const double turns = of.freedoms == Freedoms::particle ? 0.0 : 1.0 / length_;
+  Vec6 wrench;
+  wrench << -carried.force, -turns * (motion.A.transpose() * carried.moment);
+  std::array<Vec6, 6> Q;
+  std::array<double, 36> R;
+  std::array<double, 6> x;
   for (int k = 0; k < m; ++k) {
     const std::array<double, 6> J = block.J(i, held[k]);
-    Jt.col(k) << J[0], J[1], J[2], turns * J[3], turns * J[4], turns * J[5];
+    Q[k] << J[0], J[1], J[2], turns * J[3], turns * J[4], turns * J[5];
+    for (int j = 0; j < k; ++j) Q[k] -= (R[6 * j + k] = Q[j].dot(Q[k])) * Q[j];
+    Q[k] /= R[7 * k] = Q[k].norm();
+    wrench -= (x[k] = Q[k].dot(wrench)) * Q[k];
   }
-  Eigen::Matrix<double, 6, 1> wrench;
-  wrench << -carried.force, -turns * (motion.A.transpose() * carried.moment);
-  const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1> found = Eigen::HouseholderQR<Equations>(Jt).solve(wrench);
-  for (int k = 0; k < m; ++k) lambda_[e.first_row + held[k]] = found[k];
+  for (int k = m; k-- > 0;) {
+    for (int j = k + 1; j < m; ++j) x[k] -= R[6 * k + j] * x[j];
+    x[k] /= R[7 * k];
+    lambda_[e.first_row + held[k]] = x[k];
+  }
 }
 
 }  // namespace lockstep

@@ -7,13 +7,11 @@
 #include <algorithm>
 #include <map>
 
-#include <Eigen/LU>
-#include <Eigen/QR>
-
 #include <lockstep/analysis.h>
 #include <lockstep/author/lock.h>
 #include <lockstep/author/relative.h>
 #include <lockstep/text.h>
+#include "framework/foundation/math/decompositions.h"
 #include "framework/foundation/math/limits.h"
 #include "framework/tools/rank/motion_words.h"
 #include "framework/tools/rank/unknowns.h"
@@ -129,12 +127,15 @@ DriveReport driven_by(Dynamics& dynamics, const State& state) {
     if (!(rates.row(static_cast<Eigen::Index>(i)).norm() > kSlight)) continue;
     MatX more(chosen.rows() + 1, N.cols());
     more << chosen, rates.row(static_cast<Eigen::Index>(i));
-    if (Eigen::ColPivHouseholderQR<MatX>(more.transpose()).setThreshold(kSlight).rank() < more.rows()) continue;
+    if (const PivotedQr qr(more.transpose()); qr.rank(kSlight * qr.pivot(0)) < more.rows()) continue;
     chosen = more;
     report.to_drive.push_back(coordinates[i].name());
     leaders.push_back(coordinates[i].slot());
   }
-  const MatX motions = chosen.rows() == N.cols() ? MatX(N * chosen.inverse()) : N;
+  MatX motions = N;
+  PivotedLu lu;
+  if (chosen.rows() == N.cols() && lu.compute(chosen.transpose()))
+    for (auto row : motions.rowwise()) row = lu.solution(row.transpose()).transpose();
   const Inputs& in = dynamics.inputs(state);
   for (Eigen::Index k = 0; k < motions.cols(); ++k) {
     const VecX motion = unknowns.motion_of(motions.col(k));
