@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "motionlaws/register.h"
+#include "motionlaws/law_types.h"
 
 namespace lockstep {
 namespace {
@@ -109,24 +109,24 @@ LawPtr<MotionLaw> shift(LawPtr<MotionLaw> law, double delay) {
 }
 }  // namespace laws
 
-void add_combine(Registry& registry) {
-  registry.laws.add({"sum",
-                     "y = y_1 + y_2 + ...",
-                     {{"laws", Form::laws, Unit::none, kRequired, "the addends", {}, LawQuantity::value}}},
-                    [](const Params& p) { return laws::sum(p.laws("laws")); });
-  registry.laws.add({"product", "y = y_1 y_2 ...", {{"laws", Form::laws, Unit::none, kRequired, "the factors"}}},
-                    [](const Params& p) { return laws::product(p.laws("laws")); });
-  registry.laws.add({"scale",
-                     "y = offset + factor law(t)",
-                     {{"law", Form::law, Unit::none, kRequired, "the law that is scaled"},
-                      {"factor", Form::number, Unit::any, 1, "what its value is multiplied by"},
-                      {"offset", Form::number, Unit::any, 0, "what is added then", {}, LawQuantity::value}}},
-                    [](const Params& p) { return laws::scale(p.law("law"), p.number("factor"), p.number("offset")); });
-  registry.laws.add({"shift",
-                     "y(t) = law(t - delay)",
-                     {{"law", Form::law, Unit::none, kRequired, "the law that is delayed", {}, LawQuantity::value},
-                      {"delay", Form::number, Unit::time, kRequired, "by how much; negative: earlier"}}},
-                    [](const Params& p) { return laws::shift(p.law("law"), p.number("delay")); });
+void add_combine(LawTypes& types) {
+  types.laws.add({"sum",
+                  "y = y_1 + y_2 + ...",
+                  {{"laws", Form::laws, Unit::none, kRequired, "the addends", {}, LawQuantity::value}}},
+                 [](const Params& p) { return laws::sum(p.laws("laws")); });
+  types.laws.add({"product", "y = y_1 y_2 ...", {{"laws", Form::laws, Unit::none, kRequired, "the factors"}}},
+                 [](const Params& p) { return laws::product(p.laws("laws")); });
+  types.laws.add({"scale",
+                  "y = offset + factor law(t)",
+                  {{"law", Form::law, Unit::none, kRequired, "the law that is scaled"},
+                   {"factor", Form::number, Unit::any, 1, "what its value is multiplied by"},
+                   {"offset", Form::number, Unit::any, 0, "what is added then", {}, LawQuantity::value}}},
+                 [](const Params& p) { return laws::scale(p.law("law"), p.number("factor"), p.number("offset")); });
+  types.laws.add({"shift",
+                  "y(t) = law(t - delay)",
+                  {{"law", Form::law, Unit::none, kRequired, "the law that is delayed", {}, LawQuantity::value},
+                   {"delay", Form::number, Unit::time, kRequired, "by how much; negative: earlier"}}},
+                 [](const Params& p) { return laws::shift(p.law("law"), p.number("delay")); });
 }
 
 }  // namespace lockstep

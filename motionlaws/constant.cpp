@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/laws.h>
 
-#include "motionlaws/register.h"
+#include "motionlaws/law_types.h"
 
 namespace lockstep {
 namespace {
@@ -22,17 +22,17 @@ namespace laws {
 LawPtr<MotionLaw> constant(double value) { return std::make_shared<const Constant>(value); }
 }  // namespace laws
 
-void add_constant(Registry& registry) {
-  registry.laws.add({"constant",
-                     "y = value",
-                     {{"value",
-                       Form::number,
-                       Unit::any,
-                       kRequired,
-                       "the value, in the unit of what it drives",
-                       {},
-                       LawQuantity::value}}},
-                    [](const Params& p) { return laws::constant(p.number("value")); });
+void add_constant(LawTypes& types) {
+  types.laws.add({"constant",
+                  "y = value",
+                  {{"value",
+                    Form::number,
+                    Unit::any,
+                    kRequired,
+                    "the value, in the unit of what it drives",
+                    {},
+                    LawQuantity::value}}},
+                 [](const Params& p) { return laws::constant(p.number("value")); });
 }
 
 }  // namespace lockstep

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/error.h>
 #include "framework/mechanism/expression/function.h"
-#include "motionlaws/register.h"
+#include "motionlaws/law_types.h"
 
 namespace lockstep {
 namespace {
@@ -23,27 +23,27 @@ class FormulaLaw final : public MotionLaw {
 
 }  // namespace
 
-void add_formula(Registry& registry) {
-  registry.laws.add({"formula",
-                     "y by a formula of time",
-                     {{"y",
-                       Form::text,
-                       Unit::none,
-                       kRequired,
-                       "formula of t, as in \"=0.1*sin(3*t)\"; all numbers in SI, or all with units",
-                       {},
-                       LawQuantity::value},
-                      expression::constants_key()}},
-                    [](const Params& p) -> LawPtr<MotionLaw> {
-                      const std::vector<expression::Constant> constants = expression::read_constants(p, "parameters");
-                      try {
-                        return std::make_shared<const FormulaLaw>(p.text("y"), constants);
-                      } catch (const SceneError&) {
-                        throw;
-                      } catch (const ModelError& error) {
-                        p.refuse("y", error.what());
-                      }
-                    });
+void add_formula(LawTypes& types) {
+  types.laws.add({"formula",
+                  "y by a formula of time",
+                  {{"y",
+                    Form::text,
+                    Unit::none,
+                    kRequired,
+                    "formula of t, as in \"=0.1*sin(3*t)\"; all numbers in SI, or all with units",
+                    {},
+                    LawQuantity::value},
+                   expression::constants_key()}},
+                 [](const Params& p) -> LawPtr<MotionLaw> {
+                   const std::vector<expression::Constant> constants = expression::read_constants(p, "parameters");
+                   try {
+                     return std::make_shared<const FormulaLaw>(p.text("y"), constants);
+                   } catch (const SceneError&) {
+                     throw;
+                   } catch (const ModelError& error) {
+                     p.refuse("y", error.what());
+                   }
+                 });
 }
 
 }  // namespace lockstep

@@ -7,7 +7,7 @@
 
 #include <lockstep/math.h>
 
-#include "motionlaws/register.h"
+#include "motionlaws/law_types.h"
 
 namespace lockstep {
 namespace {
@@ -47,8 +47,8 @@ namespace laws {
 LawPtr<MotionLaw> fourier(FourierSettings k) { return std::make_shared<const Fourier>(std::move(k)); }
 }  // namespace laws
 
-void add_fourier(Registry& registry) {
-  registry.laws.add(
+void add_fourier(LawTypes& types) {
+  types.laws.add(
       {"fourier",
        "y = offset + sum a_k cos(k omega t) + b_k sin(k omega t), k = 1, 2, ...",
        {{"omega", Form::number, Unit::angular_speed, kOptional, "base circular frequency; this or frequency"},

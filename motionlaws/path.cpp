@@ -4,7 +4,7 @@
 #include <lockstep/laws.h>
 
 #include "motionlaws/built_in.h"
-#include "motionlaws/register.h"
+#include "motionlaws/law_types.h"
 
 namespace lockstep {
 namespace {
@@ -46,7 +46,7 @@ LawPtr<TranslationLaw> path(const PathPoints& points, const SplineSettings& k, c
 }
 }  // namespace laws
 
-void add_path(Registry& registry) {
+void add_path(LawTypes& types) {
   TypeInfo i{"path",
              "smooth through points [t, x, y, z] or four columns of a CSV file, in axes of the frame",
              {{"points",
@@ -68,7 +68,7 @@ void add_path(Registry& registry) {
   for (const char* key : {"start_acceleration", "end_acceleration"})
     i.keys.push_back(
         {key, Form::vector3, Unit::acceleration, Value::List{0, 0, 0}, "acceleration at a clamped end of degree 5"});
-  registry.translation_laws.add(std::move(i), [](const Params& p) {
+  types.translation_laws.add(std::move(i), [](const Params& p) {
     const SplineSettings k = spline_settings(p);
     check_end_keys(p, k, {"start_velocity", "end_velocity"}, {"start_acceleration", "end_acceleration"});
     Columns table = points_of(p, 3, p.text("t_column"), {p.text("x_column"), p.text("y_column"), p.text("z_column")});

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "motionlaws/register.h"
+#include "motionlaws/law_types.h"
 
 namespace lockstep {
 namespace {
@@ -40,8 +40,8 @@ LawPtr<MotionLaw> polynomial(std::vector<double> coefficients, double t0) {
 }
 }  // namespace laws
 
-void add_polynomial(Registry& registry) {
-  registry.laws.add(
+void add_polynomial(LawTypes& types) {
+  types.laws.add(
       {"polynomial",
        "y = c0 + c1 (t - t0) + c2 (t - t0)^2 + ...",
        {{"coefficients", Form::numbers, Unit::any, kRequired, "c0, c1, c2, ...", {}, LawQuantity::coefficients},

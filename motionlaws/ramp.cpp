@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/laws.h>
 
-#include "motionlaws/register.h"
+#include "motionlaws/law_types.h"
 
 namespace lockstep {
 namespace {
@@ -25,8 +25,8 @@ namespace laws {
 LawPtr<MotionLaw> ramp(double slope, double t0, double y0) { return std::make_shared<const Ramp>(slope, t0, y0); }
 }  // namespace laws
 
-void add_ramp(Registry& registry) {
-  registry.laws.add(
+void add_ramp(LawTypes& types) {
+  types.laws.add(
       {"ramp",
        "y = y0 + slope (t - t0)",
        {{"slope", Form::number, Unit::any, kRequired, "rate of y, its unit per second", {}, LawQuantity::rate},

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "motionlaws/register.h"
+#include "motionlaws/law_types.h"
 #include "motionlaws/side.h"
 
 namespace lockstep {
@@ -57,8 +57,8 @@ LawPtr<MotionLaw> repeat(LawPtr<MotionLaw> law, double period, const RepeatSetti
 }
 }  // namespace laws
 
-void add_repeat(Registry& registry) {
-  registry.laws.add(
+void add_repeat(LawTypes& types) {
+  types.laws.add(
       {"repeat",
        "one period of a law, over and over",
        {{"law", Form::law, Unit::none, kRequired, "the law, used from its time 0 to period", {}, LawQuantity::value},

@@ -5,7 +5,7 @@
 
 #include <lockstep/math.h>
 
-#include "motionlaws/register.h"
+#include "motionlaws/law_types.h"
 #include "motionlaws/side.h"
 
 namespace lockstep {
@@ -92,13 +92,13 @@ LawPtr<MotionLaw> cycloid(const RiseSettings& k) { return std::make_shared<const
 LawPtr<MotionLaw> harmonic_rise(const RiseSettings& k) { return std::make_shared<const HarmonicRise>(k); }
 }  // namespace laws
 
-void add_rise(Registry& registry) {
-  registry.laws.add(rise_info("poly345", "rise h (10 u^3 - 15 u^4 + 6 u^5), u = (t - t0)/T, held outside"),
-                    [](const Params& p) { return laws::poly345(rise_settings(p)); });
-  registry.laws.add(rise_info("cycloid", "rise h (u - sin(2 pi u)/(2 pi)), u = (t - t0)/T, held outside"),
-                    [](const Params& p) { return laws::cycloid(rise_settings(p)); });
-  registry.laws.add(rise_info("harmonic_rise", "rise h (1 - cos(pi u))/2, u = (t - t0)/T, held outside"),
-                    [](const Params& p) { return laws::harmonic_rise(rise_settings(p)); });
+void add_rise(LawTypes& types) {
+  types.laws.add(rise_info("poly345", "rise h (10 u^3 - 15 u^4 + 6 u^5), u = (t - t0)/T, held outside"),
+                 [](const Params& p) { return laws::poly345(rise_settings(p)); });
+  types.laws.add(rise_info("cycloid", "rise h (u - sin(2 pi u)/(2 pi)), u = (t - t0)/T, held outside"),
+                 [](const Params& p) { return laws::cycloid(rise_settings(p)); });
+  types.laws.add(rise_info("harmonic_rise", "rise h (1 - cos(pi u))/2, u = (t - t0)/T, held outside"),
+                 [](const Params& p) { return laws::harmonic_rise(rise_settings(p)); });
 }
 
 }  // namespace lockstep

@@ -6,7 +6,7 @@
 
 #include <lockstep/laws.h>
 
-#include "motionlaws/register.h"
+#include "motionlaws/law_types.h"
 
 namespace lockstep {
 namespace {
@@ -76,19 +76,19 @@ LawPtr<RotationLaw> rotation_product(LawPtr<RotationLaw> first, LawPtr<RotationL
 }
 }  // namespace laws
 
-void add_rotations(Registry& registry) {
-  registry.rotation_laws.add(
+void add_rotations(LawTypes& types) {
+  types.rotation_laws.add(
       {"constant",
        "a fixed orientation",
        {{"orientation", Form::orientation, Unit::none, kRequired, "the orientation, against the frame"}}},
       [](const Params& p) { return laws::constant_rotation(p.orientation("orientation")); });
-  registry.rotation_laws.add(
+  types.rotation_laws.add(
       {"axis_rotation",
        "turn about an axis by a scalar law",
        {{"axis", Form::axis, Unit::none, kRequired, "direction, in axes of the frame"},
         {"law", Form::law, Unit::none, kRequired, "scalar law of the angle", {}, LawQuantity::value}}},
       [](const Params& p) { return laws::axis_rotation(p.vector3("axis"), p.law("law")); });
-  registry.rotation_laws.add(
+  types.rotation_laws.add(
       {"product",
        "two rotations one after the other, q = q1 q2",
        {{"first", Form::rotation_law, Unit::none, kRequired, "q1, against the frame", {}, LawQuantity::value},

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "motionlaws/register.h"
+#include "motionlaws/law_types.h"
 #include "motionlaws/side.h"
 
 namespace lockstep {
@@ -91,31 +91,31 @@ LawPtr<MotionLaw> sequence(std::vector<Piece> pieces, const SequenceSettings& k)
 }
 }  // namespace laws
 
-void add_sequence(Registry& registry) {
-  registry.laws.add({"sequence",
-                     "laws one after another, each on its own time from 0",
-                     {{"durations", Form::numbers, Unit::time, kRequired, "how long each law runs"},
-                      {"laws", Form::laws, Unit::none, kRequired, "as many laws", {}, LawQuantity::value},
-                      {"continue", Form::boolean, Unit::none, false,
-                       "each law continues from the value at which the one before ended"},
-                      {"outside",
-                       Form::choice,
-                       Unit::none,
-                       "hold",
-                       "before and after: value held, or first and last law run on",
-                       {"hold", "run_on"}},
-                      {"t0", Form::number, Unit::time, 0, "start of the first law"}}},
-                    [](const Params& p) {
-                      const auto durations = p.numbers("durations");
-                      const auto laws = p.laws("laws");
-                      if (durations.size() != laws.size())
-                        p.refuse("durations", "are " + std::to_string(durations.size()) + " for " +
-                                                  std::to_string(laws.size()) + " laws; give one per law");
-                      std::vector<Piece> pieces;
-                      for (std::size_t i = 0; i < laws.size(); ++i) pieces.push_back({durations[i], laws[i]});
-                      return laws::sequence(std::move(pieces),
-                                            {p.number("t0"), p.boolean("continue"), p.text("outside") == "run_on"});
-                    });
+void add_sequence(LawTypes& types) {
+  types.laws.add({"sequence",
+                  "laws one after another, each on its own time from 0",
+                  {{"durations", Form::numbers, Unit::time, kRequired, "how long each law runs"},
+                   {"laws", Form::laws, Unit::none, kRequired, "as many laws", {}, LawQuantity::value},
+                   {"continue", Form::boolean, Unit::none, false,
+                    "each law continues from the value at which the one before ended"},
+                   {"outside",
+                    Form::choice,
+                    Unit::none,
+                    "hold",
+                    "before and after: value held, or first and last law run on",
+                    {"hold", "run_on"}},
+                   {"t0", Form::number, Unit::time, 0, "start of the first law"}}},
+                 [](const Params& p) {
+                   const auto durations = p.numbers("durations");
+                   const auto laws = p.laws("laws");
+                   if (durations.size() != laws.size())
+                     p.refuse("durations", "are " + std::to_string(durations.size()) + " for " +
+                                               std::to_string(laws.size()) + " laws; give one per law");
+                   std::vector<Piece> pieces;
+                   for (std::size_t i = 0; i < laws.size(); ++i) pieces.push_back({durations[i], laws[i]});
+                   return laws::sequence(std::move(pieces),
+                                         {p.number("t0"), p.boolean("continue"), p.text("outside") == "run_on"});
+                 });
 }
 
 }  // namespace lockstep

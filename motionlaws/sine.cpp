@@ -5,7 +5,7 @@
 
 #include <lockstep/math.h>
 
-#include "motionlaws/register.h"
+#include "motionlaws/law_types.h"
 
 namespace lockstep {
 namespace {
@@ -34,28 +34,27 @@ namespace laws {
 LawPtr<MotionLaw> sine(const SineSettings& k) { return std::make_shared<const Sine>(k); }
 }  // namespace laws
 
-void add_sine(Registry& registry) {
-  registry.laws.add({"sine",
-                     "y = offset + amplitude sin(omega t + phase)",
-                     {{"amplitude",
-                       Form::number,
-                       Unit::any,
-                       1,
-                       "half of the swing, in the unit of what it drives",
-                       {},
-                       LawQuantity::value},
-                      {"omega", Form::number, Unit::angular_speed, kOptional, "circular frequency; this or frequency"},
-                      {"frequency", Form::number, Unit::frequency, kOptional, "cycles per second; this or omega"},
-                      {"phase", Form::number, Unit::angle, 0, "angle at t = 0"},
-                      {"offset", Form::number, Unit::any, 0, "mean value", {}, LawQuantity::value}}},
-                    [](const Params& p) {
-                      if (p.has("omega") && p.has("frequency"))
-                        p.refuse("frequency", "is given as well as omega; give one of the two");
-                      if (!p.has("omega") && !p.has("frequency"))
-                        p.refuse("omega", "is missing; give omega or frequency");
-                      const double omega = p.has("omega") ? p.number("omega") : kTwoPi * p.number("frequency");
-                      return laws::sine({p.number("amplitude"), omega, p.number("phase"), p.number("offset")});
-                    });
+void add_sine(LawTypes& types) {
+  types.laws.add({"sine",
+                  "y = offset + amplitude sin(omega t + phase)",
+                  {{"amplitude",
+                    Form::number,
+                    Unit::any,
+                    1,
+                    "half of the swing, in the unit of what it drives",
+                    {},
+                    LawQuantity::value},
+                   {"omega", Form::number, Unit::angular_speed, kOptional, "circular frequency; this or frequency"},
+                   {"frequency", Form::number, Unit::frequency, kOptional, "cycles per second; this or omega"},
+                   {"phase", Form::number, Unit::angle, 0, "angle at t = 0"},
+                   {"offset", Form::number, Unit::any, 0, "mean value", {}, LawQuantity::value}}},
+                 [](const Params& p) {
+                   if (p.has("omega") && p.has("frequency"))
+                     p.refuse("frequency", "is given as well as omega; give one of the two");
+                   if (!p.has("omega") && !p.has("frequency")) p.refuse("omega", "is missing; give omega or frequency");
+                   const double omega = p.has("omega") ? p.number("omega") : kTwoPi * p.number("frequency");
+                   return laws::sine({p.number("amplitude"), omega, p.number("phase"), p.number("offset")});
+                 });
 }
 
 }  // namespace lockstep

@@ -4,7 +4,7 @@
 #include <lockstep/laws.h>
 
 #include "motionlaws/built_in.h"
-#include "motionlaws/register.h"
+#include "motionlaws/law_types.h"
 
 namespace lockstep {
 namespace {
@@ -46,7 +46,7 @@ LawPtr<MotionLaw> spline(const SplinePoints& points, const SplineSettings& k, co
 }
 }  // namespace laws
 
-void add_spline(Registry& registry) {
+void add_spline(LawTypes& types) {
   TypeInfo i{"spline",
              "smooth through points [t, y] or two columns of a CSV file",
              {{"points",
@@ -66,7 +66,7 @@ void add_spline(Registry& registry) {
   for (const char* key : {"start_acceleration", "end_acceleration"})
     i.keys.push_back(
         {key, Form::number, Unit::any, 0, "ydd at a clamped end of degree 5", {}, LawQuantity::acceleration});
-  registry.laws.add(std::move(i), [](const Params& p) {
+  types.laws.add(std::move(i), [](const Params& p) {
     const SplineSettings k = spline_settings(p);
     check_end_keys(p, k, {"start_rate", "end_rate"}, {"start_acceleration", "end_acceleration"});
     Columns table = points_of(p, 1, p.text("t_column"), {p.text("y_column")});

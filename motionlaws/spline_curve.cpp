@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
-#include <lockstep/error.h>
 #include <lockstep/author/law_checks.h>
+#include <lockstep/error.h>
 
 #include "motionlaws/side.h"
 

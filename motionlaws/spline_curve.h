@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include <lockstep/author/params.h>
 #include <lockstep/splines.h>
 
 namespace lockstep {
@@ -71,11 +70,5 @@ SplineSettings spline_settings(const Params&);
 /// any of `second` (second derivatives) without degree 5.
 void check_end_keys(const Params&, const SplineSettings&, std::initializer_list<const char*> first,
                     std::initializer_list<const char*> second);
-
-/// The points of a law from its key "points" (rows [t, y...]) or from its key "file" with the columns `t_column` and
-/// `y_columns`; a relative path starts at the scene's folder. Throws SceneError unless exactly one of the two is given
-/// and rows have 1 + n_components numbers, and what read_columns() throws.
-Columns points_of(const Params&, std::size_t n_components, const std::string& t_column,
-                  const std::vector<std::string>& y_columns);
 
 }  // namespace lockstep

@@ -6,7 +6,7 @@
 #include <lockstep/laws.h>
 #include "framework/mechanism/params/read.h"
 #include "motionlaws/built_in.h"
-#include "motionlaws/register.h"
+#include "motionlaws/law_types.h"
 
 namespace lockstep {
 namespace {
@@ -49,8 +49,18 @@ SplineCurve curve_of(const RotationPoints& points, const SplineSettings& k) {
 
 class SplineRotation final : public RotationLaw {
  public:
-  using Points = std::vector<std::pair<double, Quat>>;
-  explicit SplineRotation(const Points& points, const SplineSettings& = {});
+  SplineRotation(const RotationPoints& points, const SplineSettings& k) : curve_(curve_of(points, k)) {
+    constexpr int kSamples = 32;
+    for (std::size_t i = 1; i < points.size(); ++i)
+      for (int j = 1; j < kSamples; ++j) {
+        Vec4 r, rd, rdd;
+        const double t0 = points[i - 1].first, t1 = points[i].first;
+        curve_.at(t0 + (t1 - t0) * j / kSamples, r.data(), rd.data(), rdd.data());
+        require(r.norm() > 0.5, kLaw, "points",
+                "turn too far between " + text::number(t0) + " s and " + text::number(t1) +
+                    " s; give orientations between them");
+      }
+  }
   RotationValue at(double t) const override {
     Vec4 r, rd, rdd;
     as_built_in_law(kLaw, [&] { curve_.at(t, r.data(), rd.data(), rdd.data()); });
@@ -82,13 +92,13 @@ LawPtr<RotationLaw> spline_rotation(const RotationPoints& points, const SplineSe
 }
 }  // namespace laws
 
-void add_spline_rotation(Registry& registry) {
+void add_spline_rotation(LawTypes& types) {
   TypeInfo i{kLaw,
              "smooth through given orientations",
              {{"points", Form::any, Unit::none, kRequired,
                "[[t, orientation], ...], times rising, orientations in any form"}}};
   add_spline_keys(i.keys);
-  registry.rotation_laws.add(std::move(i), [](const Params& p) {
+  types.rotation_laws.add(std::move(i), [](const Params& p) {
     const Value& list = p.value("points");
     if (list.list() == nullptr) p.refuse("points", "must be a list [[t, orientation], ...], not " + shown(list));
     RotationPoints points;

@@ -5,7 +5,7 @@
 
 #include <lockstep/laws.h>
 
-#include "motionlaws/register.h"
+#include "motionlaws/law_types.h"
 
 namespace lockstep {
 namespace {
@@ -87,19 +87,19 @@ LawPtr<TranslationLaw> along(const Vec3& axis, LawPtr<MotionLaw> law, const Vec3
 }
 }  // namespace laws
 
-void add_translations(Registry& registry) {
-  registry.translation_laws.add(
+void add_translations(LawTypes& types) {
+  types.translation_laws.add(
       {"constant",
        "x = value",
        {{"value", Form::vector3, Unit::length, kRequired, "the translation, in axes of the frame"}}},
       [](const Params& p) { return laws::constant_translation(p.vector3("value")); });
-  registry.translation_laws.add({"components",
-                                 "a scalar law for each component, in axes of the frame",
-                                 {{"x", Form::law, Unit::none, 0, "law of x", {}, LawQuantity::value},
-                                  {"y", Form::law, Unit::none, 0, "law of y", {}, LawQuantity::value},
-                                  {"z", Form::law, Unit::none, 0, "law of z", {}, LawQuantity::value}}},
-                                [](const Params& p) { return laws::components(p.law("x"), p.law("y"), p.law("z")); });
-  registry.translation_laws.add(
+  types.translation_laws.add({"components",
+                              "a scalar law for each component, in axes of the frame",
+                              {{"x", Form::law, Unit::none, 0, "law of x", {}, LawQuantity::value},
+                               {"y", Form::law, Unit::none, 0, "law of y", {}, LawQuantity::value},
+                               {"z", Form::law, Unit::none, 0, "law of z", {}, LawQuantity::value}}},
+                             [](const Params& p) { return laws::components(p.law("x"), p.law("y"), p.law("z")); });
+  types.translation_laws.add(
       {"along",
        "x = origin + axis law(t)",
        {{"axis", Form::axis, Unit::none, kRequired, "direction, in axes of the frame"},

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "motionlaws/register.h"
+#include "motionlaws/law_types.h"
 #include "motionlaws/side.h"
 
 namespace lockstep {
@@ -77,8 +77,8 @@ namespace laws {
 LawPtr<MotionLaw> trapezoid(const TrapezoidSettings& k) { return std::make_shared<const Trapezoid>(k); }
 }  // namespace laws
 
-void add_trapezoid(Registry& registry) {
-  registry.laws.add(
+void add_trapezoid(LawTypes& types) {
+  types.laws.add(
       {"trapezoid",
        "a distance with a speed that rises linearly, stays and falls linearly; held outside",
        {{"distance", Form::number, Unit::any, kRequired, "what y gains; may be negative", {}, LawQuantity::value},

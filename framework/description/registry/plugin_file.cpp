@@ -187,13 +187,12 @@ Number count_by_gnu_hash(const ElfImage& image, Number address) {
   return last + 1;
 }
 
-// How many symbols there are is in the hash tables only.
+// How many symbols there are is in the hash tables only, of which the loader takes GNU's if there are both.
 Number count_symbols(const ElfImage& image, const std::map<std::int64_t, Number>& tags) {
-  if (const auto table = tags.find(DT_HASH); table != tags.end())
-    return image.at<std::uint32_t>(kHash, table->second, 2).back();
-  const auto table = tags.find(DT_GNU_HASH);
+  if (const auto table = tags.find(DT_GNU_HASH); table != tags.end()) return count_by_gnu_hash(image, table->second);
+  const auto table = tags.find(DT_HASH);
   if (table == tags.end()) image.refuse("its symbols have no hash table");
-  return count_by_gnu_hash(image, table->second);
+  return image.at<std::uint32_t>(kHash, table->second, 2).back();
 }
 
 }  // namespace

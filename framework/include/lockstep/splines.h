@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <lockstep/author/law.h>
+#include <lockstep/author/params.h>
 
 namespace lockstep {
 
@@ -27,6 +28,12 @@ struct Columns {
 /// number, a first line of words and numbers, times that do not increase.
 LOCKSTEP_API Columns read_columns(const std::string& path, const std::string& t_column,
                                   const std::vector<std::string>& y_columns);
+
+/// The points of a law from its key "points" (rows [t, y...]) or from its key "file" with the columns `t_column` and
+/// `y_columns`; a relative path starts at the scene's folder. Throws SceneError unless exactly one of the two is given
+/// and rows have 1 + n_components numbers, and what read_columns() throws.
+LOCKSTEP_API Columns points_of(const Params&, std::size_t n_components, const std::string& t_column,
+                               const std::vector<std::string>& y_columns);
 
 // The C2 (cubic) or C4 (quintic) spline through points of the laws 'spline', 'path' and 'spline_rotation'.
 

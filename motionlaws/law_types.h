@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Private to the room: types of laws, as the registry takes them.
+#pragma once
+
+#include <functional>
+#include <utility>
+#include <vector>
+
+#include <lockstep/author/law_checks.h>
+#include <lockstep/author/params.h>
+
+namespace lockstep {
+
+/// Types of laws of a kind L: name and keys, and what makes a law from parameters checked against them.
+template <class L>
+struct TypesOf {
+  using Maker = std::function<LawPtr<L>(const Params&)>;
+  std::vector<std::pair<TypeInfo, Maker>> all;
+  void add(TypeInfo info, Maker make) { all.emplace_back(std::move(info), std::move(make)); }
+};
+
+struct LawTypes {
+  TypesOf<MotionLaw> laws;
+  TypesOf<TranslationLaw> translation_laws;
+  TypesOf<RotationLaw> rotation_laws;
+};
+
+// Of each file of the room.
+void add_constant(LawTypes&);
+void add_ramp(LawTypes&);
+void add_sine(LawTypes&);
+void add_fourier(LawTypes&);
+void add_polynomial(LawTypes&);
+void add_rise(LawTypes&);
+void add_trapezoid(LawTypes&);
+void add_spline(LawTypes&);
+void add_sequence(LawTypes&);
+void add_repeat(LawTypes&);
+void add_combine(LawTypes&);
+void add_formula(LawTypes&);
+void add_translations(LawTypes&);
+void add_path(LawTypes&);
+void add_rotations(LawTypes&);
+void add_spline_rotation(LawTypes&);
+
+}  // namespace lockstep
