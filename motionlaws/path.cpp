@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "motionlaws/spline_curve.h"
 
-#include <lockstep/laws.h>
-
 #include "motionlaws/built_in.h"
 #include "motionlaws/law_types.h"
 

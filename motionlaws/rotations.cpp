@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include <lockstep/laws.h>
-
 #include "motionlaws/law_types.h"
 
 namespace lockstep {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include <lockstep/laws.h>
+#include <lockstep/function_laws.h>
 #include "framework/mechanism/params/read.h"
 #include "motionlaws/built_in.h"
 #include "motionlaws/law_types.h"

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <lockstep/frame_laws.h>
 
+#include <array>
 #include <utility>
-
-#include <lockstep/laws.h>
 
 #include "motionlaws/law_types.h"
 

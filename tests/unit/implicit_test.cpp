@@ -192,6 +192,14 @@ TEST_CASE("NewtonMatrix without mass is statics: pivots are looked for elsewhere
   CHECK(x[5] == Approx(F / (m * 9.81)).epsilon(1e-12));
   CHECK(x[0] == Approx(d * F / (m * 9.81)).epsilon(1e-12));
   CHECK(l[0] == Approx(F).epsilon(1e-12));
+  // A stiffness times a complex number takes the displacement by it, and holds the same load.
+  const NewtonMatrix::Complex c(1, 0.3);
+  N.factor(NewtonMatrix::Complex(0), NewtonMatrix::Complex(0), c);
+  CHECK(N.n_dense() == 2);
+  VecXc xc, lc;
+  CHECK(N.solve(f, VecXc::Zero(5), xc, lc).residual <= 1e-12);
+  CHECK((c * xc - x).norm() <= 1e-12 * x.norm());
+  CHECK((lc - l).norm() <= 1e-12 * l.norm());
 }
 
 TEST_CASE("NewtonMatrix names a row that contradicts another", "[unit][dynamics]") {

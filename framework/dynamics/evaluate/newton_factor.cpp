@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/dynamics/evaluate/newton_factor.h"
 
+#include <algorithm>
 #include <array>
 #include <limits>
+#include <utility>
 
 #include <lockstep/error.h>
 #include "framework/dynamics/solvers/block_kernels.h"
@@ -13,8 +15,8 @@ namespace lockstep {
 namespace {
 
 // The same equations in real numbers: of A + iB those of (A -B; B A).
-MatX real_of(const MatX& A) { return A; }
-MatX real_of(const Eigen::MatrixXcd& A) {
+MatX&& real_of(MatX&& A) { return std::move(A); }
+MatX real_of(Eigen::MatrixXcd&& A) {
   MatX both(2 * A.rows(), 2 * A.cols());
   both << A.real(), -A.imag(), A.imag(), A.real();
   return both;
@@ -118,7 +120,7 @@ void NewtonFactor<T>::factor_dense(const NewtonNumbers& N) {
     for (int j = 0; j < N.width[k]; ++j) A(N.n + row, N.first[k] + j) = A(N.first[k] + j, N.n + row) = r[j];
   });
   A.diagonal().tail(N.m) = (-E_).template cast<T>();
-  if (!dense_.compute(real_of(A)))
+  if (!dense_.compute(real_of(std::move(A))))
     throw SolveError("the matrix of the implicit step is singular or not finite; reduce the step");
 }
 

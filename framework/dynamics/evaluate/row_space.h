@@ -2,8 +2,6 @@
 // RowSpace: what rows hold, what they leave free, and how they depend on one another, by one factorisation.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
 #include <vector>
 

@@ -3,6 +3,7 @@
 
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
@@ -64,9 +65,9 @@ VecX least_norm(const MatX& A, const VecX& b, double limit) {
   return factor.solve(b);
 }
 
-bool PivotedLu::compute(const MatX& A) {
-  const Eigen::PartialPivLU<MatX> lu(A);
-  LU = lu.matrixLU(), to = lu.permutationP().indices();
+bool PivotedLu::compute(MatX A) {
+  LU = std::move(A);
+  to = Eigen::PartialPivLU<Eigen::Ref<MatX>>(LU).permutationP().indices();
   return LU.allFinite() && (LU.diagonal().array() != 0).all();
 }
 

@@ -2,6 +2,8 @@
 // Decompositions of dense matrices, compiled once: Eigen's cost seconds in each file that names them.
 #pragma once
 
+#include <cmath>
+
 #include <lockstep/math.h>
 
 namespace lockstep {
@@ -30,7 +32,7 @@ LOCKSTEP_API void apply_Qt(const MatX& R, const VecX& scale, VecX& x);
 
 /// P A = L U with the largest number of each column as its pivot.
 struct LOCKSTEP_API PivotedLu {
-  bool compute(const MatX& A);  ///< false: A is singular or not finite
+  bool compute(MatX A);         ///< false: A is singular or not finite
   VecX solution(VecX b) const;  ///< A^-1 b
 
   MatX LU;             ///< L below the diagonal, which is 1

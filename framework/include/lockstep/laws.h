@@ -12,6 +12,7 @@ namespace lockstep {
 
 // Law 'constant'.
 
+/// Functions that make laws, as shared pointers.
 namespace laws {
 /// y = value for all t, in the unit of the coordinate that it drives. Throws ModelError unless finite.
 LOCKSTEP_API LawPtr<MotionLaw> constant(double value);

@@ -71,8 +71,8 @@ struct PathEndValues {
 };
 
 namespace laws {
-/// A spline x(t), m, through the points (t_i, x_i), times in s, in the axes of the frame in which it is imposed. As
-/// spline().
+/// A spline x(t), m, through the points (t_i, x_i), times in s, in the axes of the frame in which it is imposed. Ends,
+/// breakpoints and exceptions as those of spline().
 LOCKSTEP_API LawPtr<TranslationLaw> path(const PathPoints& points, const SplineSettings& k = {},
                                          const PathEndValues& ends = {});
 }  // namespace laws
@@ -92,9 +92,10 @@ struct SplineEndValues {
 
 namespace laws {
 /// A spline y(t) through the points (t_i, y_i): cubic with continuous ydd, or quintic with continuous yddd and ydddd.
-/// Outside of the points: refused by ModelError, held, or repeated (periodic ends). t in s, y in the unit of the
-/// coordinate. Throws ModelError for too few points, times that do not increase, numbers that are not finite, periodic
-/// ends that do not meet.
+/// Outside of the points: refused by ModelError, held, or repeated (periodic ends). Breakpoints: the ends of the range,
+/// if the value is held there and the curve does not come to rest. t in s, y in the unit of the coordinate. Throws
+/// ModelError for too few points, times that do not increase, numbers that are not finite, periodic ends that do not
+/// meet, `repeat` without periodic ends.
 LOCKSTEP_API LawPtr<MotionLaw> spline(const SplinePoints& points, const SplineSettings& k = {},
                                       const SplineEndValues& ends = {});
 }  // namespace laws

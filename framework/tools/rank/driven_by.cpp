@@ -134,7 +134,7 @@ DriveReport driven_by(Dynamics& dynamics, const State& state) {
   }
   MatX motions = N;
   PivotedLu lu;
-  if (chosen.rows() == N.cols() && lu.compute(chosen.transpose()))
+  if (chosen.rows() == N.cols() && lu.compute(chosen.transpose()))  // which it is, by its rank
     for (auto row : motions.rowwise()) row = lu.solution(row.transpose()).transpose();
   const Inputs& in = dynamics.inputs(state);
   for (Eigen::Index k = 0; k < motions.cols(); ++k) {
