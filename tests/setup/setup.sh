@@ -3,6 +3,7 @@
 # What samples/run and tests/run do when something is missing, tried with stand-ins for apt-get, id and sudo, and what
 # samples/run says without building anything.
 set -uo pipefail
+unset LOCKSTEP_PRESET  # of the build that is tested
 root="$(readlink -f "$(dirname "${BASH_SOURCE[0]}")/../..")"
 place="$(mktemp -d)"
 trap 'rm -rf "$place"' EXIT
