@@ -12,5 +12,5 @@ for word in motionlaws LOCKSTEP_BUILTINS=OFF 'not found' "$place" LOCKSTEP_PLUGI
   case "$said" in *"$word"*) ;; *) printf 'no word of %s in: %s\n' "$word" "$said" && exit 1 ;; esac
 done
 cp -a "$1/plugins" "$place/plugins"
-LD_LIBRARY_PATH="$place/lib" "$place/bin/lockstep" list laws | grep '^  sine ' >/dev/null || { echo 'no law sine in the list' && exit 1; }
+LD_LIBRARY_PATH="$place/lib" "$place/bin/lockstep" list laws | grep '^ *sine ' >/dev/null || { echo 'no law sine in the list' && exit 1; }
 rm -rf "$place"
