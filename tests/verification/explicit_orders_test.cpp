@@ -70,8 +70,8 @@ TEST_CASE("the error follows the step with the order of the method on three mech
                           Steps{"rk4", "", 4, {200, 400}, {28, 56}, {112, 224}},
                           Steps{"dopri5", "plain", 5, {400, 800}, {140, 200}, {280, 400}},
                           Steps{"dopri5", "manifold", 5, {}, {100, 140}, {280, 400}},
-                          Steps{"dop853", "plain", 8, {40, 80}, {14, 20}, {20, 40}},
-                          Steps{"dop853", "manifold", 8, {40, 80}, {14, 20}, {20, 40}},
+                          Steps{"dop853", "plain", 8, {40, 80}, {12, 18}, {20, 40}},
+                          Steps{"dop853", "manifold", 8, {40, 80}, {12, 18}, {20, 40}},
                           Steps{"rattle2", "", 2, {200, 400}, {70, 140}, {140, 280}},
                           Steps{"rattle4", "", 4, {200, 400}, {35, 70}, {70, 140}});
   const double top = s.top[0] > 0 ? slope(kTop, s, s.top) : s.order, four_bar = slope(kFourBar, s, s.four_bar),
