@@ -8,18 +8,24 @@
 namespace lockstep {
 namespace {
 
-void require_laws(const char* law, const std::vector<LawPtr<MotionLaw>>& laws) {
-  require(!laws.empty(), law, "laws", "are missing; give at least one");
-  for (const auto& inner : laws) require_law(law, "laws", inner);
-}
-
-void breakpoints_of(const std::vector<LawPtr<MotionLaw>>& laws, double t0, double t1, std::vector<double>& out) {
-  for (const auto& law : laws) law->breakpoints(t0, t1, out);
-}
-
-class SumLaw final : public MotionLaw {
+// What sum and product have in common.
+class OfLaws : public MotionLaw {
  public:
-  explicit SumLaw(std::vector<LawPtr<MotionLaw>> laws) : laws_(std::move(laws)) { require_laws("sum", laws_); }
+  OfLaws(const char* type, std::vector<LawPtr<MotionLaw>> laws) : laws_(std::move(laws)) {
+    require(!laws_.empty(), type, "laws", "are missing; give at least one");
+    for (const auto& law : laws_) require_law(type, "laws", law);
+  }
+  void breakpoints(double t0, double t1, std::vector<double>& out) const final {
+    for (const auto& law : laws_) law->breakpoints(t0, t1, out);
+  }
+
+ protected:
+  std::vector<LawPtr<MotionLaw>> laws_;
+};
+
+class SumLaw final : public OfLaws {
+ public:
+  explicit SumLaw(std::vector<LawPtr<MotionLaw>> laws) : OfLaws("sum", std::move(laws)) {}
   LawValue at(double t) const override {
     LawValue r;
     for (const auto& law : laws_) {
@@ -28,17 +34,11 @@ class SumLaw final : public MotionLaw {
     }
     return r;
   }
-  void breakpoints(double t0, double t1, std::vector<double>& out) const override {
-    breakpoints_of(laws_, t0, t1, out);
-  }
-
- private:
-  std::vector<LawPtr<MotionLaw>> laws_;
 };
 
-class ProductLaw final : public MotionLaw {
+class ProductLaw final : public OfLaws {
  public:
-  explicit ProductLaw(std::vector<LawPtr<MotionLaw>> laws) : laws_(std::move(laws)) { require_laws("product", laws_); }
+  explicit ProductLaw(std::vector<LawPtr<MotionLaw>> laws) : OfLaws("product", std::move(laws)) {}
   LawValue at(double t) const override {
     LawValue r{1.0, 0.0, 0.0};
     for (const auto& law : laws_) {
@@ -47,12 +47,6 @@ class ProductLaw final : public MotionLaw {
     }
     return r;
   }
-  void breakpoints(double t0, double t1, std::vector<double>& out) const override {
-    breakpoints_of(laws_, t0, t1, out);
-  }
-
- private:
-  std::vector<LawPtr<MotionLaw>> laws_;
 };
 
 class ScaledLaw final : public MotionLaw {
