@@ -17,7 +17,7 @@ using Values = Eigen::Matrix<double, m, Eigen::Dynamic>;
 
 // The share of an interval of length h at one of its ends: near * x_near + far * x_far = rhs * (y_right - y_left).
 template <int m>
-struct End {
+struct EndShare {
   Block<m> near, far;
   Eigen::Matrix<double, m, 1> rhs;
 };
@@ -33,8 +33,8 @@ struct End {
 // Signs are such that the two sides of a point add up. `sign` is +1 at the left end, -1 at the right one: ydd and y4
 // keep their sign under reflection of time, s and y3 change it.
 template <int m>
-End<m> end_of(double h, double sign) {
-  End<m> e;
+EndShare<m> end_of(double h, double sign) {
+  EndShare<m> e;
   if constexpr (m == 1) {
     e.near << 4 / h;
     e.far << 2 / h;
@@ -65,11 +65,11 @@ class PointEquations {
     Row<m> r;
     r.rhs.setZero(m, y_.cols());
     if (with_left) {
-      const End<m> e = end_of<m>(length(i - 1), -1.0);
+      const EndShare<m> e = end_of<m>(length(i - 1), -1.0);
       r.lower = e.far, r.diagonal += e.near, r.rhs += e.rhs * rise(i - 1);
     }
     if (with_right) {
-      const End<m> e = end_of<m>(length(i), 1.0);
+      const EndShare<m> e = end_of<m>(length(i), 1.0);
       r.upper = e.far, r.diagonal += e.near, r.rhs += e.rhs * rise(i);
     }
     return r;

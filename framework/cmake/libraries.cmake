@@ -21,10 +21,10 @@ function(lockstep_share_precompiled target owner)
   endif()
 endfunction()
 
-# Sources are compiled several at once: most of a small file's time is its headers.
+# Sources are compiled forty at once: most of a small file's time is its headers and the templates that it shares.
 option(LOCKSTEP_UNITY "Compile sources in batches (OFF: one by one, as development and tools that read one file want)" ON)
-function(lockstep_unity target batch)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ${LOCKSTEP_UNITY} UNITY_BUILD_BATCH_SIZE ${batch})
+function(lockstep_unity target)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${LOCKSTEP_UNITY} UNITY_BUILD_BATCH_SIZE 40)
 endfunction()
 set_source_files_properties(integrators/rk4.cpp integrators/dopri5.cpp integrators/dop853.cpp
                             framework/tools/charts/chart_grid.cpp
@@ -49,7 +49,7 @@ function(lockstep_setup_of_core)
   target_link_libraries(lockstep_setup PRIVATE lockstep_own Eigen3::Eigen spdlog::spdlog Boost::headers)
   target_compile_definitions(lockstep_setup PRIVATE lockstep_EXPORTS ${lockstep_shared_settings})
   target_include_directories(lockstep_setup PRIVATE $<TARGET_PROPERTY:lockstep_core,INCLUDE_DIRECTORIES>)
-  lockstep_unity(lockstep_setup 10)
+  lockstep_unity(lockstep_setup)
   lockstep_precompile(lockstep_setup ${lockstep_core_headers})
 endfunction()
 
@@ -83,7 +83,7 @@ function(lockstep_add_library part file)
   target_link_libraries(lockstep_${part} PRIVATE lockstep_own)
   target_link_options(lockstep_${part} PRIVATE
                       "LINKER:--version-script=${PROJECT_SOURCE_DIR}/framework/cmake/exports.map")
-  lockstep_unity(lockstep_${part} 10)
+  lockstep_unity(lockstep_${part})
   if(part STREQUAL "core")
     lockstep_precompile(lockstep_core ${lockstep_core_headers})
   elseif(NOT part STREQUAL "batch")

@@ -21,7 +21,7 @@
 namespace lockstep {
 namespace {
 
-constexpr double kTurn = 0.25 * kPi;  // rad: of a body, from one pose of a way to the next
+constexpr double kWayTurn = 0.25 * kPi;  // rad: of a body, from one pose of a way to the next
 
 // ------------------------------------------------------------------------------------------------------ counted angles
 
@@ -271,11 +271,11 @@ class StartSearch {
     for (double share = 0; share < 1; arrive()) {
       ask(1);
       if (rows.look(state) <= goal_) return true;
-      share = std::min(1.0, kTurn / fastest_turn(rows.step()));
+      share = std::min(1.0, kWayTurn / fastest_turn(rows.step()));
       for (;; share *= 0.25) {
         if (share < kLeastPart) return false;
         ask(share);
-        if (arrives(held) && largest_turn(state, trial) <= 2 * kTurn) break;
+        if (arrives(held) && largest_turn(state, trial) <= 2 * kWayTurn) break;
       }
     }
     return true;
@@ -305,7 +305,7 @@ class StartSearch {
       const double cost = rows.cost();
       VecX d = rows.downhill();
       if (cost == 0 || d.size() == 0 || d.lpNorm<Eigen::Infinity>() <= goal_) return;
-      d *= std::min(1.0, kTurn / std::max(kTurn, fastest_turn(d)));
+      d *= std::min(1.0, kWayTurn / std::max(kWayTurn, fastest_turn(d)));
       const auto falls = [&](double share) {
         cayley_move(state_, share, d);
         count(dynamics_, state_, state_, false);
@@ -318,7 +318,7 @@ class StartSearch {
   /// The drive about an axis that begins farthest from the poses given, more than a quarter turn, in words.
   std::string farthest_drive() const {
     const StartTarget* farthest = nullptr;
-    double most = 2 * kTurn;
+    double most = 2 * kWayTurn;
     for (const StartTarget& target : targets_)
       if (const double way = std::abs(target.near - target.now); target.drive >= 0 && target.turns() && way > most)
         most = way, farthest = &target;

@@ -46,7 +46,7 @@ struct Delivery {
 };
 
 /// What changed the state at the end of a step, or between two.
-struct Change {
+struct StateChange {
   bool acted = false;     ///< something did,
   bool jump = false;      ///< a law jumps
   std::string cause{};    ///< and what, in words
@@ -72,13 +72,13 @@ struct StepLoop::Parts {
   Clock::Target target;     // of the present step
   std::size_t started = 0;  // observers that were started
   Delivery due;             // after the last step; what threw stays until the run goes on
-  Change change;            // at its end
+  StateChange change;       // at its end
 
   const Event* by_call = nullptr;  // what a call switches
 
   std::vector<DetailObserver*> detailed;  // of the observers
   /// From now on this is due, and what follows it.
-  void fall_due(Due first, Change at_end) { change = std::move(at_end), due = {first}; }
+  void fall_due(Due first, StateChange at_end) { change = std::move(at_end), due = {first}; }
   /// Likewise, and nothing changed the state.
   void fall_due(Due first) {
     change.acted = change.jump = false, change.cause.clear(), change.refusal.clear(), due = {first};
