@@ -66,8 +66,7 @@ Frames::Frames(const System& system, std::size_t most_numbers, std::size_t fewes
 }
 
 void Frames::output(const Sample& sample) {
-  if (!times_.empty() && times_.back() == sample.state.t) return;
-  if (!times_.empty() && ++skipped_ < stride_) return;
+  if (!times_.empty() && (times_.back() == sample.state.t || ++skipped_ < stride_)) return;
   add(sample);
 }
 
@@ -91,8 +90,8 @@ void Frames::add(const Sample& sample) {
   if (times_.empty()) modes_at_start_ = modes_ = sample.state.modes;
   follow_modes(sample.state);
   follow_paths(in);
-  times_.push_back(sample.state.t);
-  after_jump_.push_back(false);
+  // Without a frame that was not finished, because memory ran out.
+  rows_.resize(times_.size() * width_), after_jump_.resize(times_.size());
   for (const Body* body : bodies_) {
     const Motion& O = in.slot(body->slot);
     const Pose at = pose_of(*body, in);
@@ -104,6 +103,8 @@ void Frames::add(const Sample& sample) {
     put(at.x), put(quaternion_of(at.A));
   }
   put_loads(sample);
+  after_jump_.push_back(false);
+  times_.push_back(sample.state.t);  // last: from here on it counts
   skipped_ = 0;
   if (times_.size() > most_) thin();
 }
@@ -158,7 +159,7 @@ void Frames::follow_modes(const State& state) {
 }
 
 bool Frames::has_moved_far(const Inputs& in) const {
-  const float* last = rows_.data() + rows_.size() - width_;
+  const float* last = rows_.data() + (times_.size() - 1) * width_;
   for (const Body* body : bodies_) {
     const Pose at = pose_of(*body, in);
     const Vec3 x(last[0], last[1], last[2]);
