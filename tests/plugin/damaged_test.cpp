@@ -73,6 +73,8 @@ TEST_CASE("a plugin that ends the process that opens it is listed with what happ
     CHECK(all["zeal"]["state"] == "loads");  // the list goes on
     CHECK(all["zeal"]["brings"][0]["name"] == "probe_law");
   }
+  CHECK(listed(folder, "LOCKSTEP_TEST_DEADLY=memory")["deadly"]["why"] ==
+        "plugin file '" + file + "': opening it threw: std::bad_alloc");
   CHECK(listed(folder)["deadly"]["brings"][0]["name"] == "deadly_law");
   const Called why = call("plugins list --why", "LOCKSTEP_TEST_DEADLY=segv LOCKSTEP_PLUGIN_PATH='" + folder + "'");
   INFO(why.text);

@@ -35,14 +35,14 @@ void read_head(PluginCandidate& c) {
 
 void ask_plugin(PluginCandidate& c, const Registry& base) {
   try {
-    const PluginStamp stamp = check_plugin_file(c.file);
     const std::string name = plugin_name(c.file);
     Registry registry = is_part_of_library(name) ? Registry() : base;
-    load_plugin(registry, c.file, {}, stamp);
+    load_plugin(registry, c.file, {}, check_plugin_file(c.file));
     c.brings = things_of(registry, name);
     c.state = PluginCandidate::State::loaded;
   } catch (const std::exception& error) {
-    c.why = what_of(error);
+    const bool names_it = dynamic_cast<const Error*>(&error) != nullptr;  // a damaged file may ask for any memory
+    c.why = (names_it ? "" : "plugin file '" + c.file + "': opening it threw: ") + what_of(error);
     log_info("plugin '" + c.name + "' refused: " + c.why);
   }
 }

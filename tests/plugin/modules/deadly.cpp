@@ -5,6 +5,7 @@
 
 #include <csignal>
 #include <cstdlib>
+#include <new>
 #include <string>
 
 #include <lockstep/author/plugin.h>
@@ -22,9 +23,13 @@ void die(int signal) {
   std::raise(signal);
 }
 
+std::string wish() {
+  const char* how = std::getenv("LOCKSTEP_TEST_DEADLY");
+  return how == nullptr ? "" : how;
+}
+
 bool begin() {
-  const char* wish = std::getenv("LOCKSTEP_TEST_DEADLY");
-  const std::string how = wish == nullptr ? "" : wish;
+  const std::string how = wish();
   if (how == "segv") die(SIGSEGV);
   if (how == "ill") die(SIGILL);
   if (how == "abort") die(SIGABRT);
@@ -41,5 +46,6 @@ const bool kBegun = begin();
 }  // namespace
 
 LOCKSTEP_PLUGIN(registry) {
+  if (wish() == "memory") throw std::bad_alloc();
   if (kBegun) registry.laws.add<Still>();
 }
