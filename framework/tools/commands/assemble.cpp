@@ -39,8 +39,6 @@ const Fields<Assembled>& assemble_fields() {
   return kFields;
 }
 
-constexpr int kMostStarts = 1'000'000;
-
 struct Branches {
   BranchReport report;
   const System* system = nullptr;

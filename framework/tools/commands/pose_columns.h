@@ -11,6 +11,8 @@
 
 namespace lockstep {
 
+inline constexpr int kMostStarts = 1'000'000;  ///< that one call tries
+
 /// A reaction: of a link, drives left out, or of its drives, on p's body about P.
 struct NamedReaction {
   std::string name, body;  ///< "A", "A.drive"; the body of P

@@ -222,7 +222,6 @@ Result vary(const Arguments& args, const Loaded& loaded) {
 
 /// All equilibria that random starts lead to.
 Result find_all(const Arguments& args, const Loaded& loaded) {
-  constexpr int kMostStarts = 1'000'000;
   const int starts = whole_number("--all", args["--all"], kMostStarts);
   Resting first(loaded.scene, loaded.registry);
   first.begin(args);
