@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The equations of the lock on packs: every lane gives what a double gives. And in a plane: with components that are
 // absent they give what they give with zeros.
-#pragma GCC diagnostic ignored "-Wpsabi"  // packs are passed between inlined functions only
 
 #include <array>
 #include <cmath>

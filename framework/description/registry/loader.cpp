@@ -11,8 +11,8 @@
 #include <map>
 #include <mutex>
 #include <new>
-#include <regex>
 
+#include <lockstep/author/plugin.h>
 #include <lockstep/error.h>
 #include <lockstep/log.h>
 #include "framework/description/registry/shelves.h"
@@ -40,10 +40,10 @@ std::string words_of(const PluginStamp& s) { return fmt::format("{} bytes with c
 
 // The words of the system's loader, with the symbol that it lacks as C++.
 std::string reason(const std::string& why) {
-  static const std::regex lacks("undefined symbol: (\\w+)");
-  std::smatch found;
-  if (!std::regex_search(why, found, lacks)) return why;
-  return "it needs '" + boost::core::demangle(found.str(1).c_str()) +
+  static const std::string kLacks = "undefined symbol: ";
+  const std::size_t at = why.find(kLacks), begin = at + kLacks.size();
+  if (at == std::string::npos) return why;
+  return "it needs '" + boost::core::demangle(why.substr(begin, why.find_first_of(", )", begin) - begin).c_str()) +
          "', which neither this lockstep nor another library has";
 }
 

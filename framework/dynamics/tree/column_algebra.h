@@ -8,8 +8,6 @@
 #include <lockstep/author/jet.h>
 #include <lockstep/math.h>
 
-// Here and in what includes it: all of it is inlined, no Column is passed between functions.
-#pragma GCC diagnostic ignored "-Wpsabi"
 // As arguments of templates packs lose that they may alias, which nobody counts on there.
 #pragma GCC diagnostic ignored "-Wignored-attributes"
 
