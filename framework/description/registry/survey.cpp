@@ -3,7 +3,7 @@
 
 #include <map>
 
-#include <lockstep/author/loader.h>
+#include <lockstep/author/plugin.h>
 #include <lockstep/error.h>
 #include <lockstep/log.h>
 #include "framework/description/registry/plugin_file.h"
