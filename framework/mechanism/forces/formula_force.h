@@ -6,8 +6,8 @@
 
 #include <lockstep/author/force.h>
 #include <lockstep/author/formula.h>
-#include <lockstep/author/mask.h>
 #include <lockstep/author/params.h>
+#include <lockstep/detail/counted_angle.h>
 #include <lockstep/forces.h>
 #include "framework/mechanism/expression/function.h"
 
