@@ -29,6 +29,7 @@ cat >"$root/CMakeLists.txt" <<'LISTS'
 cmake_minimum_required(VERSION 3.25)
 project(small LANGUAGES CXX)
 option(LOCKSTEP_BUILD_SAMPLES "as in the tree that this one stands for" ON)
+option(LOCKSTEP_UNITY "likewise" OFF)
 file(GLOB sources CONFIGURE_DEPENDS *.cpp)
 add_executable(test_small ${sources})
 set_target_properties(test_small PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
