@@ -2,6 +2,7 @@
 #include "framework/dynamics/tree/moving_markers.h"
 
 #include "framework/mechanism/system/diagnose.h"
+#include "lockstep/author/relative.h"
 
 namespace lockstep {
 

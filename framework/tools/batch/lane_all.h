@@ -70,9 +70,9 @@ LOCKSTEP_LANE void in_its_space(const LaneData& d, F&& f) {
 }
 
 // A pass over all eight lanes, in as many rounds as the packs need.
-#define LOCKSTEP_PASS(name, parameters, act)              \
-  all.name = [] parameters LOCKSTEP_TARGET {              \
-    for (int lane = 0; lane < kLanes; lane += kWide) act; \
+#define LOCKSTEP_PASS(name, parameters, act)                \
+  all.name = [] parameters LOCKSTEP_TARGET {                \
+    for (int lane = 0; lane < kLanes; lane += kWide) (act); \
   };
 
 #define LOCKSTEP_TREE_PASS(name, parameters, act) \
