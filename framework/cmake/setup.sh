@@ -110,11 +110,12 @@ set_up() {
 
 cached() { grep -q "^$1\$" "$build/CMakeCache.txt" 2>/dev/null; }
 
-# configure: only when there is no build tree yet, or one that was made for another place or without tests and samples.
+# configure: only when there is no build tree yet, or one that was made for another place, by older presets, or without
+# tests and samples.
 configure() {
   local -a fresh=()
   if [ -e "$build/CMakeCache.txt" ] && ! cached "CMAKE_HOME_DIRECTORY:INTERNAL=$root"; then fresh=(--fresh); fi
-  if [ -e "$build/build.ninja" ] && [ "${#fresh[@]}" -eq 0 ] &&
+  if [ -e "$build/build.ninja" ] && [ "${#fresh[@]}" -eq 0 ] && [ ! "$root/CMakePresets.json" -nt "$build/CMakeCache.txt" ] &&
     cached "LOCKSTEP_BUILD_TESTS:BOOL=ON" && cached "LOCKSTEP_BUILD_SAMPLES:BOOL=ON"; then
     return 0
   fi

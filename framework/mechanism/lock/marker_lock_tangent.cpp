@@ -7,7 +7,7 @@ namespace lockstep {
 void MarkerLock::tangent(const Inputs& in, std::span<const double> lambda, TangentSum& out) const {
   Vec3 lt = Vec3::Zero(), lr = Vec3::Zero();
   for (int k = 0; k < n_rows_; ++k) {
-    const int j = row_[k];
+    const int j = static_cast<unsigned char>(row_[k]);
     (j < 3 ? lt[j] : lr[j - 3]) = lambda[k];
   }
   const MarkerMotion P = P_at(in.t), S = S_at(in.t);
