@@ -48,8 +48,9 @@ void GridPage::begin(Script& out, std::vector<std::string> entries, std::size_t 
 }
 
 void GridPage::place(Script& out, std::size_t k) const {
+  const std::size_t row = k / n_columns_;
   const double left = edges_.left + static_cast<double>(k % n_columns_) * (plot_width_ + edges_.between);
-  const double above = top_ + static_cast<double>(k / n_columns_) * cell_height_;
+  const double above = top_ + static_cast<double>(row) * cell_height_;
   chart_style::margins(out, left / width_, (left + plot_width_) / width_, 1 - (above + edges_.above) / height_,
                        1 - (above + cell_height_ - edges_.below) / height_);
 }

@@ -222,8 +222,7 @@ struct Result {
   bool even_if_quiet = false;        ///< --quiet is of the progress only
   bool printed = false;              ///< its text is out: only its document is left
 
-  Result() = default;
-  Result(int exit_code) : code(exit_code) {}  // NOLINT: `return kExitFile;`
+  Result(int exit_code = kExitOk) : code(exit_code) {}  // NOLINT: `return kExitFile;`
   template <class T>
   Result(const Fields<T>& fields, const T& found) : data(fields(found)), schema(&fields.schema()) {}
   template <class T>
