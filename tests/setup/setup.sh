@@ -24,6 +24,7 @@ check() {  # check WHAT COMMAND...
   fi
 }
 said() { grep -qF -- "$1" "$place/said"; }
+unsaid() { ! said "$1"; }
 logged() { grep -qxF -- "$1" "$place/log"; }
 code_is() { [ "$code" -eq "$1" ]; }
 lines_are() { [ "$(wc -l <"$place/said")" -eq "$1" ]; }
@@ -146,6 +147,16 @@ if command -v git >/dev/null; then
   echo '{ }' >"$tree/samples/scenes/small.json"
   run_small "$(git -C "$tree" rev-parse --short=12 HEAD)"
   check "installed, changed tree: builds" said "configuring build/release"
+
+  # A tree that is configured is left alone, until the presets are newer.
+  touch "$tree/CMakePresets.json" "$tree/build/release/build.ninja"
+  printf '%s\n' "CMAKE_HOME_DIRECTORY:INTERNAL=$tree" LOCKSTEP_BUILD_TESTS:BOOL=ON LOCKSTEP_BUILD_SAMPLES:BOOL=ON \
+    >"$tree/build/release/CMakeCache.txt"
+  run_small 0123456789ab
+  check "configured: left alone" unsaid "configuring build/release"
+  touch -d '+1 minute' "$tree/CMakePresets.json"
+  run_small 0123456789ab
+  check "newer presets: configured again" said "configuring build/release"
 fi
 
 [ "$n_failed" -eq 0 ]

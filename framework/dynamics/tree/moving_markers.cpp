@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "framework/dynamics/tree/moving_markers.h"
 
+#include <lockstep/author/relative.h>
 #include "framework/mechanism/system/diagnose.h"
-#include "lockstep/author/relative.h"
 
 namespace lockstep {
 
