@@ -115,7 +115,7 @@ cached() { grep -q "^$1\$" "$build/CMakeCache.txt" 2>/dev/null; }
 configure() {
   local -a fresh=()
   if [ -e "$build/CMakeCache.txt" ] && ! cached "CMAKE_HOME_DIRECTORY:INTERNAL=$root"; then fresh=(--fresh); fi
-  if [ -e "$build/build.ninja" ] && [ "${#fresh[@]}" -eq 0 ] && [ ! "$root/CMakePresets.json" -nt "$build/CMakeCache.txt" ] &&
+  if [ -e "$build/build.ninja" ] && [ "${#fresh[@]}" -eq 0 ] && [ ! "$root/CMakePresets.json" -nt "$build/configured" ] &&
     cached "LOCKSTEP_BUILD_TESTS:BOOL=ON" && cached "LOCKSTEP_BUILD_SAMPLES:BOOL=ON"; then
     return 0
   fi
@@ -127,6 +127,7 @@ configure() {
     say "the configuration failed; what cmake said is above and in build/$preset/configure.log"
     exit 1
   fi
+  touch "$build/configured"
 }
 
 # build TARGET...: quiet when there is nothing to do.

@@ -149,7 +149,7 @@ if command -v git >/dev/null; then
   check "installed, changed tree: builds" said "configuring build/release"
 
   # A tree that is configured is left alone, until the presets are newer.
-  touch "$tree/CMakePresets.json" "$tree/build/release/build.ninja"
+  touch "$tree/CMakePresets.json" "$tree/build/release/build.ninja" "$tree/build/release/configured"
   printf '%s\n' "CMAKE_HOME_DIRECTORY:INTERNAL=$tree" LOCKSTEP_BUILD_TESTS:BOOL=ON LOCKSTEP_BUILD_SAMPLES:BOOL=ON \
     >"$tree/build/release/CMakeCache.txt"
   run_small 0123456789ab
