@@ -122,12 +122,11 @@ configure() {
   say "configuring build/$preset"
   mkdir -p "$build"
   if ! (cd "$root" && cmake "${fresh[@]}" --preset "$preset" -DLOCKSTEP_BUILD_TESTS=ON -DLOCKSTEP_BUILD_SAMPLES=ON) \
-    >"$build/configure.log" 2>&1; then
+    >"$build/configure.log" 2>&1 || ! touch "$build/configured"; then
     cat "$build/configure.log" >&2
     say "the configuration failed; what cmake said is above and in build/$preset/configure.log"
     exit 1
   fi
-  touch "$build/configured"
 }
 
 # build TARGET...: quiet when there is nothing to do.
