@@ -262,6 +262,14 @@ TEST_CASE("a snapshot holds any word of 64 bits") {
   }
 }
 
+TEST_CASE("a part of a snapshot is no longer than what is left of it") {
+  for (const double size : {3.0, 4.0, -1.0, std::nan("")}) {
+    Snapshot bad;
+    for (const double x : {size, 1.0, 2.0}) bad.put(x);
+    CHECK(says(message_of<ModelError>([&] { SnapshotReader(bad).get_part(); }), {"than was saved"}));
+  }
+}
+
 TEST_CASE("numbers of a checkpoint that fit its hash but no run are refused, whatever they are") {
   struct Sprung : Pendulum {
     Sprung() {
