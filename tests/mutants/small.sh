@@ -102,4 +102,14 @@ fi
 # A slip that no longer fits.
 echo 'int value() { return 1 + 1 + 1; }' >"$root/value.cpp"
 says 1 --dry a_two -- "a_two: does not fit the sources" "0 of 1 slips fit the sources"
+says 1 a_two -- "a_two: does not fit the sources" "0 of 1 slips were found"
+cmp -s "$root/value.cpp" "$copy/value.cpp" || fault "a slip that does not fit changed the copy"
+[ ! -e "$copy/value.cpp.rej" ] || fault "a slip that does not fit left its rejects in the copy"
+
+# One that fits beside other lines only, which may be another place.
+printf '%s\n' '// one' 'int value() { return 3; }' '// two' >"$root/value.cpp"
+printf 'What: f\nTests: test_small three*\n\n--- a/value.cpp\n+++ b/value.cpp\n@@ -1,3 +1,3 @@\n // one\n-%s\n+%s\n // other\n' \
+  'int value() { return 3; }' 'int value() { return 2; }' >"$root/tests/mutants/f_fuzz.patch"
+says 1 --dry f_fuzz -- "f_fuzz: does not fit the sources" "0 of 1 slips fit the sources"
+says 1 f_fuzz -- "f_fuzz: does not fit the sources" "0 of 1 slips were found"
 [ "$n_failed" -eq 0 ]
